@@ -1,0 +1,27 @@
+"""POV-Ray scenes of light-ray-rotating sheets, and the movies made from them.
+
+The names below are loaded when they are first used, so that ``povgen --help`` loads none of them.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Chess": "scenes",
+    "Spheres": "scenes",
+    "to_pov": "source",
+    "Rendering": "povray",
+    "render": "frames",
+    "MovieSpec": "spec",
+    "movie": "movie",
+    "InputError": "errors",
+    "PovrayError": "errors",
+}
+__all__ = ["Chess", "InputError", "MovieSpec", "PovrayError", "Rendering", "Spheres", "movie", "render", "to_pov"]
+
+
+def __getattr__(name: str):
+    if name not in _HOME:
+        raise AttributeError(f"module 'povgen' has no attribute {name!r}")
+    return getattr(import_module(f"povgen.{_HOME[name]}"), name)

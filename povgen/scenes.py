@@ -1,0 +1,176 @@
+"""What a scene is made of: parameters with their units and ranges. A scene never changes; variants are copies.
+
+Lengths are in tiles (the side of a floor tile), angles in degrees. Points of the sheets' plane z = 0 are complex,
+x + iy from the window's centre, x to the right and y up for the eye.
+"""
+
+from math import degrees, isfinite, radians
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from povgen import prism, rotation
+
+# Radius of each piece's foot, tiles: it must stand clear of the sheets.
+PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
+Piece = Literal["pawn", "rook", "knight", "bishop", "queen", "king"]
+Sheet = Literal["detailed", "ideal", "single", "none"]
+# POV-Ray sees 10 million of its units far, which is 10,000 tiles.
+Z1 = Annotated[float, Field(gt=0, le=5000)]
+Offset = Annotated[float, Field(ge=-10, le=10)]
+
+
+def _pair(value: Any) -> Any:
+    return value.split(",") if isinstance(value, str) else value
+
+
+def _listed(value: Any) -> Any:
+    return (value,) if isinstance(value, (int, float, str)) else value
+
+
+class Scene(BaseModel):
+    """What every scene has: the eye, the window and the sheets in it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(66, description="ray-rotation angle, degrees")
+    z2: Annotated[float, Field(gt=0, le=150)] = Field(6, description="distance from the sheets to the eye, tiles")
+    sheet: Sheet = Field("detailed", description="model of the sheets")
+    prisms: Annotated[int, Field(ge=1, le=3000)] = Field(
+        100, description="Dove prisms to the window's side, in each sheet"
+    )
+
+    name: ClassVar[str]
+    subject: ClassVar[str]
+    window: ClassVar[float] = 2.4  # side of the square aperture
+    rim: ClassVar[float] = 0.13  # width of its frame
+    view_height: ClassVar[float] = 3.4  # of the picture, in the plane z = 0
+    ideal_cells: ClassVar[int] = 48  # keeps the ideal sheet within 0.03 px of eq. 7 at 1280x960
+
+    @property
+    def sheets_depth(self) -> float:
+        """Extent of the sheets along z; they are centred on z = 0."""
+        sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
+        return prism.thickness(self.window / self.prisms, sheets) if sheets else 0.0
+
+    @property
+    def depth(self) -> float:
+        """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
+        return max(0.24, 1.02 * self.sheets_depth)
+
+    @property
+    def max_trace_level(self) -> int:
+        """How many surfaces POV-Ray follows a ray through: 4 prism faces on the proper path, more for stray light."""
+        return 20 if self.sheets_depth else 5
+
+    def _repr_png_(self) -> bytes:
+        from povgen.frames import render_png  # a scene that is only described needs no POV-Ray
+
+        return render_png(self).read_bytes()
+
+    def _check_clear(self, what: str, z1: float, radius: float) -> None:
+        nearest = self.depth / 2 + radius
+        if z1 <= nearest:
+            raise ValueError(
+                f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind z = 0; "
+                f"allowed: z1 > {nearest:.4g}"
+            )
+
+    @model_validator(mode="after")
+    def _check_eye(self):
+        if self.z2 <= self.depth / 2:
+            raise ValueError(
+                f"z2 = {self.z2:g}: the eye would be inside the sheets' frame; allowed: z2 > {self.depth / 2:.4g}"
+            )
+        return self
+
+
+class Chess(Scene):
+    """A chess piece on a chessboard floor, seen through the window (figures 3 and 4). L is where the piece stands."""
+
+    name: ClassVar[str] = "chess"
+    subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
+    floor: ClassVar[float] = -(Scene.window / 2 + Scene.rim)  # the window's frame stands on it
+
+    z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, tiles")
+    offset: Annotated[tuple[Offset, Annotated[float, Field(ge=-10, lt=0)]], BeforeValidator(_pair)] = Field(
+        (0, floor), description="L - E, from the eye to where the piece stands, x and y in tiles"
+    )
+    piece: Piece = Field("knight", description="the chess piece")
+    ghost: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
+
+    @property
+    def L(self) -> complex:
+        """Where the piece stands: X to the right of the window's middle."""
+        return complex(self.offset[0], self.floor)
+
+    @property
+    def E(self) -> complex:
+        """The eye: -Y above the floor, before the window's middle."""
+        return complex(0, self.floor - self.offset[1])
+
+    @property
+    def nu(self) -> float:
+        """Predicted rotation of the piece seen through the sheets (eq. 8, corrected), degrees."""
+        return degrees(rotation.nu(self.z2 / self.z1, radians(self.alpha)))
+
+    @property
+    def M(self) -> float:
+        """Predicted magnification of the piece (eq. 9, corrected), against a piece in the plane z = 0."""
+        return float(rotation.M(self.z2 / self.z1, radians(self.alpha)))
+
+    @model_validator(mode="after")
+    def _check_piece(self):
+        self._check_clear(f"the {self.piece}", self.z1, PIECES[self.piece])
+        if self.ghost and self.sheet not in ("detailed", "ideal"):
+            raise ValueError(
+                f"ghost = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
+                "allowed with sheet 'detailed' or 'ideal'"
+            )
+        if self.ghost and not isfinite(self.M):
+            raise ValueError(
+                f"ghost = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at infinity "
+                "(the pole of eq. 7); allowed: any other alpha or z1"
+            )
+        return self
+
+
+class Spheres(Scene):
+    """Green spheres on one normal of the sheets, seen through the window (figure 6). L is where that normal is."""
+
+    name: ClassVar[str] = "spheres"
+    subject: ClassVar[str] = "spheres on one normal of ray-rotating Dove-prism sheets, seen through them"
+
+    z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
+        None, description="distance from the sheets to a sphere, tiles; by default 2^n z2, n = -5..5"
+    )
+    offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
+        (-0.7, 0), description="L - E, from the eye to the spheres' normal, x and y in tiles"
+    )
+
+    @property
+    def L(self) -> complex:
+        """The spheres' normal: as far from the window's centre as the eye, on the other side."""
+        return complex(*self.offset) / 2
+
+    @property
+    def E(self) -> complex:
+        return -complex(*self.offset) / 2
+
+    @property
+    def distances(self) -> tuple[float, ...]:
+        """z1 of every sphere, tiles."""
+        return self.z1 or tuple(2.0**n * self.z2 for n in range(-5, 6))
+
+    def radius(self, z1: float) -> float:
+        """Radius of the sphere at z1, tiles: at alpha = 0 the farther sphere looks larger, so that none hides another."""
+        return 0.08 * (z1 / self.z2) ** 0.08 * (1 + z1 / self.z2)
+
+    @model_validator(mode="after")
+    def _check_spheres(self):
+        for z1 in self.distances:
+            self._check_clear("the sphere", z1, self.radius(z1))
+        return self
+
+
+SCENES = {scene.name: scene for scene in (Chess, Spheres)}

@@ -1,0 +1,37 @@
+"""From a scene to the text that POV-Ray reads: the one place where templates are rendered."""
+
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from povgen import __version__, prism
+from povgen.scenes import Scene
+
+TEMPLATES = Path(__file__).with_name("templates")
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES), undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True, keep_trailing_newline=True
+    )
+    environment.filters["number"] = lambda x: f"{float(x):.15g}"
+    environment.globals.update(version=__version__, prism=prism)
+    return environment
+
+
+def to_pov(scene: Scene) -> str:
+    """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone."""
+    template = _environment().get_template(f"{scene.name}.pov.j2")
+    return template.render(scene=scene, solid="merge" if getattr(scene, "ghost", False) else "union")
+
+
+def template_of(source: str, line: int) -> str:
+    """The template that a line (counted from 1) of `to_pov`'s text came from; each part begins with its name."""
+    name = "header.pov.j2"
+    for text in source.splitlines()[:line]:
+        if text.startswith("// ---- ") and text.endswith(") ----"):
+            name = text[text.rindex("(") + 1 : -len(") ----")]
+    return name
