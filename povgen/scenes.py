@@ -45,7 +45,6 @@ class Scene(BaseModel):
     window: ClassVar[float] = 2.4  # side of the square aperture
     rim: ClassVar[float] = 0.13  # width of its frame
     view_height: ClassVar[float] = 3.4  # of the picture, in the plane z = 0
-    ideal_cells: ClassVar[int] = 48  # keeps the ideal sheet within 0.03 px of eq. 7 at 1280x960
 
     @property
     def sheets_depth(self) -> float:
@@ -57,6 +56,11 @@ class Scene(BaseModel):
     def depth(self) -> float:
         """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
         return max(0.24, 1.02 * self.sheets_depth)
+
+    @property
+    def cells(self) -> int:
+        """Cells a side in which the ideal sheet's camera interpolates view directions: see camera.pov.j2."""
+        return 1 if self.E == 0 else round(24 * max(1, 6 / self.z2))
 
     @property
     def max_trace_level(self) -> int:
@@ -145,17 +149,18 @@ class Spheres(Scene):
         None, description="distance from the sheets to a sphere, tiles; by default 2^n z2, n = -5..5"
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
-        (-0.7, 0), description="L - E, from the eye to the spheres' normal, x and y in tiles"
+        (-0.55, 0), description="L - E, from the eye to the spheres' normal, x and y in tiles"
     )
 
     @property
     def L(self) -> complex:
-        """The spheres' normal: as far from the window's centre as the eye, on the other side."""
-        return complex(*self.offset) / 2
+        """The spheres' normal."""
+        return complex(*self.offset)
 
     @property
     def E(self) -> complex:
-        return -complex(*self.offset) / 2
+        """The eye, before the window's centre."""
+        return 0j
 
     @property
     def distances(self) -> tuple[float, ...]:
