@@ -14,7 +14,7 @@ _HOME = {
     "Rendering": "povray",
     "render": "frames",
     "MovieSpec": "spec",
-    "movie": "movie",
+    "movie": "assemble",
     "InputError": "errors",
     "PovrayError": "errors",
 }

@@ -1,4 +1,10 @@
-"""What can go wrong through no fault of the program."""
+"""What can go wrong through no fault of the program, and how it is put to the user."""
+
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 class InputError(ValueError):
@@ -7,3 +13,34 @@ class InputError(ValueError):
 
 class PovrayError(RuntimeError):
     """POV-Ray is missing, failed, was killed or took too long: the message tells which, and where."""
+
+
+def validated(model: type[Model], values: dict[str, Any]) -> Model:
+    """The model made of values that a user gave, which may be text.
+
+    Raises InputError with one line for the first value that cannot be.
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise InputError(_line(model, values, error.errors()[0])) from None
+
+
+def _line(model: type[BaseModel], values: dict[str, Any], fault: dict[str, Any]) -> str:
+    message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    if not fault["loc"]:  # a check of several values together, which names them itself
+        return message
+    name = str(fault["loc"][0])
+    if fault["type"] == "extra_forbidden":
+        return f"{name}: unknown; allowed: {', '.join(model.model_fields)}"
+    if fault["type"] == "missing":  # a part of the value
+        message = "has too few parts"
+    about = model.model_fields[name].description
+    if name not in values:
+        return f"{name}: missing ({about})"
+    return f"{name} = {_shown(values[name])}: {message} ({about})"
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from povgen import prism, rotation
+from povgen import prism
 
 # Radius of each piece's foot, tiles: it must stand clear of the sheets.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
@@ -33,11 +33,11 @@ class Scene(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(66, description="ray-rotation angle, degrees")
-    z2: Annotated[float, Field(gt=0, le=150)] = Field(6, description="distance from the sheets to the eye, tiles")
-    sheet: Sheet = Field("detailed", description="model of the sheets")
+    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(66, description="ray-rotation angle alpha, -360 to 360 degrees")
+    z2: Annotated[float, Field(gt=0, le=150)] = Field(6, description="distance from the sheets to the eye, up to 150 tiles")
+    sheet: Sheet = Field("detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none")
     prisms: Annotated[int, Field(ge=1, le=3000)] = Field(
-        100, description="Dove prisms to the window's side, in each sheet"
+        100, description="Dove prisms to the window's side, in each sheet, 1 to 3000"
     )
 
     name: ClassVar[str]
@@ -96,11 +96,11 @@ class Chess(Scene):
     subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
     floor: ClassVar[float] = -(Scene.window / 2 + Scene.rim)  # the window's frame stands on it
 
-    z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, tiles")
+    z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, up to 5000 tiles")
     offset: Annotated[tuple[Offset, Annotated[float, Field(ge=-10, lt=0)]], BeforeValidator(_pair)] = Field(
-        (0, floor), description="L - E, from the eye to where the piece stands, x and y in tiles"
+        (0, floor), description="L - E, X,Y from the eye to where the piece stands, -10 to 10 tiles, Y below 0"
     )
-    piece: Piece = Field("knight", description="the chess piece")
+    piece: Piece = Field("knight", description="pawn, rook, knight, bishop, queen or king")
     ghost: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
 
     @property
@@ -116,11 +116,15 @@ class Chess(Scene):
     @property
     def nu(self) -> float:
         """Predicted rotation of the piece seen through the sheets (eq. 8, corrected), degrees."""
+        from povgen import rotation  # numpy is slow to load, and only the ghost needs it
+
         return degrees(rotation.nu(self.z2 / self.z1, radians(self.alpha)))
 
     @property
     def M(self) -> float:
         """Predicted magnification of the piece (eq. 9, corrected), against a piece in the plane z = 0."""
+        from povgen import rotation
+
         return float(rotation.M(self.z2 / self.z1, radians(self.alpha)))
 
     @model_validator(mode="after")
@@ -146,10 +150,10 @@ class Spheres(Scene):
     subject: ClassVar[str] = "spheres on one normal of ray-rotating Dove-prism sheets, seen through them"
 
     z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
-        None, description="distance from the sheets to a sphere, tiles; by default 2^n z2, n = -5..5"
+        None, description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5)"
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
-        (-0.55, 0), description="L - E, from the eye to the spheres' normal, x and y in tiles"
+        (-0.55, 0), description="L - E, X,Y from the eye to the spheres' normal, -10 to 10 tiles"
     )
 
     @property

@@ -1,0 +1,63 @@
+# povgen: `make movies` renders the paper's three movies, `make test` runs the tests. Each target first sets up what
+# it needs: POV-Ray and Python from Debian's packages, and the package in a virtual environment.
+
+QUALITY ?= paper
+VENV := .venv
+POVGEN := $(VENV)/bin/povgen
+MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
+SOURCES := $(wildcard povgen/*.py templates/*.j2 templates/pieces/*.j2)
+READY := $(VENV)/ready
+# Debian's package for each program (or file) that may be missing
+NEEDED := $(if $(shell command -v povray),,povray) \
+  $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
+SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
+# root or sudo can install
+MAY := $(filter 0,$(shell id -u))$(SUDO)
+
+.PHONY: movies frame test bench clean help
+.DELETE_ON_ERROR:
+
+movies: $(MOVIES)  ## the paper's three movies, into movies/
+
+movies/%.mp4: movies/%.toml $(SOURCES) build/quality | $(READY)
+	$(POVGEN) movie $< -o $@ --quality $(QUALITY)
+
+frame: | $(READY)  ## one frame, frame.png: the chess piece and its predicted place
+	$(POVGEN) frame chess --ghost --quality $(QUALITY) -o frame.png
+
+test: $(VENV)/test-ready  ## all tests
+	$(VENV)/bin/python -m pytest
+
+bench: | $(READY)  ## the figures of speed in the README
+	$(VENV)/bin/python benchmarks/speed.py
+
+clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
+	rm -rf $(VENV) build frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
+
+help:  ## this list
+	@echo "QUALITY=draft|paper|high, now $(QUALITY)"
+	@sed -n 's/^\([a-z]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
+	@echo "movies/NAME.mp4	one movie, for every movies/NAME.toml"
+
+# changes when QUALITY does
+build/quality: FORCE
+	@mkdir -p build
+	@echo $(QUALITY) | cmp -s - $@ || echo $(QUALITY) > $@
+FORCE:
+
+$(READY): pyproject.toml
+ifneq ($(strip $(NEEDED)),)
+ifeq ($(strip $(MAY)),)
+	@echo "povgen needs Debian's packages: $(strip $(NEEDED)). Have them installed: apt-get install $(strip $(NEEDED))" >&2; exit 1
+else
+	$(SUDO) apt-get update -qq
+	$(SUDO) apt-get install -y -qq --no-install-recommends $(NEEDED) > /dev/null
+endif
+endif
+	python3 -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/test-ready: pyproject.toml | $(READY)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[test]
+	@touch $@

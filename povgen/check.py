@@ -1,0 +1,49 @@
+"""Whether everything that povgen needs is there and works."""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from povgen import encode, frames, povray
+from povgen.errors import PovrayError
+from povgen.rendering import Rendering
+from povgen.scenes import Chess
+
+TINY = Rendering(quality="draft", size=(64, 48))
+
+
+def faults(report: Callable[[str], object]) -> Iterator[str]:
+    """Try each part, report how it went in a line, and yield the names of those that fail."""
+    with tempfile.TemporaryDirectory() as folder:
+        frame = Path(folder) / "frame.png"
+        for name, test, remedy in (
+            ("POV-Ray", povray.version, "install it: apt-get install povray"),
+            ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
+            ("frame", lambda: _frame(frame), "look at POV-Ray's message; reinstall it: apt-get install --reinstall povray"),
+            ("encoder", lambda: _encode(frame), "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'"),
+        ):
+            try:
+                report(f"ok     {name}: {test()}")
+            except (PovrayError, OSError, RuntimeError) as error:
+                report(f"FAULT  {name}: {error}\n       remedy: {remedy}")
+                yield name
+
+
+def _cache() -> str:
+    folder = frames.cache_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        return str(folder)
+
+
+def _frame(frame: Path) -> str:
+    with tempfile.TemporaryDirectory() as folder:
+        povray.run(frames.to_pov(Chess(sheet="detailed")), TINY, Path(folder)).rename(frame)
+    return "a chess piece seen through 2 x 100 prisms, 64x48"
+
+
+def _encode(frame: Path) -> str:
+    import imageio_ffmpeg
+
+    encode.encode([frame] * 3, frame.with_name("movie.mp4"), 10, {})
+    return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"

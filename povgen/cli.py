@@ -1,0 +1,234 @@
+"""The command line: reads options, calls the package, reports. All checking is done by the models it calls."""
+
+import inspect
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from povgen import __version__
+from povgen.errors import InputError, PovrayError, validated
+from povgen.rendering import Rendering
+from povgen.scenes import PIECES, SCENES, Scene
+
+app = typer.Typer(
+    name="povgen",
+    help="POV-Ray scenes and movies of light-ray-rotating Dove-prism sheets. Lengths in floor tiles, angles in degrees.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+SceneName = Annotated[str, typer.Argument(metavar="SCENE", help=" or ".join(SCENES))]
+Output = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")]
+Workers = Annotated[
+    str | None, typer.Option(metavar="N", help="POV-Ray processes at once", show_default="enough to keep the cores busy")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
+
+
+def _takes(*models: type[BaseModel]) -> Callable:
+    """Give a command, in place of its **values, an option for every field of the models, as text or flag.
+
+    The command gets a dictionary of those that were given.
+    """
+    fields: dict[str, list[tuple[str, FieldInfo]]] = {}
+    for model in models:
+        for name, field in model.model_fields.items():
+            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
+
+    def option(name: str, owners: list[tuple[str, FieldInfo]]) -> inspect.Parameter:
+        texts = {_about(field): owner for owner, field in owners}
+        about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
+        if owners[0][1].annotation is bool:
+            kind, default, info = bool, False, typer.Option(f"--{name}", help=about)
+        else:
+            # the spheres' scene takes several z1
+            kind, default = (list[str] if name == "z1" else str) | None, None
+            info = typer.Option(f"--{name}", help=about, metavar=name.upper())
+        annotation = Annotated[kind, info]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+    def decorate(command: Callable) -> Callable:
+        own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
+
+        def called(**arguments):
+            given = {name: arguments.pop(name) for name in fields}
+            if given.get("z1") and len(given["z1"]) == 1:
+                given["z1"] = given["z1"][0]
+            given = {name: value for name, value in given.items() if value not in (None, [], False)}
+            return command(**arguments, **given)
+
+        parameters = [*own, *(option(name, owners) for name, owners in fields.items())]
+        parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
+        called.__signature__ = inspect.Signature(parameters)
+        called.__annotations__ = {p.name: p.annotation for p in parameters}
+        called.__name__, called.__doc__ = command.__name__, command.__doc__
+        return called
+
+    return decorate
+
+
+def _about(field: FieldInfo) -> str:
+    default = field.default
+    if isinstance(default, tuple):
+        default = ",".join(f"{x:g}" for x in default)
+    return field.description if default in (None, False, PydanticUndefined) else f"{field.description} (default {default})"
+
+
+def _scene(name: str, values: dict[str, Any]) -> Scene:
+    if name not in SCENES:
+        raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
+    return validated(SCENES[name], values)
+
+
+def _split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The values of the scene and those of the rendering."""
+    rendering = {name: values.pop(name) for name in Rendering.model_fields if name in values}
+    return values, rendering
+
+
+@app.command("list")
+def list_() -> None:
+    """List scenes with their parameters, chess pieces, and the movies that come with povgen."""
+    from povgen.spec import MOVIES, MovieSpec
+
+    for name, scene in SCENES.items():
+        print(f"{name}: {scene.subject}")
+        for field, info in scene.model_fields.items():
+            print(f"    --{field:8} {info.description}")
+    print(f"pieces: {', '.join(PIECES)}")
+    for path in sorted(MOVIES.glob("*.toml")):
+        print(f"movie {path.stem}: {MovieSpec.load(path).title}")
+
+
+@app.command()
+@_takes(*SCENES.values())
+def pov(scene: SceneName, output: Output = None, **values) -> None:
+    """Write a scene's POV-Ray source, to standard output unless -o says where."""
+    from povgen.encode import checked_output
+    from povgen.source import to_pov
+
+    text = to_pov(_scene(scene, values))
+    if output is None:
+        sys.stdout.write(text)
+    else:
+        checked_output(output, [".pov"]).write_text(text)
+
+
+@app.command()
+@_takes(*SCENES.values(), Rendering)
+def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = False, **values) -> None:
+    """Render a scene to a PNG file."""
+    values, options = _split(values)
+    made = _scene(scene, values)
+    rendering = validated(Rendering, options)
+    from povgen.encode import checked_output
+    from povgen.frames import render_png, save
+
+    output = checked_output(output, [".png"])
+    save(render_png(made, rendering), output)
+    if not quiet:
+        print(f"wrote {output}")
+
+
+@app.command()
+@_takes(*SCENES.values(), Rendering)
+def movie(
+    spec: Annotated[str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help=".mp4, .webm or .gif [default: SPEC's .mp4]")
+    ] = None,
+    workers: Workers = None,
+    quiet: Quiet = False,
+    **values,
+) -> None:
+    """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    from povgen.assemble import movie as make
+    from povgen.spec import MovieSpec
+
+    values, options = _split(values)
+    made = MovieSpec.load(spec)
+    made = made.model_copy(update={"fixed": {**made.fixed, **values}})
+    output = output or Path(Path(spec).stem + ".mp4")
+    total = len(made.sweep.values(validated(Rendering, options).quality))
+    with _progress(output.name, total, quiet) as done:
+        make(made, output, workers=_workers(workers), done=done, **options)
+    if not quiet:
+        print(f"wrote {output}")
+
+
+@app.command()
+def check() -> None:
+    """See whether POV-Ray and the encoder work, with a small frame and movie; say what to do where they do not."""
+    from povgen.check import faults
+
+    if any([fault for fault in faults(print)]):
+        raise typer.Exit(1)
+
+
+@app.callback(invoke_without_command=True)
+def _version(version: Annotated[bool, typer.Option("--version", help="print povgen's version")] = False) -> None:
+    if version:
+        print(f"povgen {__version__}")
+        raise typer.Exit
+
+
+def _workers(text: str | None) -> int | None:
+    if text is None:
+        return None
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 256:
+        raise InputError(f"workers = {text!r}: allowed: a whole number from 1 to 256")
+    return int(text)
+
+
+@contextmanager
+def _progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
+    """A bar with the time left on a terminal, a line now and then elsewhere. Yields what to call after each frame."""
+    if quiet:
+        yield lambda: None
+    elif sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        with Progress(*columns, console=Console(stderr=True)) as progress:
+            task = progress.add_task(what, total=total)
+            yield lambda: progress.advance(task)
+    else:
+        count = 0
+
+        def line() -> None:
+            nonlocal count
+            count += 1
+            if count == total or count * 10 // total > (count - 1) * 10 // total:
+                print(f"{what}: {count}/{total} frames", file=sys.stderr, flush=True)
+
+        yield line
+
+
+def main() -> None:
+    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails."""
+    usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
+    try:
+        status = app(standalone_mode=False)
+    except (InputError, usage_error) as error:
+        message = error.format_message() if isinstance(error, usage_error) else error
+        _fail(f"povgen: {message}", 2)
+    except (PovrayError, OSError) as error:
+        _fail(f"povgen: {error}", 1)
+    except (KeyboardInterrupt, typer.Abort):
+        _fail("povgen: stopped; the same command goes on from the frames that are finished", 130)
+    else:
+        sys.exit(status)
+
+
+def _fail(message: str, status: int) -> None:
+    print(message, file=sys.stderr)
+    sys.exit(status)

@@ -1,0 +1,112 @@
+"""A movie as its TOML file describes it: a scene, what is fixed in it and what is swept."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from povgen.errors import InputError, validated
+from povgen.rendering import QUALITIES
+from povgen.scenes import SCENES, Scene
+
+MOVIES = Path(__file__).with_name("movies")
+
+
+class Sweep(BaseModel):
+    """The parameter that changes from frame to frame."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    parameter: Literal["alpha", "z1", "z2"] = Field(description="the parameter that is swept")
+    start: float = Field(description="its value in the first frame")
+    stop: float = Field(description="its value in the last frame")
+    frames: Annotated[int, Field(ge=2, le=10000)] = Field(description="number of frames at quality paper")
+    spacing: Literal["linear", "log"] = Field("linear", description="of the values")
+
+    @model_validator(mode="after")
+    def _check_range(self):
+        if self.start == self.stop:
+            raise ValueError(f"stop = {self.stop:g}: nothing would move; allowed: any value but start's")
+        if self.spacing == "log" and self.start * self.stop <= 0:
+            raise ValueError(
+                f"spacing = 'log': from start = {self.start:g} to stop = {self.stop:g} it would pass through 0; "
+                "allowed: start and stop both above or both below 0, or spacing = 'linear'"
+            )
+        return self
+
+    def values(self, quality: str) -> list[float]:
+        """The parameter's value in each frame. A quality scales the number of steps between frames."""
+        count = round((self.frames - 1) * QUALITIES[quality]["frames"]) + 1
+        space = np.geomspace if self.spacing == "log" else np.linspace
+        return space(self.start, self.stop, max(count, 2)).tolist()
+
+
+class MovieSpec(BaseModel):
+    """A movie: title, scene, fixed parameters, swept parameter and frame rate."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    title: Annotated[str, Field(min_length=1, max_length=200)] = Field(description="the movie's title")
+    scene: Literal["chess", "spheres"] = Field(description="the scene")
+    frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(description="frames a second at quality paper")
+    fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
+    sweep: Sweep = Field(description="the swept parameter")
+
+    @classmethod
+    def load(cls, path: str | Path) -> "MovieSpec":
+        """The movie described by a TOML file, or by one of povgen's own if a name such as vary-alpha is given.
+
+        Raises InputError, which names the file, the key, its value and what is allowed.
+        """
+        file = Path(path)
+        if file.suffix != ".toml" and not file.exists():
+            file = MOVIES / f"{path}.toml"
+        try:
+            text = file.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
+            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+            raise InputError(f"{path}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
+        return cls.parse(text, str(path))
+
+    @classmethod
+    def parse(cls, text: str, name: str) -> "MovieSpec":
+        """The movie described by TOML text. Raises InputError, which begins with the name."""
+        try:
+            values = tomllib.loads(text)
+            sweep = values.get("sweep")
+            if isinstance(sweep, dict):
+                values["sweep"] = _within("sweep", validated, Sweep, sweep)
+            spec = validated(cls, values)
+            spec.scenes("paper")
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{name}: not TOML: {error}") from None
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+        return spec
+
+    def scenes(self, quality: str) -> list[Scene]:
+        """The scene of every frame. Raises InputError for the first frame that cannot be."""
+        if self.sweep.parameter in self.fixed:
+            raise InputError(
+                f"fixed {self.sweep.parameter} = {self.fixed[self.sweep.parameter]!r}: it is swept; "
+                "allowed: in fixed or in sweep, not both"
+            )
+        values = self.sweep.values(quality)
+        return [
+            _within("fixed", validated, SCENES[self.scene], {**self.fixed, self.sweep.parameter: v}) for v in values
+        ]
+
+    def rate(self, quality: str) -> float:
+        """Frames a second at a quality: a movie lasts equally long at each."""
+        steps = len(self.sweep.values(quality)) - 1
+        return self.frame_rate * steps / (self.sweep.frames - 1)
+
+
+def _within(table: str, make, *arguments):
+    try:
+        return make(*arguments)
+    except InputError as error:
+        raise InputError(f"[{table}] {error}") from None
