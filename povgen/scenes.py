@@ -44,7 +44,7 @@ class Scene(BaseModel):
     subject: ClassVar[str]
     window: ClassVar[float] = 2.4  # side of the square aperture
     rim: ClassVar[float] = 0.13  # width of its frame
-    view_height: ClassVar[float] = 3.4  # of the picture, in the plane z = 0
+    view_height: ClassVar[float] = 3.7  # of the picture, in the plane z = 0
 
     @property
     def sheets_depth(self) -> float:
@@ -72,12 +72,15 @@ class Scene(BaseModel):
 
         return render_png(self).read_bytes()
 
+    def _nearest(self, radius: float) -> float:
+        """The least z1 at which something of a radius is clear of the sheets and their frame."""
+        return self.depth / 2 + radius
+
     def _check_clear(self, what: str, z1: float, radius: float) -> None:
-        nearest = self.depth / 2 + radius
-        if z1 <= nearest:
+        if z1 <= self._nearest(radius):
             raise ValueError(
-                f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind z = 0; "
-                f"allowed: z1 > {nearest:.4g}"
+                f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind "
+                f"z = 0; allowed: z1 > {self._nearest(radius):.4g}"
             )
 
     @model_validator(mode="after")
@@ -150,7 +153,7 @@ class Spheres(Scene):
     subject: ClassVar[str] = "spheres on one normal of ray-rotating Dove-prism sheets, seen through them"
 
     z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
-        None, description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5)"
+        None, description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5, where clear of the sheets)"
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
         (-0.55, 0), description="L - E, X,Y from the eye to the spheres' normal, -10 to 10 tiles"
@@ -169,11 +172,12 @@ class Spheres(Scene):
     @property
     def distances(self) -> tuple[float, ...]:
         """z1 of every sphere, tiles."""
-        return self.z1 or tuple(2.0**n * self.z2 for n in range(-5, 6))
+        steps = [2.0**n * self.z2 for n in range(-5, 6)]
+        return self.z1 or tuple(z1 for z1 in steps if z1 > self._nearest(self.radius(z1)))
 
     def radius(self, z1: float) -> float:
         """Radius of the sphere at z1, tiles: at alpha = 0 the farther sphere looks larger, so that none hides another."""
-        return 0.08 * (z1 / self.z2) ** 0.08 * (1 + z1 / self.z2)
+        return 0.062 * (z1 / self.z2) ** 0.1 * (1 + z1 / self.z2)
 
     @model_validator(mode="after")
     def _check_spheres(self):

@@ -1,0 +1,44 @@
+"""The house: who may import whom."""
+
+import ast
+from pathlib import Path
+
+import povgen
+
+HOUSE = Path(povgen.__file__).parent
+
+
+def imports(path):
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def only(*allowed, of):
+    """Which modules import something beginning with `of`, beside those allowed."""
+    return {
+        path.stem
+        for path in HOUSE.glob("*.py")
+        if path.stem not in allowed and any(name == of or name.startswith(of + ".") for name in imports(path))
+    }
+
+
+def test_each_trade_has_one_house():
+    assert not only("source", of="jinja2")
+    assert not only("povray", of="subprocess")
+    assert not only("encode", "frames", of="imageio")  # frames only reads back the PNG that it hands out as an array
+    assert not only("cli", of="typer")
+    assert not only("cli", of="rich")
+
+
+def test_the_mathematics_is_numpy_alone():
+    assert imports(HOUSE / "rotation.py") == {"numpy"}
+    assert {name.split(".")[0] for name in imports(HOUSE / "prism.py")} == {"math"}
+
+
+def test_scenes_know_nothing_of_files_and_processes():
+    assert not imports(HOUSE / "scenes.py") & {"pathlib", "os", "povgen.povray", "povgen.source", "povgen.encode"}

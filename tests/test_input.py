@@ -1,0 +1,116 @@
+"""What cannot be is refused: exit status 2, one or two lines that name it, no file touched."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+POVGEN = Path(sys.executable).with_name("povgen")
+SPEC = """
+title = "A movie"
+scene = "chess"
+frame_rate = 10
+[fixed]
+z1 = 2
+[sweep]
+parameter = "alpha"
+start = 0
+stop = 180
+frames = 5
+"""
+
+
+def refused(arguments, folder):
+    before = sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file())
+    done = subprocess.run([POVGEN, *arguments], cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2, done
+    assert 1 <= len(done.stderr.strip().splitlines()) <= 2 and not done.stdout
+    assert "Traceback" not in done.stderr
+    assert sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file()) == before
+    return done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--alpha", "nan"], ["alpha", "nan", "finite"]),
+        (["--alpha", "inf"], ["alpha", "inf", "finite"]),
+        (["--alpha", "361"], ["alpha", "361", "360"]),
+        (["--alpha", "six"], ["alpha", "six", "number"]),
+        (["--z1", "0.05"], ["z1", "0.05", "knight", "0.52"]),
+        (["--z1", "0.4", "--piece", "king"], ["z1", "0.4", "king", "0.55"]),
+        (["--prisms", "5"], ["z1", "2", "sheets"]),
+        (["--z1", "-2"], ["z1", "-2"]),
+        (["--z1", "1e9"], ["z1", "1e9", "5000"]),
+        (["--z1", "1", "--z1", "2"], ["z1", "number"]),
+        (["--z2", "0"], ["z2", "0", "greater than 0"]),
+        (["--z2", "-6"], ["z2", "-6", "greater than 0"]),
+        (["--z2", "0.1"], ["z2", "0.1", "0.12"]),
+        (["--prisms", "0"], ["prisms", "0", "1"]),
+        (["--prisms", "2.5"], ["prisms", "2.5", "integer"]),
+        (["--piece", "dog"], ["piece", "dog", "king"]),
+        (["--sheet", "glass"], ["sheet", "glass", "ideal"]),
+        (["--offset", "1"], ["offset", "1", "X,Y"]),
+        (["--offset", "0,1"], ["offset", "0,1", "Y below 0"]),
+        (["--size", "321x240"], ["size", "321x240", "even"]),
+        (["--size", "2x2"], ["size", "2x2", "32"]),
+        (["--size", "100000x100000"], ["size", "7680"]),
+        (["--size", "big"], ["size", "big"]),
+        (["--quality", "best"], ["quality", "best", "draft"]),
+        (["--antialias", "3,0.3,2"], ["antialias", "3,0.3,2"]),
+        (["--antialias", "1,1,2"], ["antialias", "1,1,2", "less than 1"]),
+        (["--ghost", "--sheet", "single"], ["ghost", "single", "detailed"]),
+        (["--ghost", "--z1", "6", "--alpha", "180"], ["ghost", "alpha = 180", "infinity"]),
+        (["--timeout", "0"], ["timeout", "0"]),
+        (["-o", "x.jpg"], ["x.jpg", ".png"]),
+        (["-o", "nowhere/x.png"], ["nowhere/x.png", "does not exist"]),
+        (["--colour", "red"], ["--colour"]),
+    ],
+)
+def test_frame(options, words, tmp_path):
+    (tmp_path / "frame.png").write_bytes(b"kept")
+    message = refused(["frame", "chess", *options], tmp_path)
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('title = "A movie"\n', "", ["title", "missing"]),
+        ("frame_rate = 10", "frame_rate = 10\nframerate = 3", ["framerate", "frame_rate"]),
+        ("frame_rate = 10", "frame_rate = 0", ["frame_rate", "0"]),
+        ('scene = "chess"', 'scene = "circus"', ["scene", "circus", "spheres"]),
+        ("stop = 180", "stop = 0", ["stop", "start"]),
+        ("stop = 180", "", ["stop", "missing"]),
+        ("stop = 180", "stop = nan", ["stop", "nan"]),
+        ("frames = 5", 'frames = 5\nspacing = "log"', ["log", "0"]),
+        ("frames = 5", 'frames = 5\nspacing = "cubic"', ["spacing", "cubic", "log"]),
+        ("frames = 5", "frames = 1", ["frames", "1", "2"]),
+        ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
+        ("z1 = 2", "z1 = 0.1", ["fixed", "z1", "0.1"]),
+        ("z1 = 2", "z3 = 2", ["fixed", "z3"]),
+        ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
+        ("stop = 180", "stop = 1800", ["alpha", "360"]),
+        ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
+        ("[sweep]", "[sweeps]", ["sweep"]),
+        ("[sweep]", "[sweep", ["TOML"]),
+    ],
+)
+def test_spec(old, new, words, tmp_path):
+    assert old in SPEC
+    (tmp_path / "spec.toml").write_text(SPEC.replace(old, new))
+    (tmp_path / "spec.mp4").write_bytes(b"kept")
+    message = refused(["movie", "spec.toml"], tmp_path)
+    assert "spec.toml" in message and all(word in message for word in words), message
+
+
+def test_spec_with_scenes_own_words(tmp_path):
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
+    assert "UTF-8" in refused(["movie", "binary.toml"], tmp_path)
+    assert "vary-alpha" in refused(["movie", "no-such-movie"], tmp_path)
+    (tmp_path / "spec.toml").write_text(SPEC)
+    assert ".webm" in refused(["movie", "spec.toml", "-o", "movie.avi"], tmp_path)
+    assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
+    assert "scene" in refused(["pov", "circus"], tmp_path)
+    assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)
