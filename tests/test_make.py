@@ -1,0 +1,80 @@
+"""The user's way: make's own targets in a copy of the project, and the wheel in an empty environment."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+import venv
+from pathlib import Path
+
+import imageio_ffmpeg
+import pytest
+
+PROJECT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    copy = tmp_path_factory.mktemp("user") / "povgen"
+    unwanted = shutil.ignore_patterns(".git", ".venv", "build", "*.mp4", "*.png", "__pycache__", ".pytest_cache")
+    shutil.copytree(PROJECT, copy, symlinks=True, ignore=unwanted)
+    return copy
+
+
+def make(project, *arguments):
+    done = subprocess.run(["make", *arguments], cwd=project, capture_output=True, text=True, timeout=400)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_targets_at_draft_quality(project):
+    make(project, "movies", "QUALITY=draft")
+    movies = sorted((project / "movies").glob("*.mp4"))
+    assert [path.stem for path in movies] == ["spheres", "vary-alpha", "vary-z1"]
+    for path in movies:
+        frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
+        assert frames == 16 and seconds == pytest.approx(6.4, abs=0.1)
+    made = {path: path.stat().st_mtime_ns for path in movies}
+
+    start = time.monotonic()
+    make(project, "movies", "QUALITY=draft")
+    assert time.monotonic() - start < 10  # nothing to do
+    assert made == {path: path.stat().st_mtime_ns for path in movies}
+
+    # each of these makes a movie again, from the frames that it can keep
+    spec = project / "movies" / "spheres.toml"
+    spec.write_text(spec.read_text().replace("frame_rate = 10", "frame_rate = 20"))
+    make(project, "movies/spheres.mp4", "QUALITY=draft")
+    assert imageio_ffmpeg.count_frames_and_secs(str(movies[0])) == (16, pytest.approx(3.2, abs=0.1))
+    os.utime(project / "templates" / "floor.pov.j2")
+    assert "vary-z1" in make(project, "movies/vary-z1.mp4", "QUALITY=draft")
+    assert "vary-z1" in make(project, "--dry-run", "movies/vary-z1.mp4", "QUALITY=high")
+
+    make(project, "frame", "QUALITY=draft")
+    assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
+    assert all(word in make(project, "help") for word in ("movies", "frame", "test", "clean", "QUALITY"))
+    make(project, "clean")
+    assert not list(project.rglob("*.mp4")) and not (project / ".venv").exists()
+
+
+def test_the_wheel_works_from_any_folder(project, tmp_path):
+    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, project], check=True, timeout=200)
+    (wheel,) = tmp_path.glob("povgen-*.whl")
+    venv.create(tmp_path / "venv", with_pip=True)
+    python = tmp_path / "venv" / "bin" / "python"
+    subprocess.run([python, "-m", "pip", "--quiet", "install", wheel], check=True, timeout=300)
+    elsewhere = tmp_path / "else where"
+    elsewhere.mkdir()
+    povgen = tmp_path / "venv" / "bin" / "povgen"
+    for arguments in (
+        ["check"],
+        ["frame", "spheres", "--z1", "2", "--z1", "4", "--size", "64x48", "-o", "é.png"],
+        ["movie", "vary-z1", "--sheet", "none", "--quality", "draft", "--size", "64x48", "--quiet"],
+    ):
+        done = subprocess.run([povgen, *arguments], cwd=elsewhere, capture_output=True, text=True, timeout=200)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert sorted(path.name for path in elsewhere.iterdir()) == ["vary-z1.mp4", "é.png"]
+    listed = subprocess.run([povgen, "list"], cwd=elsewhere, capture_output=True, text=True).stdout
+    assert "vary-alpha" in listed and "knight" in listed

@@ -1,0 +1,107 @@
+"""Movies read back from their files."""
+
+import json
+
+import imageio.v2
+import imageio.v3 as iio
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from povgen import MovieSpec, Rendering, frames, movie
+
+SPEC = MovieSpec.parse(
+    """
+title = "Title with \\"quotes\\" and α"
+scene = "chess"
+frame_rate = 12.5
+[fixed]
+sheet = "ideal"
+[sweep]
+parameter = "alpha"
+start = 0
+stop = 180
+frames = 13
+""",
+    "test",
+)
+SIZE = (160, 120)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("movies")
+
+
+@pytest.fixture(scope="module", params=["mp4", "webm"])
+def made(request, folder):
+    count = []
+    path = movie(SPEC, folder / f"a movie.{request.param}", size=SIZE, workers=8, done=lambda: count.append(1))
+    assert len(count) == 13
+    return path
+
+
+def test_spec_values():
+    assert SPEC.sweep.values("paper") == pytest.approx(np.arange(0, 181, 15))
+    assert len(SPEC.sweep.values("draft")) == 4 and len(SPEC.sweep.values("high")) == 37
+    log = MovieSpec.load("vary-z1").sweep.values("paper")
+    assert len(log) == 61 and log[0] == pytest.approx(0.6) and log[60] == pytest.approx(60)
+    assert np.ptp(np.diff(np.log(log))) < 1e-12
+    # a movie lasts as long at each quality
+    for quality in ("draft", "paper", "high"):
+        steps = len(SPEC.sweep.values(quality)) - 1
+        assert steps / SPEC.rate(quality) == pytest.approx(12 / 12.5)
+
+
+def test_own_movies_are_the_papers():
+    alpha, z1, spheres = (MovieSpec.load(name) for name in ("vary-alpha", "vary-z1", "spheres"))
+    assert [(s.alpha, s.z1, s.z2) for s in alpha.scenes("paper")][::30] == [(0, 2, 6), (90, 2, 6), (180, 2, 6)]
+    assert {(s.alpha, s.z2) for s in z1.scenes("paper")} == {(90, 6)}
+    for scene in spheres.scenes("paper"):
+        assert scene.distances == tuple(2.0**n * 6 for n in range(-5, 6)) and scene.prisms == 100
+
+
+def test_count_size_codec_rate_and_colour(made):
+    assert imageio_ffmpeg.count_frames_and_secs(str(made)) == (13, pytest.approx(13 / 12.5, abs=0.02))
+    meta = iio.immeta(made, plugin="FFMPEG")
+    assert meta["size"] == SIZE and meta["fps"] == 12.5
+    assert meta["codec"].startswith({"mp4": "h264", "webm": "vp9"}[made.suffix[1:]])
+    assert "yuv420p" in meta["pix_fmt"] and "bt709" in meta["pix_fmt"]
+
+
+def test_a_decoded_frame_is_its_png(made):
+    scenes = SPEC.scenes("paper")
+    with imageio.v2.get_reader(made, format="FFMPEG") as reader:
+        for n in (0, 7, 12):
+            png = iio.imread(frames.render_png(scenes[n], Rendering(size=SIZE)))[..., :3]
+            decoded = reader.get_data(n)
+            assert np.sqrt(((decoded.astype(float) - png) ** 2).mean()) < 8  # of 255, for lossy halved chroma
+            assert abs(decoded.astype(float).mean((0, 1)) - png.mean((0, 1))).max() < 2  # the right colour matrix
+
+
+def test_the_movie_carries_its_spec(made):
+    words = made.read_bytes()
+    text = SPEC.model_dump_json(exclude_none=True)
+    assert text.encode() in words and json.loads(text)["sweep"]["stop"] == 180
+    assert SPEC.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
+
+
+def test_mp4_starts_at_once_and_seeks_to_any_frame(folder, made):
+    if made.suffix == ".mp4":
+        data = made.read_bytes()
+        assert data.index(b"moov") < data.index(b"mdat")
+        stss = data.index(b"stss")
+        assert int.from_bytes(data[stss + 8 : stss + 12]) == 3  # keyframes at 0, 6 and 12
+
+
+def test_gif(folder):
+    path = movie(SPEC, folder / "movie.gif", size=SIZE, quality="paper")
+    images = iio.imread(path, index=None, plugin="pillow")
+    assert images.shape == (13, SIZE[1], SIZE[0], 3)
+    meta = iio.immeta(path, plugin="pillow")
+    assert meta["duration"] == 80 and meta["loop"] == 0
+    assert b"POV-Ray" in meta["comment"] and b'"alpha"' in meta["comment"]
+
+
+def test_only_whole_movies_are_left(folder, made):
+    assert all(not path.name.startswith(".") for path in folder.iterdir())

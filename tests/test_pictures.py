@@ -1,0 +1,156 @@
+"""Pictures by real POV-Ray, measured against the equations. Positions in tiles, as seen in the plane z = 0."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from povgen import Chess, Rendering, Spheres, frames, povray, render, rotation, to_pov
+
+WIDTH, HEIGHT = SIZE = 320, 240
+TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
+X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
+HALF = Chess.window / 2
+INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls
+
+
+def picture(scene, antialias="off"):
+    return render(scene, size=SIZE, antialias=antialias).astype(float)
+
+
+def place(image, mask):
+    """Median position of a coloured object: stray light puts scraps of it elsewhere, which the median ignores."""
+    assert mask.sum() > 30, "the object is not to be seen"
+    return complex(np.median(X[mask]), np.median(Y[mask]))
+
+
+def brown(image):
+    return INSIDE & (image[..., 0] > image[..., 2] + 50)
+
+
+def green(image):
+    return INSIDE & (image[..., 1] > image[..., 0] + 25) & (image[..., 1] > image[..., 2] + 25)
+
+
+def horizon(image):
+    """Angle of the horizon, degrees counter-clockwise, the sky on its left: the line through E (before the window's
+    centre) with the greatest step in brightness between the narrow strips on its two sides."""
+    blue = image[..., 2]
+    near = np.hypot(X, Y) < 0.9 * HALF
+    angles = np.arange(-180, 180, 0.25)
+
+    def step(angle):
+        away = Y * np.cos(np.radians(angle)) - X * np.sin(np.radians(angle))
+        strip = near & (abs(away) > TILES) & (abs(away) < 0.15)
+        return blue[strip & (away > 0)].mean() - blue[strip & (away < 0)].mean()
+
+    return angles[np.argmax([step(angle) for angle in angles])]
+
+
+def head(mask):
+    """Where the top of a piece is: stray light washes out what is lower in the window and repeats it near the top."""
+    mask = mask & (Y < 0.8)
+    top = np.percentile(Y[mask], 98)
+    return complex(np.median(X[mask & (Y > top - 0.25)]), top)
+
+
+def angle_between(a, b):
+    return (a - b + 180) % 360 - 180
+
+
+@pytest.mark.parametrize("scene", [Chess(alpha=0, sheet="ideal"), Chess(alpha=0, sheet="ideal", offset=(0.3, -1.5))], ids=["axis", "raised"])
+def test_ideal_sheet_at_alpha_0_changes_nothing(scene):
+    ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
+    differ = (abs(ideal - none).max(axis=-1) > 2).mean()
+    assert differ < 2e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
+
+
+@pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
+def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
+    scene = Spheres(alpha=alpha, sheet="ideal", z1=3, offset=(-0.5, 0.3))
+    image = picture(scene, "2,0.1,3")
+    mask = green(image)
+    seen = complex(X[mask].mean(), Y[mask].mean())
+    P = rotation.apparent_position(scene.L, scene.E, 3, scene.z2, radians(alpha))
+    assert abs(seen - P) < 0.5 * TILES  # its shaded side counts for less
+
+
+@pytest.mark.parametrize("alpha", [-60, 25, 66, 120, 180])
+@pytest.mark.parametrize("prisms", [100, 400])
+def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
+    values = {"alpha": alpha, "z1": 3, "offset": (-0.5, 0.3)}
+    ideal = picture(Spheres(sheet="ideal", **values))
+    real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
+    # the shift is of the order of the sheets' thickness: 0.2 tiles at 100 prisms, seen at an angle of up to 0.3
+    assert abs(place(real, green(real)) - place(ideal, green(ideal))) < 0.1 * 100 / prisms + 1.5 * TILES
+
+
+@pytest.mark.parametrize("alpha", [0, 40, 66, 100])
+def test_prisms_show_the_piece_at_the_ideal_place(alpha):
+    ideal = picture(Chess(alpha=alpha, sheet="ideal", piece="pawn"))
+    real = picture(Chess(alpha=alpha, prisms=400, piece="pawn"), "1,0.3,2")
+    assert abs(head(brown(real)) - head(brown(ideal))) < 0.05
+
+
+@pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.5), ("detailed", 2)])
+@pytest.mark.parametrize("alpha", [-135, -45, 30, 66, 90, 150, 180])
+def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha):
+    scene = Spheres(alpha=alpha, sheet=sheet, z1=100, offset=(9, 9))  # the sphere is out of the window
+    assert abs(angle_between(horizon(picture(scene)), alpha)) < tolerance
+
+
+def test_a_single_sheet_mirrors():
+    """Along its prisms it leaves the direction alone, across them it reverses it: the horizon is upside down."""
+    scene = Spheres(sheet="single", z1=100, offset=(9, 9))
+    assert abs(angle_between(horizon(picture(scene)), 180)) < 2
+    # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
+    scene = Spheres(sheet="single", z1=1, offset=(-0.5, 0.5), prisms=400)
+    image = picture(scene)
+    assert abs(place(image, green(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
+
+
+@pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
+@pytest.mark.parametrize("prisms", [30, 100])
+def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, tmp_path):
+    """With glass of a glowing red and the far sheet taken away, the window is red to its corners, and nothing else is."""
+    text = to_pov(Chess(alpha=alpha, prisms=prisms, z1=3)).replace("Sheet(0, (Length + Gap)/2)", "")
+    text = text.replace("pigment { rgbt 1 }\n    finish { ambient 0", "pigment { rgb x }\n    finish { ambient 0 emission 1")
+    import imageio.v3 as iio
+
+    image = iio.imread(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
+    red = image[..., 0] > 100 + image[..., 1]
+    inside = (abs(X) < HALF) & (abs(Y) < HALF)
+    corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)
+    # one gap between prisms is seen edge-on by the eye
+    assert red[inside].mean() > 0.99 and red[corners].mean() > 0.96
+    # the frame's front, half its depth before z = 0, appears a little larger
+    outside = HALF * 6 / (6 - Chess(prisms=prisms, z1=3).depth / 2) + TILES
+    assert not red[(abs(X) > outside) | (abs(Y) > outside)].any()
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
+@pytest.mark.parametrize("alpha", [0, 66, 120])
+def test_the_ghost_lies_on_the_piece(alpha, sheet):
+    scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, offset=(0.2, -1.33))
+    without, ghost = picture(scene), picture(scene.model_copy(update={"ghost": True}))
+    changed = INSIDE & (abs(ghost - without).max(axis=-1) > 12)
+    piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
+    overlap = (changed & piece).sum() / (changed | piece).sum()
+    assert overlap > 0.8  # the prediction is for the piece's axis, and flat
+
+
+def test_every_piece_is_different_and_stands_on_the_floor():
+    shapes = {}
+    for piece in ("pawn", "rook", "knight", "bishop", "queen", "king"):
+        image = picture(Chess(sheet="none", piece=piece))
+        mask = brown(image)
+        assert abs(Y[mask].min() - Chess.floor * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
+        shapes[piece] = mask
+    for a in shapes:
+        for b in shapes:
+            assert a == b or (shapes[a] ^ shapes[b]).sum() > 0.05 * (shapes[a] | shapes[b]).sum(), (a, b)
+
+
+def test_a_scene_shows_itself_in_a_notebook():
+    data = Spheres(sheet="none", z1=2)._repr_png_()
+    assert data.startswith(b"\x89PNG") and data == frames.render_png(Spheres(sheet="none", z1=2)).read_bytes()

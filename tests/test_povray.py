@@ -1,0 +1,122 @@
+"""The runner, with real POV-Ray: what it asks for, what it keeps, and how each failure is put."""
+
+import os
+import signal
+import stat
+import threading
+import time
+
+import pytest
+
+from povgen import Chess, PovrayError, Rendering, frames, povray, to_pov
+
+TINY = Rendering(size=(32, 32), antialias="off")
+EMPTY = Chess(sheet="none")
+
+
+def test_command():
+    assert povray.command("povray", Rendering(size="640x480", antialias="2,0.1,3")) == [
+        *("povray", "+Iscene.pov", "+Oframe.png", "+FN8", "+W640", "+H480", "+AM2", "+A0.1", "+R3", "-J"),
+        *("+WT1", "-D", "-P", "-V", "-GA", "+GFfatal.log"),
+    ]
+    assert "-A" in povray.command("povray", TINY)
+
+
+def test_qualities():
+    assert [Rendering(quality=q).size for q in ("draft", "paper", "high")] == [(320, 240), (480, 360), (960, 720)]
+    assert Rendering(quality="draft").antialias is None and Rendering().antialias is not None
+    assert Rendering(quality="draft", size="64x48").size == (64, 48)
+
+
+def test_a_frame_is_rendered_once(monkeypatch):
+    first = frames.render_png(EMPTY, TINY)
+    written = first.stat().st_mtime_ns
+    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("rendered again"))
+    # no sheet, no alpha: the same text
+    assert frames.render_png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first
+    assert first.stat().st_mtime_ns == written
+    with pytest.raises(BaseException, match="rendered again"):
+        frames.render_png(EMPTY, Rendering(size=(34, 32), antialias="off"))
+
+
+def test_the_cache_holds_whole_frames_only():
+    frames.render_png(Chess(sheet="none", z1=4), TINY)
+    files = [path for path in frames.cache_folder().rglob("*") if path.is_file()]
+    assert files and all(path.suffix == ".png" for path in files)
+    assert not list(frames.cache_folder().glob("work-*"))
+
+
+def test_a_fault_in_the_scene(monkeypatch):
+    broken = lambda scene: to_pov(scene).replace("Disc(0.72", "Dics(0.72")
+    monkeypatch.setattr(frames, "to_pov", broken)
+    with pytest.raises(PovrayError) as failure:
+        frames.render_png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
+    message = str(failure.value)
+    line = next(n for n, text in enumerate(broken(Chess(sheet="none", piece="pawn")).splitlines(), 1) if "Dics" in text)
+    assert f"scene.pov, line {line} (from pieces/pawn.pov.j2)" in message
+    assert "Dics" in message and "z1 = 3.25" in message and "piece = pawn" in message
+
+
+def test_no_binary(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    povray.binary.cache_clear()
+    try:
+        with pytest.raises(PovrayError, match="apt-get install povray"):
+            povray.binary()
+    finally:
+        povray.binary.cache_clear()
+
+
+def test_an_older_version(monkeypatch, tmp_path):
+    (tmp_path / "povray").write_text("#!/bin/sh\necho POV-Ray 3.6.1\n")
+    (tmp_path / "povray").chmod(stat.S_IRWXU)
+    monkeypatch.setattr(povray, "binary", lambda: str(tmp_path / "povray"))
+    povray.version.cache_clear()
+    try:
+        with pytest.raises(PovrayError, match="3.6.1 is too old"):
+            povray.version()
+    finally:
+        povray.version.cache_clear()
+
+
+def test_killed(tmp_path):
+    def kill():
+        while not povray._running:
+            time.sleep(0.01)
+        for process in list(povray._running):
+            os.kill(process.pid, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    with pytest.raises(PovrayError, match="killed by signal 9"):
+        povray.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
+    killer.join()
+
+
+def test_too_slow(tmp_path):
+    with pytest.raises(PovrayError, match="longer than 0.2 s"):
+        povray.run(to_pov(Chess()), Rendering(quality="high", timeout=0.2), tmp_path)
+    assert not povray._running
+
+
+def test_no_shell(tmp_path):
+    """POV-Ray runs commands that an ini file names; povgen's configuration forbids it."""
+    (tmp_path / "povray.ini").write_text(f"Pre_Scene_Command=touch {tmp_path}/ran\n")
+    try:
+        povray.run(to_pov(EMPTY), TINY, tmp_path)
+    except PovrayError as error:
+        assert "shell" in str(error).lower() or "failed" in str(error)
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_path):
+    from povgen import MovieSpec, movie
+
+    spec = MovieSpec.load("vary-alpha").model_copy(update={"fixed": {"sheet": "ideal", "piece": "pawn"}})
+    good = frames.to_pov
+    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene).replace("sphere {", "spere {" if scene.alpha > 150 else "sphere {"))
+    output = tmp_path / "movie.mp4"
+    output.write_bytes(b"kept")
+    with pytest.raises(PovrayError, match="alpha = 156"):
+        movie(spec, output, quality="draft", size=(32, 32))
+    assert output.read_bytes() == b"kept" and os.listdir(tmp_path) == ["movie.mp4"]
