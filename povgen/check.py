@@ -19,7 +19,11 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
-            ("frame", lambda: _frame(frame), "look at POV-Ray's message; reinstall it: apt-get install --reinstall povray"),
+            (
+                "frame",
+                lambda: _frame(frame),
+                "look at POV-Ray's message; reinstall it: apt-get install --reinstall povray",
+            ),
             ("encoder", lambda: _encode(frame), "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'"),
         ):
             try:

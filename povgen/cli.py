@@ -28,7 +28,8 @@ app = typer.Typer(
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help=" or ".join(SCENES))]
 Output = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")]
 Workers = Annotated[
-    str | None, typer.Option(metavar="N", help="POV-Ray processes at once", show_default="enough to keep the cores busy")
+    str | None,
+    typer.Option(metavar="N", help="POV-Ray processes at once", show_default="enough to keep the cores busy"),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
@@ -79,7 +80,9 @@ def _about(field: FieldInfo) -> str:
     default = field.default
     if isinstance(default, tuple):
         default = ",".join(f"{x:g}" for x in default)
-    return field.description if default in (None, False, PydanticUndefined) else f"{field.description} (default {default})"
+    return (
+        field.description if default in (None, False, PydanticUndefined) else f"{field.description} (default {default})"
+    )
 
 
 def _scene(name: str, values: dict[str, Any]) -> Scene:
@@ -141,7 +144,9 @@ def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = F
 @app.command()
 @_takes(*SCENES.values(), Rendering)
 def movie(
-    spec: Annotated[str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")],
+    spec: Annotated[
+        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
+    ],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help=".mp4, .webm or .gif [default: SPEC's .mp4]")
     ] = None,

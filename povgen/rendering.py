@@ -42,9 +42,7 @@ class Rendering(BaseModel):
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680"
     )
     antialias: Annotated[
-        tuple[
-            Annotated[int, Field(ge=1, le=2)], Annotated[float, Field(ge=0, lt=1)], Annotated[int, Field(ge=1, le=9)]
-        ]
+        tuple[Annotated[int, Field(ge=1, le=2)], Annotated[float, Field(ge=0, lt=1)], Annotated[int, Field(ge=1, le=9)]]
         | None,
         BeforeValidator(_antialias),
     ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH, for example 2,0.3,2")

@@ -33,9 +33,15 @@ class Scene(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(66, description="ray-rotation angle alpha, -360 to 360 degrees")
-    z2: Annotated[float, Field(gt=0, le=150)] = Field(6, description="distance from the sheets to the eye, up to 150 tiles")
-    sheet: Sheet = Field("detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none")
+    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(
+        66, description="ray-rotation angle alpha, -360 to 360 degrees"
+    )
+    z2: Annotated[float, Field(gt=0, le=150)] = Field(
+        6, description="distance from the sheets to the eye, up to 150 tiles"
+    )
+    sheet: Sheet = Field(
+        "detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none"
+    )
     prisms: Annotated[int, Field(ge=1, le=3000)] = Field(
         100, description="Dove prisms to the window's side, in each sheet, 1 to 3000"
     )
@@ -153,7 +159,8 @@ class Spheres(Scene):
     subject: ClassVar[str] = "spheres on one normal of ray-rotating Dove-prism sheets, seen through them"
 
     z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
-        None, description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5, where clear of the sheets)"
+        None,
+        description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5, where clear of the sheets)",
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
         (-0.55, 0), description="L - E, X,Y from the eye to the spheres' normal, -10 to 10 tiles"

@@ -58,7 +58,9 @@ def angle_between(a, b):
     return (a - b + 180) % 360 - 180
 
 
-@pytest.mark.parametrize("scene", [Chess(alpha=0, sheet="ideal"), Chess(alpha=0, sheet="ideal", offset=(0.3, -1.5))], ids=["axis", "raised"])
+@pytest.mark.parametrize(
+    "scene", [Chess(alpha=0, sheet="ideal"), Chess(alpha=0, sheet="ideal", offset=(0.3, -1.5))], ids=["axis", "raised"]
+)
 def test_ideal_sheet_at_alpha_0_changes_nothing(scene):
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()
@@ -114,7 +116,9 @@ def test_a_single_sheet_mirrors():
 def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, tmp_path):
     """With glass of a glowing red and the far sheet taken away, the window is red to its corners, and nothing else is."""
     text = to_pov(Chess(alpha=alpha, prisms=prisms, z1=3)).replace("Sheet(0, (Length + Gap)/2)", "")
-    text = text.replace("pigment { rgbt 1 }\n    finish { ambient 0", "pigment { rgb x }\n    finish { ambient 0 emission 1")
+    text = text.replace(
+        "pigment { rgbt 1 }\n    finish { ambient 0", "pigment { rgb x }\n    finish { ambient 0 emission 1"
+    )
     import imageio.v3 as iio
 
     image = iio.imread(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)

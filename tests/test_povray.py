@@ -114,7 +114,9 @@ def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_pa
 
     spec = MovieSpec.load("vary-alpha").model_copy(update={"fixed": {"sheet": "ideal", "piece": "pawn"}})
     good = frames.to_pov
-    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene).replace("sphere {", "spere {" if scene.alpha > 150 else "sphere {"))
+    monkeypatch.setattr(
+        frames, "to_pov", lambda scene: good(scene).replace("sphere {", "spere {" if scene.alpha > 150 else "sphere {")
+    )
     output = tmp_path / "movie.mp4"
     output.write_bytes(b"kept")
     with pytest.raises(PovrayError, match="alpha = 156"):

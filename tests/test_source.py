@@ -45,8 +45,9 @@ def test_no_sheet_where_there_is_none():
 def test_frames_differ_in_parameters_alone(sheet):
     assert to_pov(Chess(alpha=10, z1=2, sheet=sheet, offset=(1, -2))) != to_pov(Chess(z1=3, sheet=sheet))
     assert body(to_pov(Chess(alpha=10, z1=2, sheet=sheet, offset=(1, -2)))) == body(to_pov(Chess(z1=3, sheet=sheet)))
-    assert body(to_pov(Spheres(alpha=10, z2=5, sheet=sheet))).split("Spheres    =")[0] == (
-        body(to_pov(Spheres(sheet=sheet))).split("Spheres    =")[0]
+    assert (
+        body(to_pov(Spheres(alpha=10, z2=5, sheet=sheet))).split("Spheres    =")[0]
+        == (body(to_pov(Spheres(sheet=sheet))).split("Spheres    =")[0])
     )
 
 
@@ -62,7 +63,11 @@ def test_parameters_name_their_unit():
 def test_a_line_is_traced_to_its_template():
     text = to_pov(Chess(piece="king"))
     lines = text.splitlines()
-    for part, template in (("mesh {", "sheets.pov.j2"), ("// the cross", "pieces/king.pov.j2"), ("checker", "floor.pov.j2")):
+    for part, template in (
+        ("mesh {", "sheets.pov.j2"),
+        ("// the cross", "pieces/king.pov.j2"),
+        ("checker", "floor.pov.j2"),
+    ):
         number = next(n for n, line in enumerate(lines, 1) if part in line)
         assert template_of(text, number) == template
 
