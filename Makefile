@@ -45,7 +45,7 @@ build/quality: FORCE
 	@echo $(QUALITY) | cmp -s - $@ || echo $(QUALITY) > $@
 FORCE:
 
-$(READY): pyproject.toml
+$(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
 ifneq ($(strip $(NEEDED)),)
 ifeq ($(strip $(MAY)),)
 	@echo "povgen needs Debian's packages: $(strip $(NEEDED)). Have them installed: apt-get install $(strip $(NEEDED))" >&2; exit 1

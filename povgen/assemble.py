@@ -2,11 +2,13 @@
 
 import tempfile
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from povgen import __version__, encode, povray
-from povgen.errors import validated
+from povgen.errors import InputError, validated
 from povgen.frames import render_all
+from povgen.output import checked_output
 from povgen.rendering import Rendering
 from povgen.spec import MovieSpec
 
@@ -28,15 +30,21 @@ def movie(
         spec = MovieSpec.load(spec)
     rendering = validated(Rendering, options)
     scenes = spec.scenes(rendering.quality)
-    output = encode.checked_output(Path(output), encode.FORMATS)
+    rate = spec.rate(rendering.quality)
+    output = checked_output(Path(output), encode.FORMATS)
+    if output.suffix.lower() == ".gif" and rate > encode.FASTEST_GIF:
+        raise InputError(
+            f"frame_rate = {rate:g}: too fast for a GIF; allowed: up to {encode.FASTEST_GIF} frames a second"
+        )
     sampling = "off" if rendering.antialias is None else ",".join(f"{x:g}" for x in rendering.antialias)
     tags = {
         "title": spec.title,
         "comment": spec.model_dump_json(exclude_none=True),
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}",
     }
-    with tempfile.TemporaryDirectory(prefix=f".{output.name}.", dir=output.parent) as folder:
+    frames = render_all(scenes, rendering, workers, done)
+    with tempfile.TemporaryDirectory(prefix=".povgen-", dir=output.parent) as folder, closing(frames):
         part = Path(folder) / f"movie{output.suffix.lower()}"
-        encode.encode(render_all(scenes, rendering, workers, done), part, spec.rate(rendering.quality), tags)
+        encode.encode(frames, part, rate, tags)
         part.replace(output)
     return output

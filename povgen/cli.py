@@ -19,7 +19,7 @@ from povgen.scenes import PIECES, SCENES, Scene
 
 app = typer.Typer(
     name="povgen",
-    help="POV-Ray scenes and movies of light-ray-rotating Dove-prism sheets. Lengths in floor tiles, angles in degrees.",
+    help="POV-Ray scenes and movies of ray-rotating Dove-prism sheets. Lengths in floor tiles, angles in degrees.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -29,7 +29,7 @@ SceneName = Annotated[str, typer.Argument(metavar="SCENE", help=" or ".join(SCEN
 Output = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")]
 Workers = Annotated[
     str | None,
-    typer.Option(metavar="N", help="POV-Ray processes at once", show_default="enough to keep the cores busy"),
+    typer.Option(metavar="N", help="POV-Ray processes at once, 1 to 256", show_default="enough to keep the cores busy"),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
@@ -115,14 +115,14 @@ def list_() -> None:
 @_takes(*SCENES.values())
 def pov(scene: SceneName, output: Output = None, **values) -> None:
     """Write a scene's POV-Ray source, to standard output unless -o says where."""
-    from povgen.encode import checked_output
+    from povgen.output import checked_output, save
     from povgen.source import to_pov
 
     text = to_pov(_scene(scene, values))
     if output is None:
         sys.stdout.write(text)
     else:
-        checked_output(output, [".pov"]).write_text(text)
+        save(text.encode(), checked_output(output, [".pov"]))
 
 
 @app.command()
@@ -132,11 +132,11 @@ def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = F
     values, options = _split(values)
     made = _scene(scene, values)
     rendering = validated(Rendering, options)
-    from povgen.encode import checked_output
-    from povgen.frames import render_png, save
+    from povgen.frames import render_png
+    from povgen.output import checked_output, save
 
     output = checked_output(output, [".png"])
-    save(render_png(made, rendering), output)
+    save(render_png(made, rendering).read_bytes(), output)
     if not quiet:
         print(f"wrote {output}")
 
@@ -148,7 +148,13 @@ def movie(
         str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
     ],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help=".mp4, .webm or .gif [default: SPEC's .mp4]")
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help=".mp4, .webm or .gif (default SPEC's name with .mp4, in the current folder)",
+        ),
     ] = None,
     workers: Workers = None,
     quiet: Quiet = False,
@@ -156,12 +162,13 @@ def movie(
 ) -> None:
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
     from povgen.assemble import movie as make
+    from povgen.encode import FORMATS
+    from povgen.output import checked_output
     from povgen.spec import MovieSpec
 
     values, options = _split(values)
-    made = MovieSpec.load(spec)
-    made = made.model_copy(update={"fixed": {**made.fixed, **values}})
-    output = output or Path(Path(spec).stem + ".mp4")
+    made = MovieSpec.load(spec).with_fixed(values)
+    output = checked_output(output or Path(Path(spec).stem + ".mp4"), FORMATS)
     total = len(made.sweep.values(validated(Rendering, options).quality))
     with _progress(output.name, total, quiet) as done:
         make(made, output, workers=_workers(workers), done=done, **options)
@@ -225,15 +232,15 @@ def main() -> None:
         status = app(standalone_mode=False)
     except (InputError, usage_error) as error:
         message = error.format_message() if isinstance(error, usage_error) else error
-        _fail(f"povgen: {message}", 2)
+        _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
     except (PovrayError, OSError) as error:
         _fail(f"povgen: {error}", 1)
-    except (KeyboardInterrupt, typer.Abort):
+    if status == 130:  # typer's, for an interrupt
         _fail("povgen: stopped; the same command goes on from the frames that are finished", 130)
-    else:
-        sys.exit(status)
+    sys.exit(status)
 
 
 def _fail(message: str, status: int) -> None:
-    print(message, file=sys.stderr)
+    if message:
+        print(message, file=sys.stderr)
     sys.exit(status)

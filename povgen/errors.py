@@ -20,6 +20,10 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
 
     Raises InputError with one line for the first value that cannot be.
     """
+    for name, value in values.items():
+        field = model.model_fields.get(name)
+        if isinstance(value, bool) and field and field.annotation is not bool:  # pydantic would take it for 0 or 1
+            raise InputError(f"{name} = {value}: should not be true or false ({field.description})")
     try:
         return model.model_validate(values)
     except ValidationError as error:
@@ -32,7 +36,7 @@ def _line(model: type[BaseModel], values: dict[str, Any], fault: dict[str, Any])
         return message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
-        return f"{name}: unknown; allowed: {', '.join(model.model_fields)}"
+        return f"{_shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
     if fault["type"] == "missing":  # a part of the value
         message = "has too few parts"
     about = model.model_fields[name].description

@@ -1,7 +1,6 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
 import os
-import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -55,20 +54,17 @@ def render_png(scene: Scene, rendering: Rendering | None = None) -> Path:
 def render_all(
     scenes: Sequence[Scene], rendering: Rendering, workers: int | None = None, done: Callable[[], object] = lambda: None
 ) -> Iterator[Path]:
-    """The frames of many scenes in their order, rendered `workers` at a time; calls `done` after each.
+    """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
 
     Raises PovrayError at the first frame that fails; the frames finished by then stay in the cache.
     """
     workers = workers or default_workers()
 
-    def frame(scene: Scene) -> Path:
-        path = render_png(scene, rendering)
-        done()
-        return path
-
     pool = ThreadPoolExecutor(workers)
     try:
-        yield from pool.map(frame, scenes)
+        for path in pool.map(lambda scene: render_png(scene, rendering), scenes):
+            done()
+            yield path
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         povray.stop()
@@ -83,16 +79,3 @@ def render(scene: Scene, **options) -> np.ndarray:
     import imageio.v3 as iio
 
     return iio.imread(render_png(scene, validated(Rendering, options)))[..., :3]
-
-
-def save(frame: Path, output: Path) -> None:
-    """Copy a frame to a name that it bears only when it is whole."""
-    with tempfile.NamedTemporaryFile(dir=output.parent, prefix=f".{output.name}.", delete=False) as part:
-        try:
-            with frame.open("rb") as source:
-                shutil.copyfileobj(source, part)
-            os.chmod(part.name, 0o644)
-            os.replace(part.name, output)
-        except BaseException:
-            os.unlink(part.name)
-            raise

@@ -58,7 +58,10 @@ def binary() -> str:
 @cache
 def version() -> str:
     """POV-Ray's version, such as '3.7.0.10.unofficial'. Raises PovrayError if it is too old or does not say."""
-    process = subprocess.run([binary(), "--version"], capture_output=True, text=True, errors="replace", timeout=60)
+    try:
+        process = subprocess.run([binary(), "--version"], capture_output=True, text=True, errors="replace", timeout=60)
+    except subprocess.TimeoutExpired:
+        raise PovrayError(f"{binary()} --version does not end") from None
     found = re.search(r"POV-Ray (\d+)\.(\d+)\S*", process.stdout + process.stderr)
     if found is None:
         raise PovrayError(f"{binary()} does not say which POV-Ray it is; povgen needs 3.7 or newer")
@@ -72,6 +75,7 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
 
     Raises PovrayError if POV-Ray is missing, refuses the scene, is killed or takes longer than rendering.timeout.
     """
+    folder = folder.resolve()  # for HOME, where POV-Ray looks for its configuration
     config = folder / ".povray" / "3.7" / "povray.conf"
     config.parent.mkdir(parents=True)
     config.write_text(CONFIG)

@@ -45,8 +45,10 @@ class Rendering(BaseModel):
         tuple[Annotated[int, Field(ge=1, le=2)], Annotated[float, Field(ge=0, lt=1)], Annotated[int, Field(ge=1, le=9)]]
         | None,
         BeforeValidator(_antialias),
-    ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH, for example 2,0.3,2")
-    timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(1800, description="the longest a frame may take, seconds")
+    ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0 to below 1, 1 to 9")
+    timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
+        1800, description="the longest a frame may take, above 0 to 1e6 seconds"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -4,7 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. Points of th
 x + iy from the window's centre, x to the right and y up for the eye.
 """
 
-from math import degrees, isfinite, radians
+from math import degrees, isfinite, radians, sqrt
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -65,8 +65,11 @@ class Scene(BaseModel):
 
     @property
     def cells(self) -> int:
-        """Cells a side in which the ideal sheet's camera interpolates view directions: see camera.pov.j2."""
-        return 1 if self.E == 0 else round(24 * max(1, 6 / self.z2))
+        """Cells a side in which the ideal sheet's camera interpolates view directions: see camera.pov.j2.
+
+        Its error, in pixels, is as 1/(cells^2 z2).
+        """
+        return 1 if self.E == 0 else round(24 * sqrt(6 / self.z2))
 
     @property
     def max_trace_level(self) -> int:
@@ -78,23 +81,18 @@ class Scene(BaseModel):
 
         return render_png(self).read_bytes()
 
-    def _nearest(self, radius: float) -> float:
-        """The least z1 at which something of a radius is clear of the sheets and their frame."""
-        return self.depth / 2 + radius
-
-    def _check_clear(self, what: str, z1: float, radius: float) -> None:
-        if z1 <= self._nearest(radius):
+    def _check_clear(self, what: str, z1: float, nearest: float) -> None:
+        if z1 <= nearest:
             raise ValueError(
                 f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind "
-                f"z = 0; allowed: z1 > {self._nearest(radius):.4g}"
+                f"z = 0; allowed: z1 > {nearest:.4g}"
             )
 
     @model_validator(mode="after")
     def _check_eye(self):
-        if self.z2 <= self.depth / 2:
-            raise ValueError(
-                f"z2 = {self.z2:g}: the eye would be inside the sheets' frame; allowed: z2 > {self.depth / 2:.4g}"
-            )
+        nearest = self.depth / 2 + 0.01
+        if self.z2 <= nearest:
+            raise ValueError(f"z2 = {self.z2:g}: the eye would be in the sheets' frame; allowed: z2 > {nearest:.4g}")
         return self
 
 
@@ -138,7 +136,7 @@ class Chess(Scene):
 
     @model_validator(mode="after")
     def _check_piece(self):
-        self._check_clear(f"the {self.piece}", self.z1, PIECES[self.piece])
+        self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
         if self.ghost and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"ghost = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
@@ -160,7 +158,8 @@ class Spheres(Scene):
 
     z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
         None,
-        description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere (default 2^n z2, n = -5..5, where clear of the sheets)",
+        description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere "
+        "(default 2^n z2, n = -5..5, where clear of the sheets)",
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
         (-0.55, 0), description="L - E, X,Y from the eye to the spheres' normal, -10 to 10 tiles"
@@ -179,17 +178,25 @@ class Spheres(Scene):
     @property
     def distances(self) -> tuple[float, ...]:
         """z1 of every sphere, tiles."""
-        steps = [2.0**n * self.z2 for n in range(-5, 6)]
-        return self.z1 or tuple(z1 for z1 in steps if z1 > self._nearest(self.radius(z1)))
+        steps = (2.0**n * self.z2 for n in range(-5, 6))
+        return self.z1 or tuple(z1 for z1 in steps if z1 > self.nearest)
 
     def radius(self, z1: float) -> float:
-        """Radius of the sphere at z1, tiles: at alpha = 0 the farther sphere looks larger, so that none hides another."""
-        return 0.062 * (z1 / self.z2) ** 0.1 * (1 + z1 / self.z2)
+        """Radius of the sphere at z1, tiles: at alpha = 0 the farther looks larger, so that none hides another."""
+        return min(0.062 * (z1 / self.z2) ** 0.1 * (1 + z1 / self.z2), z1 / 4)
+
+    @property
+    def nearest(self) -> float:
+        """The least z1 at which a sphere is clear of the sheets and their frame, tiles."""
+        z1 = self.depth / 2
+        for _ in range(30):  # converges: a radius grows by at most a quarter of z1
+            z1 = self.depth / 2 + self.radius(z1)
+        return z1
 
     @model_validator(mode="after")
     def _check_spheres(self):
         for z1 in self.distances:
-            self._check_clear("the sphere", z1, self.radius(z1))
+            self._check_clear("the sphere", z1, self.nearest)
         return self
 
 

@@ -22,8 +22,8 @@ class Sweep(BaseModel):
     parameter: Literal["alpha", "z1", "z2"] = Field(description="the parameter that is swept")
     start: float = Field(description="its value in the first frame")
     stop: float = Field(description="its value in the last frame")
-    frames: Annotated[int, Field(ge=2, le=10000)] = Field(description="number of frames at quality paper")
-    spacing: Literal["linear", "log"] = Field("linear", description="of the values")
+    frames: Annotated[int, Field(ge=2, le=10000)] = Field(description="number of frames at quality paper, 2 to 10000")
+    spacing: Literal["linear", "log"] = Field("linear", description="of the values: linear or log")
 
     @model_validator(mode="after")
     def _check_range(self):
@@ -48,9 +48,13 @@ class MovieSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    title: Annotated[str, Field(min_length=1, max_length=200)] = Field(description="the movie's title")
+    title: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]{1,200}$")] = Field(
+        description="the movie's title, one line of up to 200 characters"
+    )
     scene: Literal["chess", "spheres"] = Field(description="the scene")
-    frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(description="frames a second at quality paper")
+    frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(
+        description="frames a second at quality paper, 0.1 to 120"
+    )
     fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
     sweep: Sweep = Field(description="the swept parameter")
 
@@ -76,28 +80,32 @@ class MovieSpec(BaseModel):
         """The movie described by TOML text. Raises InputError, which begins with the name."""
         try:
             values = tomllib.loads(text)
-            sweep = values.get("sweep")
-            if isinstance(sweep, dict):
-                values["sweep"] = _within("sweep", validated, Sweep, sweep)
+        except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
+            raise InputError(f"{name}: not TOML: {error}") from None
+        try:
+            if isinstance(values.get("sweep"), dict):
+                values["sweep"] = _of_sweep(validated, Sweep, values["sweep"])
             spec = validated(cls, values)
             spec.scenes("paper")
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{name}: not TOML: {error}") from None
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
         return spec
 
+    def with_fixed(self, values: dict[str, Any]) -> "MovieSpec":
+        """The same movie with other fixed parameters, which may be text. Raises InputError."""
+        spec = self.model_copy(update={"fixed": {**self.fixed, **values}})
+        scene = spec.scenes("paper")[0]
+        return spec.model_copy(update={"fixed": {name: getattr(scene, name) for name in spec.fixed}})
+
     def scenes(self, quality: str) -> list[Scene]:
         """The scene of every frame. Raises InputError for the first frame that cannot be."""
-        if self.sweep.parameter in self.fixed:
-            raise InputError(
-                f"fixed {self.sweep.parameter} = {self.fixed[self.sweep.parameter]!r}: it is swept; "
-                "allowed: in fixed or in sweep, not both"
-            )
-        values = self.sweep.values(quality)
-        return [
-            _within("fixed", validated, SCENES[self.scene], {**self.fixed, self.sweep.parameter: v}) for v in values
-        ]
+        swept = self.sweep.parameter
+        if swept in self.fixed:
+            raise InputError(f"{swept} = {self.fixed[swept]!r}: it is swept; allowed: in fixed or in sweep, not both")
+        model = SCENES[self.scene]
+        validated(model, {**self.fixed, swept: self.sweep.start})
+        _of_sweep(validated, model, {**self.fixed, swept: self.sweep.stop})
+        return [validated(model, {**self.fixed, swept: value}) for value in self.sweep.values(quality)]
 
     def rate(self, quality: str) -> float:
         """Frames a second at a quality: a movie lasts equally long at each."""
@@ -105,8 +113,8 @@ class MovieSpec(BaseModel):
         return self.frame_rate * steps / (self.sweep.frames - 1)
 
 
-def _within(table: str, make, *arguments):
+def _of_sweep(make, *arguments):
     try:
         return make(*arguments)
     except InputError as error:
-        raise InputError(f"[{table}] {error}") from None
+        raise InputError(f"[sweep] {error}") from None

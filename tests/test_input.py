@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from povgen import Spheres
+
 POVGEN = Path(sys.executable).with_name("povgen")
 SPEC = """
 title = "A movie"
@@ -46,7 +48,7 @@ def refused(arguments, folder):
         (["--z1", "1", "--z1", "2"], ["z1", "number"]),
         (["--z2", "0"], ["z2", "0", "greater than 0"]),
         (["--z2", "-6"], ["z2", "-6", "greater than 0"]),
-        (["--z2", "0.1"], ["z2", "0.1", "0.12"]),
+        (["--z2", "0.1"], ["z2", "0.1", "0.13"]),
         (["--prisms", "0"], ["prisms", "0", "1"]),
         (["--prisms", "2.5"], ["prisms", "2.5", "integer"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
@@ -64,7 +66,9 @@ def refused(arguments, folder):
         (["--ghost", "--z1", "6", "--alpha", "180"], ["ghost", "alpha = 180", "infinity"]),
         (["--timeout", "0"], ["timeout", "0"]),
         (["-o", "x.jpg"], ["x.jpg", ".png"]),
-        (["-o", "nowhere/x.png"], ["nowhere/x.png", "does not exist"]),
+        (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),
+        (["-o", "x" * 300 + ".png"], ["output", "too long"]),
+        (["-o", "."], ["output", ".png"]),
         (["--colour", "red"], ["--colour"]),
     ],
 )
@@ -88,12 +92,17 @@ def test_frame(options, words, tmp_path):
         ("frames = 5", 'frames = 5\nspacing = "cubic"', ["spacing", "cubic", "log"]),
         ("frames = 5", "frames = 1", ["frames", "1", "2"]),
         ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
-        ("z1 = 2", "z1 = 0.1", ["fixed", "z1", "0.1"]),
-        ("z1 = 2", "z3 = 2", ["fixed", "z3"]),
+        ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
+        ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
-        ("stop = 180", "stop = 1800", ["alpha", "360"]),
+        ("stop = 180", "stop = 1800", ["[sweep]", "alpha", "1800", "360"]),
         ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
         ("[sweep]", "[sweeps]", ["sweep"]),
+        ("z1 = 2", "z1 = true", ["z1", "True"]),
+        ("z1 = 2", '"a\\nb\\nc" = 2', ["unknown"]),
+        ("z1 = 2", f"z1 = {'9' * 5000}", ["TOML"]),
+        ("z1 = 2", f"z1 = {'[' * 5000}", ["TOML"]),
+        ('title = "A movie"', 'title = "A\\u0000movie"', ["title", "one line"]),
         ("[sweep]", "[sweep", ["TOML"]),
     ],
 )
@@ -111,6 +120,12 @@ def test_spec_with_scenes_own_words(tmp_path):
     assert "vary-alpha" in refused(["movie", "no-such-movie"], tmp_path)
     (tmp_path / "spec.toml").write_text(SPEC)
     assert ".webm" in refused(["movie", "spec.toml", "-o", "movie.avi"], tmp_path)
+    (tmp_path / "fast.toml").write_text(SPEC.replace("frame_rate = 10", "frame_rate = 60"))
+    assert "GIF" in refused(["movie", "fast.toml", "-o", "x.gif"], tmp_path)
+    assert "ghost" in refused(["movie", "spheres", "--ghost"], tmp_path)
+    message = refused(["frame", "spheres", "--z1", "0.05"], tmp_path)
+    limit = float(message.rsplit(">", 1)[1])
+    assert Spheres(z1=limit + 1e-3).distances == (limit + 1e-3,)
     assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
     assert "scene" in refused(["pov", "circus"], tmp_path)
     assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)

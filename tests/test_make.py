@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import sys
 import time
 import venv
 from pathlib import Path
@@ -59,12 +58,14 @@ def test_targets_at_draft_quality(project):
 
 
 def test_the_wheel_works_from_any_folder(project, tmp_path):
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, project], check=True, timeout=200)
-    (wheel,) = tmp_path.glob("povgen-*.whl")
     venv.create(tmp_path / "venv", with_pip=True)
     python = tmp_path / "venv" / "bin" / "python"
-    subprocess.run([python, "-m", "pip", "--quiet", "install", wheel], check=True, timeout=300)
+    pip = [python, "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    # by way of the source distribution, as a packager would
+    subprocess.run([*pip, "hatchling"], check=True, timeout=200)
+    subprocess.run([python, "-m", "hatchling", "build", "-t", "sdist", "-d", tmp_path], cwd=project, check=True)
+    (source,) = tmp_path.glob("povgen-*.tar.gz")
+    subprocess.run([*pip, source], check=True, timeout=300)
     elsewhere = tmp_path / "else where"
     elsewhere.mkdir()
     povgen = tmp_path / "venv" / "bin" / "povgen"

@@ -58,10 +58,9 @@ def angle_between(a, b):
     return (a - b + 180) % 360 - 180
 
 
-@pytest.mark.parametrize(
-    "scene", [Chess(alpha=0, sheet="ideal"), Chess(alpha=0, sheet="ideal", offset=(0.3, -1.5))], ids=["axis", "raised"]
-)
-def test_ideal_sheet_at_alpha_0_changes_nothing(scene):
+@pytest.mark.parametrize("offset", [(0, -1.33), (0.3, -1.5), (1, -5), (0, -0.3)], ids=["axis", "raised", "high", "low"])
+def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
+    scene = Chess(alpha=0, sheet="ideal", offset=offset)
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()
     assert differ < 2e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
@@ -114,7 +113,7 @@ def test_a_single_sheet_mirrors():
 @pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
 @pytest.mark.parametrize("prisms", [30, 100])
 def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, tmp_path):
-    """With glass of a glowing red and the far sheet taken away, the window is red to its corners, and nothing else is."""
+    """With glass of a glowing red and no far sheet, the window is red to its corners, and nothing else is."""
     text = to_pov(Chess(alpha=alpha, prisms=prisms, z1=3)).replace("Sheet(0, (Length + Gap)/2)", "")
     text = text.replace(
         "pigment { rgbt 1 }\n    finish { ambient 0", "pigment { rgb x }\n    finish { ambient 0 emission 1"

@@ -1,10 +1,14 @@
 """The runner, with real POV-Ray: what it asks for, what it keeps, and how each failure is put."""
 
+import contextlib
 import os
 import signal
 import stat
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -47,7 +51,9 @@ def test_the_cache_holds_whole_frames_only():
 
 
 def test_a_fault_in_the_scene(monkeypatch):
-    broken = lambda scene: to_pov(scene).replace("Disc(0.72", "Dics(0.72")
+    def broken(scene):
+        return to_pov(scene).replace("Disc(0.72", "Dics(0.72")
+
     monkeypatch.setattr(frames, "to_pov", broken)
     with pytest.raises(PovrayError) as failure:
         frames.render_png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
@@ -102,11 +108,48 @@ def test_too_slow(tmp_path):
 def test_no_shell(tmp_path):
     """POV-Ray runs commands that an ini file names; povgen's configuration forbids it."""
     (tmp_path / "povray.ini").write_text(f"Pre_Scene_Command=touch {tmp_path}/ran\n")
-    try:
+    with contextlib.suppress(PovrayError):
         povray.run(to_pov(EMPTY), TINY, tmp_path)
-    except PovrayError as error:
-        assert "shell" in str(error).lower() or "failed" in str(error)
     assert not (tmp_path / "ran").exists()
+
+
+def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    show = 'cp "$HOME/.povray/3.7/povray.conf" seen && cp seen frame.png'
+    monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", show])
+    for folder in (tmp_path / "absolute", Path("relative")):
+        folder.mkdir()
+        povray.run("", TINY, folder)
+        assert (folder / "seen").read_text() == povray.CONFIG
+    assert "[Shellout Security]\nforbidden" in povray.CONFIG and "\nrestricted" in povray.CONFIG
+
+
+def test_an_interrupted_movie_goes_on(tmp_path):
+    """SIGINT in mid-movie: no child, no partial file, a word on how to go on; then only what is missing is rendered."""
+    povgen = Path(sys.executable).with_name("povgen")
+    cache = tmp_path / "cache"
+    spec = tmp_path / "z2.toml"
+    spec.write_text(
+        'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
+        '[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = 12\n'
+    )
+    arguments = [povgen, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
+    environment = {**os.environ, "POVGEN_CACHE": str(cache)}
+    process = subprocess.Popen(arguments, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+
+    def finished():
+        return {path: path.stat().st_mtime_ns for path in cache.rglob("*.png") if path.name != povray.FRAME}
+
+    while len(finished()) < 3:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    message = process.communicate(timeout=20)[1]
+    assert process.returncode == 130 and "goes on" in message and "Traceback" not in message
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "z2.toml"]
+    kept = finished()
+    assert 3 <= len(kept) < 12
+    subprocess.run(arguments, cwd=tmp_path, env=environment, check=True, timeout=120)
+    assert kept.items() <= finished().items() and len(finished()) == 12
 
 
 def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_path):
