@@ -1,4 +1,4 @@
-"""The exact ray trace against hand-computed paths, and against laws: reversal, no ray lost, the mirror, the rotation."""
+"""The exact ray trace against hand-computed paths, and against laws: reversal, none lost, the mirror, the rotation."""
 
 from math import asin, pi, sin, tan
 
