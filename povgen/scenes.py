@@ -50,7 +50,7 @@ class Scene(BaseModel):
     subject: ClassVar[str]
     window: ClassVar[float] = 2.4  # side of the square aperture
     rim: ClassVar[float] = 0.13  # width of its frame
-    view_height: ClassVar[float] = 3.7  # of the picture, in the plane z = 0
+    view_height: ClassVar[float] = 3.85  # of the picture, in the plane z = 0
 
     @property
     def sheets_depth(self) -> float:
