@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 # Size, antialiasing (method, threshold, depth) and the share of a movie's frames, for each quality.
 QUALITIES = {
     "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
-    "paper": {"size": (480, 360), "antialias": "1,0.6,2", "frames": 1},
+    "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
     "high": {"size": (960, 720), "antialias": "2,0.3,2", "frames": 3},
 }
 Quality = Literal["draft", "paper", "high"]
