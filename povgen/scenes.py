@@ -69,7 +69,7 @@ class Scene(BaseModel):
 
         Its error, in pixels, is as 1/(cells^2 z2).
         """
-        return 1 if self.E == 0 else round(24 * sqrt(6 / self.z2))
+        return 1 if self.E == 0 else round(48 * sqrt(6 / self.z2))
 
     @property
     def max_trace_level(self) -> int:

@@ -63,7 +63,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
     scene = Chess(alpha=0, sheet="ideal", offset=offset)
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()
-    assert differ < 2e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
+    assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
 
 
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
