@@ -8,6 +8,7 @@ from povgen import encode, frames, povray
 from povgen.errors import PovrayError
 from povgen.rendering import Rendering
 from povgen.scenes import Chess
+from povgen.source import to_pov
 
 TINY = Rendering(quality="draft", size=(64, 48))
 
@@ -42,7 +43,7 @@ def _cache() -> str:
 
 def _frame(frame: Path) -> str:
     with tempfile.TemporaryDirectory() as folder:
-        povray.run(frames.to_pov(Chess(sheet="detailed")), TINY, Path(folder)).rename(frame)
+        povray.run(to_pov(Chess(sheet="detailed")), TINY, Path(folder)).rename(frame)
     return "a chess piece seen through 2 x 100 prisms, 64x48"
 
 

@@ -129,12 +129,12 @@ def pov(scene: SceneName, output: Output = None, **values) -> None:
 @_takes(*SCENES.values(), Rendering)
 def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = False, **values) -> None:
     """Render a scene to a PNG file."""
-    values, options = _split(values)
-    made = _scene(scene, values)
-    rendering = validated(Rendering, options)
     from povgen.frames import render_png
     from povgen.output import checked_output, save
 
+    values, options = _split(values)
+    made = _scene(scene, values)
+    rendering = validated(Rendering, options)
     output = checked_output(output, [".png"])
     save(render_png(made, rendering).read_bytes(), output)
     if not quiet:
@@ -181,7 +181,7 @@ def check() -> None:
     """See whether POV-Ray and the encoder work, with a small frame and movie; say what to do where they do not."""
     from povgen.check import faults
 
-    if any([fault for fault in faults(print)]):
+    if list(faults(print)):
         raise typer.Exit(1)
 
 

@@ -12,8 +12,8 @@ BT709 = (
     "-vf scale=out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
-# A keyframe every 6 frames: players seek to any frame at once, as a slider needs.
 FASTEST_GIF = 50  # frames a second; faster ones are shown slower
+# A keyframe every 6 frames: players seek to any frame at once, as a slider needs.
 FORMATS = {
     ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
