@@ -1,69 +1,149 @@
-"""The mathematics of ray rotation (sections 3 and 4 of the paper), on numpy arrays.
+"""The mathematics of ray rotation (sections 2 to 4 of the paper), on numpy arrays that broadcast.
 
 Angles are in radians. alpha > 0 turns the transverse direction of light that travels from the object to the
 eye counter-clockwise, as the eye sees it. Points of the sheet's plane are complex numbers x + iy, x to the
-right and y up for the eye. The object L is a distance z1 behind the sheet, the eye E a distance z2 before it,
-and r = z2/z1 (eq. 3) runs from 0 to infinity.
+right and y up for the eye; z points away from the eye. The object L is a distance z1 behind the sheet, the eye E
+a distance z2 before it, P is where the light from L to E crosses the sheet; r = z2/z1 runs from 0 to infinity.
+Equations 5 to 9 are for L = 0, E = 1.
 
 At the pole, r exp(i alpha) = -1, no light from L reaches E: P and 1 - P are the complex infinity (inf + 0j) there.
+As no number is pi, the one next to it counts as pi for r = 1. Near the pole nothing cancels; what errors of r and alpha
+do there is told by `condition`.
 """
 
 import numpy as np
 
 
-def P(r, alpha):
-    """Where light from L = 0 crosses the sheet on its way to E = 1: 1 / (1 + r exp(i alpha)), eq. 7.
+def p1(z1, theta):
+    """Length of the ray's projection between L and P, for a ray at an angle theta to the sheet's normal: eq. 1."""
+    return np.multiply(z1, np.tan(theta))
 
-    r and alpha broadcast against each other; returns a complex array of their shape.
-    """
-    r, alpha = np.broadcast_arrays(np.asarray(r, float), np.asarray(alpha, float))
-    near = r <= 1
-    # P(r, alpha) = 1 - P(1/r, -alpha): so the denominator's r is never above 1, and r = infinity has its limit
+
+def p2(z2, theta):
+    """Length of the ray's projection between P and E: eq. 2, for the sheet leaves theta as it is."""
+    return np.multiply(z2, np.tan(theta))
+
+
+def r(z1, z2):
+    """The ratio of distances z2/z1 = p2/p1, eq. 3; infinite for an object that touches the sheet, z1 = 0."""
     with np.errstate(divide="ignore"):
-        s = np.where(near, r, 1 / r)
-    angle = np.where(near, alpha, -alpha)
-    return _divide(np.where(near, 1, s * np.exp(1j * angle)), _denominator(s, angle))
+        return np.divide(z2, np.asarray(z1, float))
+
+
+def r_from_P(P, L=0, E=1):
+    """The r for which light from L crosses the sheet at P on its way to E: |E - P|/|P - L|, eq. 4."""
+    with np.errstate(divide="ignore"):
+        return np.divide(np.abs(np.subtract(E, P)), np.abs(np.subtract(P, L)))
+
+
+def E_minus_P(P, r, alpha):
+    """The projection of the ray from P to E: r exp(i alpha) P, eq. 5."""
+    return np.multiply(r, np.exp(1j * np.asarray(alpha)) * P)
+
+
+def E_from_P(P, r, alpha):
+    """Where the ray that crosses the sheet at P meets the eye's plane: P (1 + r exp(i alpha)), eq. 6."""
+    return P * _sum(1.0, np.asarray(r, float), alpha)
+
+
+def P(r, alpha):
+    """Where light from L = 0 crosses the sheet on its way to E = 1: 1/(1 + r exp(i alpha)), eq. 7."""
+    r = np.asarray(r, float)
+    touching = np.isinf(r)
+    return np.where(touching, 0, _divide(1, _sum(1.0, np.where(touching, 1, r), alpha)))[()]
 
 
 def one_minus_P(r, alpha):
-    """E - P for L = 0, E = 1: the apparent position of L as the eye sees it, to scale with E - L. Shapes as P."""
-    with np.errstate(divide="ignore"):
-        return P(np.divide(1, np.asarray(r, float)), -np.asarray(alpha, float))
-
-
-def apparent_position(L, E, z1, z2, alpha):
-    """Where light from L crosses the sheet on its way to E, both anywhere: E + (L - E) (1 - P), from eq. 7.
-
-    Perspective with a complex depth. L and E are complex, z1 >= 0 and z2 > 0 in the unit of L and E; all broadcast.
-    """
-    with np.errstate(divide="ignore"):
-        r = np.divide(z2, np.asarray(z1, float))
-    return E + (np.asarray(L) - E) * one_minus_P(r, alpha)
+    """E - P for L = 0, E = 1: the apparent position of L as the eye sees it, to scale with E - L."""
+    r = np.asarray(r, float)
+    touching = np.isinf(r)
+    finite = np.where(touching, 1, r)
+    return np.where(touching, 1, _divide(finite, _sum(finite, 1.0, -np.asarray(alpha))))[()]
 
 
 def nu(r, alpha):
-    """Angle, radians, through which an object appears turned about E: arg(1 - P). NaN at the pole.
+    """Angle, radians, through which an object appears turned about E: arg(1 - P), eq. 8 corrected. NaN at the pole.
 
     Erratum: eq. 8 prints arg(P), the angle at L; the text beside it, and every picture, say the angle at E.
     """
     image = one_minus_P(r, alpha)
-    return np.where(np.isinf(image), np.nan, np.angle(image))
+    return np.where(np.isinf(image), np.nan, np.angle(image))[()]
 
 
 def M(r, alpha):
-    """How much larger an object appears than it would in the plane of the sheet: |1 - P|. Infinite at the pole.
+    """How much larger an object appears than in the plane of the sheet: |1 - P|, eq. 9 corrected. Infinite at the pole.
 
     Erratum: eq. 9 prints |P|, which would vanish, not become 1, for an object that touches the sheet.
     """
     return np.abs(one_minus_P(r, alpha))
 
 
-def _denominator(r, alpha):
-    """1 + r exp(i alpha) without cancellation near the pole, by way of d = alpha -+ pi."""
-    d = alpha - np.copysign(np.pi, alpha)
-    return (1 - r) - r * (2j * np.sin(d / 2) * np.exp(0.5j * d))
+def condition(r, alpha):
+    """Condition number of P: its relative error over that of r exp(i alpha), which is |1 - P|; of 1 - P it is |P|.
+
+    An error of 1e-16 in alpha, radians, or in r, relative, makes one of 1e-16 times this in P.
+    """
+    return M(r, alpha)
+
+
+def apparent_position(L, E, z1, z2, alpha):
+    """Where light from L crosses the sheet on its way to E, both anywhere: E + (L - E) (1 - P), from eq. 7.
+
+    Perspective with a complex depth. L and E are complex, z1 >= 0 and z2 > 0 in the unit of L and E. At the pole the
+    complex infinity, but for L = E, which is seen in every direction there: NaN.
+    """
+    offset = np.subtract(L, E) * np.asarray(z2, float)
+    return np.asarray(E) + _divide(offset, _sum(np.asarray(z2, float), np.asarray(z1, float), -np.asarray(alpha)))
+
+
+def object_position(P, E, z1, z2, alpha):
+    """Where to put an object, a distance z1 behind the sheet, to see it at P: L of `apparent_position`.
+
+    P and E are complex, z1 >= 0 and z2 > 0 in their unit. At the pole it is E, wherever P is.
+    """
+    depth = _sum(np.asarray(z2, float), np.asarray(z1, float), -np.asarray(alpha))
+    return np.asarray(E) + np.subtract(P, E) * depth / z2
+
+
+def rotate(direction, alpha):
+    """Directions (..., 3) of light after a sheet that rotates it by alpha: transverse part times exp(i alpha).
+
+    Light towards the eye, of negative z, turns by alpha; light that runs the other way, as a camera's rays do, by
+    -alpha: a reversed ray retraces itself.
+    """
+    direction = np.asarray(direction, float)
+    sense = np.where(direction[..., 2] > 0, -1, 1)
+    return _with_transverse(direction, _transverse(direction) * np.exp(1j * sense * alpha))
+
+
+def mirror(direction, angle):
+    """Directions (..., 3) of light after a sheet of infinitely fine Dove prisms that lie at an angle to the x axis.
+
+    The transverse part is mirrored about the prisms: d becomes exp(2i angle) conj(d).
+    """
+    direction = np.asarray(direction, float)
+    return _with_transverse(direction, np.exp(2j * np.asarray(angle)) * _transverse(direction).conj())
+
+
+def _transverse(direction):
+    return direction[..., 0] + 1j * direction[..., 1]
+
+
+def _with_transverse(direction, transverse):
+    transverse, z = np.broadcast_arrays(transverse, direction[..., 2])
+    return np.stack((transverse.real, transverse.imag, z), axis=-1)
+
+
+def _sum(a, b, alpha):
+    """a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
+    half = np.asarray(alpha, float) / 2
+    cosine = np.cos(half)
+    at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # the number next to an odd multiple of pi
+    cosine = np.where(at_pi & (a == b), 0, cosine)
+    return (a - b) + b * (2 * cosine * np.exp(1j * half))
 
 
 def _divide(a, b):
+    """a/b, the complex infinity where b is 0 and a is not, NaN where both are."""
     pole = b == 0
-    return np.where(pole, complex(np.inf, 0), a / np.where(pole, 1, b))
+    return np.where(pole, np.where(a == 0, np.nan, complex(np.inf, 0)), a / np.where(pole, 1, b))[()]

@@ -13,7 +13,7 @@ import numpy as np
 
 from povgen import prism
 
-CHUNK = 16384  # rays at a time: their arrays stay in the processor's cache
+CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 
 
 class Face(IntEnum):
@@ -66,11 +66,49 @@ class _Glass:
         self.half = self.height * prism.aspect() / 2
         slope = np.radians(prism.BASE_ANGLE)
         c, s = np.cos(slope), np.sin(slope)
-        # in the order of Face, from BASE
-        self.nu = np.array([-1.0, 1.0, c, c])
-        self.nz = np.array([0.0, 0.0, -s, s])
-        self.distance = np.array([0.0, self.height, s * self.half, s * self.half])
+        # in the order of Face
+        self.nu = np.array([0.0, -1.0, 1.0, c, c])
+        self.nz = np.array([0.0, 0.0, 0.0, -s, s])
+        self.facet = s * self.half  # distance of the slanted facets from u = z = 0
         self.first = -prisms / 2 * self.pitch + self.gap / 2  # the base of prism 0
+
+    def _facets(self, u, z, dy, dz):
+        """For the facets near and far: how fast a ray nears their plane from inside, and when it meets it."""
+        for nu, nz in zip(self.nu[Face.NEAR :], self.nz[Face.NEAR :], strict=True):
+            along = nu * dy + nz * dz
+            yield along, (self.facet - nu * u - nz * z) / along
+
+    def way_out(self, u, z, dy, dz):
+        """Where rays in the glass meet a face, as a multiple of their direction; and the `Face`."""
+        up = dy > 0
+        t = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
+        face = np.where(up, Face.TOP, Face.BASE)
+        for facet, (along, reach) in zip((Face.NEAR, Face.FAR), self._facets(u, z, dy, dz), strict=True):
+            nearer = (along > 0) & (reach < t)
+            t, face = np.where(nearer, reach, t), np.where(nearer, facet, face)
+        return np.maximum(t, 0), face
+
+    def way_in(self, u, z, dy, dz):
+        """Where rays in the air meet a face, `Face.BASE` being that of the next prism; `Face.NONE`: the sheet ends."""
+        up = dy > 0
+        t_in = np.where(up | (dy == 0), np.where(u > self.height, np.inf, -np.inf), (self.height - u) / dy)
+        face = np.full(len(u), Face.TOP)
+        t_out = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
+        for facet, (along, reach) in zip((Face.NEAR, Face.FAR), self._facets(u, z, dy, dz), strict=True):
+            t_out = np.where((along > 0) & (reach < t_out), reach, t_out)
+            later = (along < 0) & (reach > t_in)
+            t_in, face = np.where(later, reach, t_in), np.where(later, facet, face)
+            t_in = np.where((along == 0) & (reach < 0), np.inf, t_in)  # along the facet, outside
+        meets = (t_in > -1e-12 * self.pitch) & (t_in < t_out) & (t_out >= 0)
+        t = np.where(meets, np.maximum(t_in, 0), np.inf)
+        for other, reach in (
+            (Face.BASE, np.where(up, (self.pitch - u) / dy, np.inf)),
+            (Face.NONE, np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz)),
+        ):
+            reach = np.maximum(reach, 0)
+            nearer = reach < t if other == Face.BASE else reach <= t
+            t, face = np.where(nearer, reach, t), np.where(nearer, other, face)
+        return t, face
 
 
 def pair(alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, Sheet]:
@@ -109,7 +147,8 @@ def trace(
         part = slice(start, start + CHUNK)
         chunk = Rays(*(getattr(rays, name)[part] for name in rays.__dataclass_fields__))
         chunk.position[:], chunk.direction[:] = origin[part], direction[part]
-        _follow(chunk, sheets, glass)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            _follow(chunk, sheets, glass)
     steps = 3 * len(sheets)
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     path = np.where(direction[:, 2:] > 0, path, path[::-1])
@@ -118,109 +157,100 @@ def trace(
 
 
 def _follow(rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
-    """Take rays through the sheets, back and forth between them, until all have ended."""
-    forward = rays.direction[:, 2] > 0
-    # the sheet that a ray comes to next; -1 and len(sheets) are outside
-    at = np.where(forward, 0, len(sheets) - 1)
-    rays.end[:] = End.UNFINISHED
-    while True:
-        waiting = (rays.end == End.UNFINISHED) & (rays.count < rays.faces.shape[1]) & (at >= 0) & (at < len(sheets))
-        if not waiting.any():
-            break
-        here = np.flatnonzero(waiting & (at == at[waiting.argmax()]))
-        _cross(rays, here, sheets[at[here[0]]], glass)
-        at[here] += np.where(rays.direction[here, 2] > 0, 1, -1)
-    left = (rays.end == End.UNFINISHED) & (rays.count < rays.faces.shape[1])
-    rays.end[left] = np.where((at == len(sheets)) == forward, End.THROUGH, End.BACK)[left]
+    """Take rays through the sheets, back and forth between them, until they leave, or meet the frame or `most` faces.
 
-
-def _cross(rays: Rays, here: np.ndarray, sheet: Sheet, glass: _Glass) -> None:
-    """Take rays[here] into one sheet and on until they leave it, meet the frame or have met too many faces."""
-    c, s = np.cos(sheet.angle), np.sin(sheet.angle)
-    position, direction = rays.position[here], rays.direction[here]
-    z = np.where(direction[:, 2] > 0, -glass.half, glass.half)
-    step = (z + sheet.centre - position[:, 2]) / direction[:, 2]
-    x, y = position[:, 0] + step * direction[:, 0], position[:, 1] + step * direction[:, 1]
+    x, u, z and the direction are in the frame of the sheet that a ray is at, u above the base of prism `cell`.
+    """
+    n, most = rays.faces.shape
+    angle, centre = (np.array([getattr(sheet, name) for sheet in sheets]) for name in ("angle", "centre"))
+    cosine, sine = np.cos(angle), np.sin(angle)
     half = glass.window / 2
-    blocked = (abs(x) > half) | (abs(y) > half)
-    x, y = c * x + s * y, c * y - s * x
-    dx, dy = c * direction[:, 0] + s * direction[:, 1], c * direction[:, 1] - s * direction[:, 0]
-    dz = direction[:, 2].copy()
-    cell = np.floor((y - glass.first) / glass.pitch)
-    u = y - glass.first - cell * glass.pitch
-    inside = np.zeros(len(here), bool)
-    index = here
+    x, u, z, dx, dy, dz, cell, c, s = np.empty((9, n))
+    forward = rays.direction[:, 2] > 0
+    at = np.where(forward, 0, len(sheets) - 1)
 
-    def leave(who: np.ndarray, end: int | None = None) -> None:
-        """Put rays back into the world's frame, and take them off the list."""
-        nonlocal x, u, z, dx, dy, dz, cell, inside, index
-        if not who.any():
-            return
-        i, y = index[who], u[who] + cell[who] * glass.pitch + glass.first
-        rays.position[i] = np.column_stack((c * x[who] - s * y, s * x[who] + c * y, z[who] + sheet.centre))
-        rays.direction[i] = np.column_stack((c * dx[who] - s * dy[who], s * dx[who] + c * dy[who], dz[who]))
-        if end is not None:
-            rays.end[i] = end
-        keep = ~who
-        x, u, z, dx, dy, dz, cell, inside, index = (a[keep] for a in (x, u, z, dx, dy, dz, cell, inside, index))
+    def enter(i: np.ndarray) -> np.ndarray:
+        """Take rays to their sheet; returns those that meet no frame before it."""
+        here = at[i]
+        co, si = c[i], s[i] = cosine[here], sine[here]
+        px, py, pz = rays.position[i].T
+        vx, vy, vz = rays.direction[i].T
+        front = np.where(vz > 0, -glass.half, glass.half)
+        step = (front + centre[here] - pz) / vz
+        px, py = px + step * vx, py + step * vy
+        x[i], y, z[i] = co * px + si * py, co * py - si * px, front
+        dx[i], dy[i], dz[i] = co * vx + si * vy, co * vy - si * vx, vz
+        cell[i] = np.floor((y - glass.first) / glass.pitch)
+        u[i] = y - glass.first - cell[i] * glass.pitch
+        return stopped(i, (abs(px) > half) | (abs(py) > half), End.FRAME)
 
-    leave(blocked, End.FRAME)
-    tiny = 1e-12 * glass.pitch
-    most = rays.faces.shape[1]
-    while len(index):
-        along = glass.nu[:, None] * dy + glass.nz[:, None] * dz  # of the direction along each face's normal
-        ahead = glass.distance[:, None] - glass.nu[:, None] * u - glass.nz[:, None] * z
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = ahead / along
-        # in glass: the nearest face that the ray runs out through
-        out = np.where(along > 0, reach, np.inf)
-        face_out = out.argmin(0)
-        t_out = np.maximum(out.min(0), 0)
-        # in air: into this prism, into the base of the next, or out of the sheet
-        into = np.where(along < 0, reach, -np.inf)
-        face_in = into.argmax(0)
-        t_in = into.max(0)
-        parallel_outside = ((along == 0) & (ahead < 0)).any(0)
-        hit = (t_in > -tiny) & (t_in < t_out) & (out.min(0) >= 0) & ~parallel_outside
-        t_in = np.where(hit, np.maximum(t_in, 0), np.inf)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t_next = np.where(dy > 0, (glass.pitch - u) / dy, np.inf)
-            t_edge = np.where(dz == 0, np.inf, (np.copysign(glass.half, dz) - z) / dz)
-        t_next = np.maximum(t_next, 0)
-        t_edge = np.maximum(t_edge, 0)
-        t_air = np.minimum(np.minimum(t_in, t_next), t_edge)
-        t = np.where(inside, t_out, t_air)
-        x, u, z = x + t * dx, u + t * dy, z + t * dz
+    def leave(i: np.ndarray) -> None:
+        """Bring rays back to the world's frame."""
+        co, si = c[i], s[i]
+        y = u[i] + cell[i] * glass.pitch + glass.first
+        rays.position[i] = np.column_stack((co * x[i] - si * y, si * x[i] + co * y, z[i] + centre[at[i]]))
+        rays.direction[i] = np.column_stack((co * dx[i] - si * dy[i], si * dx[i] + co * dy[i], dz[i]))
 
-        # the frame is met in the world's frame
-        y = u + cell * glass.pitch + glass.first
-        blocked = (abs(c * x - s * y) > half) | (abs(s * x + c * y) > half)
-        gone = ~inside & (t_edge <= t_in) & (t_edge <= t_next) & ~blocked
-        at_face = ~blocked & ~gone
-        into_next = at_face & ~inside & (t_next < t_in)
-        face = np.where(inside, face_out, np.where(into_next, Face.BASE - 1, face_in))
-        cell = np.where(into_next, cell + 1, cell)
-        u = np.where(into_next, 0.0, u)
+    def stopped(i: np.ndarray, those: np.ndarray, end: End) -> np.ndarray:
+        """End some rays; returns the others."""
+        if those.any():
+            leave(i[those])
+            rays.end[i[those]] = end
+            i = i[~those]
+        return i
 
+    def advance(i: np.ndarray, t: np.ndarray, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Move rays on to a face; returns those that meet no frame on the way, and their faces."""
+        xi = x[i] = x[i] + t * dx[i]
+        ui = u[i] = u[i] + t * dy[i]
+        z[i] += t * dz[i]
+        y = ui + cell[i] * glass.pitch + glass.first
+        blocked = (abs(c[i] * xi - s[i] * y) > half) | (abs(s[i] * xi + c[i] * y) > half)
+        return stopped(i, blocked, End.FRAME), face[~blocked]
+
+    def bend(i: np.ndarray, face: np.ndarray, eta: float) -> np.ndarray:
+        """Refract or reflect rays at a face, eta the index before it over that behind; returns which are reflected."""
+        count = rays.count[i]
+        rays.faces[i, count] = face
+        rays.count[i] = count + 1
         nu, nz = glass.nu[face], glass.nz[face]
-        cosine = nu * dy + nz * dz  # above 0 on the way out
-        eta = np.where(inside, prism.INDEX, 1 / prism.INDEX)
-        square = 1 - eta**2 * (1 - cosine**2)
+        vy, vz = dy[i], dz[i]
+        along = nu * vy + nz * vz  # above 0 on the way out
+        square = 1 - eta**2 * (1 - along**2)
         total = square < 0
-        bend = np.where(total, -2 * cosine, np.copysign(np.sqrt(np.maximum(square, 0)), cosine) - eta * cosine)
-        eta = np.where(total, 1.0, eta)
-        dx = np.where(at_face, eta * dx, dx)
-        dy = np.where(at_face, eta * dy + bend * nu, dy)
-        dz = np.where(at_face, eta * dz + bend * nz, dz)
-        rays.faces[index[at_face], rays.count[index[at_face]]] = face[at_face] + 1
-        rays.count[index[at_face]] += 1
-        crossed = at_face & ~total
-        # out through the base is into the air above the prism below
-        below = crossed & inside & (face == Face.BASE - 1)
-        cell = np.where(below, cell - 1, cell)
-        u = np.where(below, glass.pitch, u)
-        inside = inside ^ crossed
+        change = np.where(total, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
+        eta = np.where(total, 1, eta)
+        dx[i] *= eta
+        dy[i] = eta * vy + change * nu
+        dz[i] = eta * vz + change * nz
+        return total
 
-        leave(blocked, End.FRAME)
-        leave(gone[~blocked])
-        leave(rays.count[index] >= most)
+    def unfinished(i: np.ndarray) -> np.ndarray:
+        return stopped(i, rays.count[i] == most, End.UNFINISHED)
+
+    air = enter(np.arange(n))
+    inside = air[:0]
+    while len(air) or len(inside):
+        t, face = glass.way_in(u[air], z[air], dy[air], dz[air])
+        air, face = advance(air, t, face)
+        out, into, face = air[face == Face.NONE], air[face != Face.NONE], face[face != Face.NONE]
+        above = into[face == Face.BASE]
+        cell[above] += 1
+        u[above] = 0
+        bend(into, face, 1 / prism.INDEX)
+        inside = np.concatenate((inside, unfinished(into)))
+
+        leave(out)
+        at[out] += np.where(dz[out] > 0, 1, -1)
+        ended = (at[out] < 0) | (at[out] == len(sheets))
+        rays.end[out[ended]] = np.where((at[out[ended]] > 0) == forward[out[ended]], End.THROUGH, End.BACK)
+        air = enter(out[~ended])
+
+        t, face = glass.way_out(u[inside], z[inside], dy[inside], dz[inside])
+        inside, face = advance(inside, t, face)
+        total = bend(inside, face, prism.INDEX)
+        below = inside[~total & (face == Face.BASE)]  # out through the base: above the prism below
+        cell[below] -= 1
+        u[below] = glass.pitch
+        air = np.concatenate((air, unfinished(inside[~total])))
+        inside = unfinished(inside[total])
