@@ -185,6 +185,43 @@ def check() -> None:
         raise typer.Exit(1)
 
 
+@app.command()
+def verify(
+    sheet: Annotated[str | None, typer.Option(metavar="ideal|detailed", help="one sheet model (default both)")] = None,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="write the figures to a .json file as well")] = None,
+) -> None:
+    """Measure what POV-Ray renders against the equations and the exact ray trace; exit status 1 where a bound fails."""
+    from dataclasses import asdict
+    from json import dumps
+
+    from rich.console import Console
+    from rich.live import Live
+    from rich.table import Table
+
+    from povgen import povray
+    from povgen.output import checked_output, save
+    from povgen.verify import checks
+
+    if sheet not in (None, "ideal", "detailed"):
+        raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
+    if json:
+        json = checked_output(json, [".json"])
+    versions = {"povgen": __version__, "POV-Ray": povray.version()}
+    table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
+    figures = []
+    with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as live:
+        for figure in checks(sheet):
+            bound = f"{'≥' if figure.least else '≤'} {figure.bound:g} {figure.unit}"
+            holds = "ok" if figure.holds else "[red]FAILS[/red]"
+            table.add_row(figure.sheet, figure.what, f"{figure.value:.5g} {figure.unit}", bound, holds)
+            figures.append(asdict(figure) | {"holds": figure.holds})
+            live.refresh()
+    if json:
+        save((dumps({"versions": versions, "figures": figures}, indent=2) + "\n").encode(), json)
+    if not all(figure["holds"] for figure in figures):
+        raise typer.Exit(1)
+
+
 @app.callback(invoke_without_command=True)
 def _version(version: Annotated[bool, typer.Option("--version", help="print povgen's version")] = False) -> None:
     if version:

@@ -12,7 +12,6 @@ from povgen.rendering import Rendering
 from povgen.source import template_of
 
 SCENE = "scene.pov"
-FRAME = "frame.png"
 FATAL = "fatal.log"
 # POV-Ray takes the stricter of this and the system's own. (Its release 3.7.0.10 obeys the ban on shell-outs but not
 # always the one on files: what keeps a scene harmless is that only checked numbers and names get into it.)
@@ -41,7 +40,7 @@ def command(binary: str, rendering: Rendering) -> list[str]:
         # without jitter the same scene gives the same pixels
         sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
     return [
-        *(binary, f"+I{SCENE}", f"+O{FRAME}", "+FN8", f"+W{width}", f"+H{height}", *sampling),
+        *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.format, f"+W{width}", f"+H{height}", *sampling),
         *("+WT1", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
 
@@ -71,7 +70,7 @@ def version() -> str:
 
 
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
-    """Render a scene's text in a work folder of its own; returns the PNG in it, which is whole.
+    """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
 
     Raises PovrayError if POV-Ray is missing, refuses the scene, is killed or takes longer than rendering.timeout.
     """
@@ -102,9 +101,9 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
             _running.discard(process)
     if process.returncode < 0:
         raise PovrayError(f"POV-Ray was killed by signal {-process.returncode}")
-    if process.returncode or not (folder / FRAME).is_file():
+    if process.returncode or not (folder / rendering.file).is_file():
         raise PovrayError(_failure(source, folder, messages.decode(errors="replace")))
-    return folder / FRAME
+    return folder / rendering.file
 
 
 def stop() -> None:

@@ -1,6 +1,6 @@
 """How a scene becomes a picture: size and antialiasing, by name of a quality or one by one."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -36,6 +36,9 @@ class Rendering(BaseModel):
     """What POV-Ray is asked for, beside the scene. What is not given follows from the quality."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    file: ClassVar[str] = "frame.png"
+    format: ClassVar[tuple[str, ...]] = ("+FN8",)  # in POV-Ray's options
 
     quality: Quality = Field("paper", description="draft, paper or high")
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(

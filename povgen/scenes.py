@@ -4,7 +4,8 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. Points of th
 x + iy from the window's centre, x to the right and y up for the eye.
 """
 
-from math import degrees, isfinite, radians, sqrt
+from cmath import isfinite
+from math import radians, sqrt
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -63,6 +64,14 @@ class Scene(BaseModel):
         """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
         return max(0.24, 1.02 * self.sheets_depth)
 
+    def seen(self, L: complex, z1: float) -> complex:
+        """Where the sheets show a point, in the plane z = 0: eq. 7, and for prisms the paraxial prediction."""
+        from povgen import paraxial, rotation  # numpy is slow to load, and few scenes need a prediction
+
+        if self.sheet == "ideal":
+            return rotation.apparent_position(L, self.E, z1, self.z2, radians(self.alpha))
+        return paraxial.apparent_position(L, self.E, z1, self.z2, radians(self.alpha), self.window / self.prisms)
+
     @property
     def cells(self) -> int:
         """Cells a side in which the ideal sheet's camera interpolates view directions: see camera.pov.j2.
@@ -70,6 +79,11 @@ class Scene(BaseModel):
         Its error, in pixels, is as 1/(cells^2 z2).
         """
         return 1 if self.E == 0 else round(48 * sqrt(6 / self.z2))
+
+    @property
+    def air_gap(self) -> float:
+        """Air between prisms, in units of their pitch."""
+        return prism.AIR_GAP
 
     @property
     def max_trace_level(self) -> int:
@@ -121,18 +135,9 @@ class Chess(Scene):
         return complex(0, self.floor - self.offset[1])
 
     @property
-    def nu(self) -> float:
-        """Predicted rotation of the piece seen through the sheets (eq. 8, corrected), degrees."""
-        from povgen import rotation  # numpy is slow to load, and only the ghost needs it
-
-        return degrees(rotation.nu(self.z2 / self.z1, radians(self.alpha)))
-
-    @property
-    def M(self) -> float:
-        """Predicted magnification of the piece (eq. 9, corrected), against a piece in the plane z = 0."""
-        from povgen import rotation
-
-        return float(rotation.M(self.z2 / self.z1, radians(self.alpha)))
+    def steps_seen(self) -> tuple[complex, complex]:
+        """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
+        return tuple(self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))
 
     @model_validator(mode="after")
     def _check_piece(self):
@@ -142,7 +147,7 @@ class Chess(Scene):
                 f"ghost = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
                 "allowed with sheet 'detailed' or 'ideal'"
             )
-        if self.ghost and not isfinite(self.M):
+        if self.ghost and not isfinite(self.seen(self.L, self.z1)):
             raise ValueError(
                 f"ghost = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at infinity "
                 "(the pole of eq. 7); allowed: any other alpha or z1"

@@ -140,7 +140,7 @@ def test_an_interrupted_movie_goes_on(tmp_path):
     process = subprocess.Popen(arguments, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
 
     def finished():
-        return {path: path.stat().st_mtime_ns for path in cache.rglob("*.png") if path.name != povray.FRAME}
+        return {path: path.stat().st_mtime_ns for path in cache.rglob("*.png") if path.name != Rendering.file}
 
     while len(finished()) < 3:
         time.sleep(0.05)

@@ -1,0 +1,298 @@
+"""What POV-Ray renders, measured against the equations and the exact ray trace: `povgen verify`.
+
+Every check renders scenes of `instruments` and yields what it measured beside its bound. Random ones are seeded.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import degrees, pi, radians
+
+import numpy as np
+
+from povgen import instruments, rotation
+from povgen.instruments import Directions, Piece, Positions
+from povgen.trace import End
+
+Size = tuple[int, int]
+HD = (1280, 960)  # what pixels are counted in
+SMALL = (640, 480)
+VIEW = Positions.view_height
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A figure, the bound that it must keep, and whether that is the least or the most that it may be."""
+
+    sheet: str
+    what: str
+    value: float
+    bound: float
+    unit: str = ""
+    least: bool = False
+
+    @property
+    def holds(self) -> bool:
+        return bool(self.value >= self.bound if self.least else self.value <= self.bound)
+
+
+def checks(sheet: str | None = None) -> Iterator[Measured]:
+    """Measure all, or what concerns one sheet model: 'ideal' or 'detailed'."""
+    if sheet != "detailed":
+        yield from ideal_positions()
+        yield from ideal_directions()
+        yield from piece()
+        yield from horizon()
+        yield from real_image()
+        yield from nothing_changed()
+    if sheet != "ideal":
+        yield from every_pixel()
+        yield from finite_prisms()
+        yield from hyperbola()
+        yield from proper_fraction()
+
+
+def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
+    """The apparent position of an object against eq. 7."""
+    scenes = [
+        *_targets("ideal", count // 2, seed=7, E=0j),
+        *_targets("ideal", count - count // 2, seed=8, E=0.3 - 0.4j),
+    ]
+    worst = max(abs(seen.place - scene.seen(scene.L, scene.z1)) for scene, seen in _located(scenes, size))
+    yield Measured("ideal", f"apparent position against eq. 7, {count} scenes, worst", _px(worst), 0.05, "px")
+
+
+def ideal_directions(size: Size = HD) -> Iterator[Measured]:
+    """The direction seen in every pixel of the window against the rotation."""
+    for E, where in ((0j, "before the window"), (0.5 - 0.5j, "aside")):
+        scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
+        worst = 0.0
+        for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+            inside, direction = instruments.rays(scene, size)
+            turned = rotation.rotate(direction, radians(scene.alpha))
+            # the frame's inner walls hide what leaves the sheet beside the opening behind it
+            leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
+            leaves += (E.real, E.imag)
+            off = np.linalg.norm(_unit(told[inside]) - turned, axis=1)
+            free = abs(leaves).max(1) < scene.window / 2 - 1e-6
+            worst = max(worst, np.nan_to_num(off[free], nan=np.inf).max())
+        yield Measured("ideal", f"direction against the rotation, eye {where}, worst pixel", worst, 1e-4, "rad")
+
+
+def piece(size: Size = HD) -> Iterator[Measured]:
+    """Rotation and magnification of a chess piece about the eye against eqs. 8 and 9, corrected."""
+    scenes = [
+        Piece(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
+        for alpha, z1, name in ((25, 3, "pawn"), (66, 2, "knight"), (90, 6, "queen"), (140, 1, "rook"), (-66, 4, "king"))
+    ]
+    turn, scale = 0.0, 0.0
+    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+        a = _about_eye(scene, told, size)
+        r = scene.z2 / scene.z1
+        turn = max(turn, abs(np.angle(a * np.exp(-1j * rotation.nu(r, radians(scene.alpha))))))
+        scale = max(scale, abs(abs(a) / rotation.M(r, radians(scene.alpha)) - 1))
+    yield Measured("ideal", f"nu of {len(scenes)} chess pieces against eq. 8 corrected, worst", degrees(turn), 0.1, "deg")
+    yield Measured("ideal", f"M of {len(scenes)} chess pieces against eq. 9 corrected, worst", 100 * scale, 0.2, "%")
+
+
+def _about_eye(scene: Piece, told: np.ndarray, size: Size) -> complex:
+    """The complex number by which what lies in the plane of the piece's axis appears multiplied about the eye.
+
+    A piece is as deep as it is wide, and what is farther turns more: so the number is fitted as a cubic of depth.
+    """
+    inside, _ = instruments.rays(scene, size)
+    inside &= ~np.isnan(told[..., 0])
+    x, y, depth = told[inside].T
+    offset = scene.L + x + 1j * y - scene.E
+    basis = offset[:, None] * depth[:, None] ** np.arange(4)
+    target = instruments.pixels(size)[inside] - scene.E
+    kept = np.ones(len(x), bool)
+    for _ in range(5):
+        a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
+        off = abs(basis @ a - target)
+        kept = off < 4 * np.median(off[kept])
+    return complex(a[0])
+
+
+def horizon(size: Size = HD) -> Iterator[Measured]:
+    """Where light from the horizon is seen: on a line through E that is turned by alpha."""
+    scenes = [Directions(sheet="ideal", alpha=alpha) for alpha in (-120, 30, 66, 90, 180)]
+    worst = 0.0
+    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+        inside, _ = instruments.rays(scene, size)
+        inside &= ~np.isnan(told[..., 0])
+        slope = told[inside][:, 1] / told[inside][:, 2]
+        place = instruments.pixels(size)[inside]
+        low = np.linalg.lstsq(np.column_stack((place.real, place.imag)), slope, rcond=None)[0]
+        off = np.arctan2(low[1], low[0]) - pi / 2 - radians(scene.alpha)  # its normal, upwards
+        worst = max(worst, abs((off + pi) % (2 * pi) - pi))
+    yield Measured("ideal", "the horizon turned by alpha, worst of 5", degrees(worst), 0.1, "deg")
+
+
+def real_image(size: Size = HD) -> Iterator[Measured]:
+    """alpha = 180 deg: two eyes see an object by parallax as far before the sheets as it is behind them."""
+    worst = 0.0
+    for z1 in (1.0, 2.0, 4.0):
+        eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
+        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
+        a, b = (seen.place for _, seen in _located(scenes, size))
+        nearness = 1 - ((a - b) / (eyes[0] - eyes[1])).real  # of the crossing of the two lines of sight: z2/distance
+        worst = max(worst, abs(scenes[0].z2 - scenes[0].z2 / nearness - z1) / z1)
+    yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", 100 * worst, 0.2, "%")
+
+
+def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
+    """alpha = 0: every pixel of the window shows the place that it shows without a sheet."""
+    scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
+    ideal, none = instruments.frames(scenes, size)
+    inside, _ = instruments.rays(scenes[0], size)
+    change = _complex(ideal - none)[inside & ~np.isnan(none[..., 0])]
+    worst = np.nan_to_num(abs(change), nan=np.inf).max() * 6 / 8  # as seen in the plane z = 0
+    yield Measured("ideal", "alpha = 0: change of what a pixel shows, worst", _px(worst), 0.05, "px")
+
+
+def every_pixel(
+    prisms: tuple[int, ...] = (100, 1000), alphas: tuple[float, ...] = (0, 35, 90, 180), size: Size = SMALL
+) -> Iterator[Measured]:
+    """The direction in every pixel against the exact ray trace, stray light and light between the sheets included."""
+    for count in prisms:
+        scenes = [Directions(sheet="detailed", prisms=count, alpha=alpha) for alpha in alphas]
+        proper, agree, near_edge, wrong = [], [], 0, 0
+        for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+            inside, direction = instruments.rays(scene, size)
+            found = instruments.traced(scene, direction)
+            off = np.nan_to_num(np.linalg.norm(told[inside] - found.direction, axis=1), nan=np.inf)
+            seen = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
+            proper.append((off < 1e-3)[seen & found.proper])
+            agree.append((off < 1e-3)[seen])
+            doubtful = _near_edge(scene, direction[seen & (off >= 1e-3)])
+            near_edge += doubtful.sum()
+            wrong += (~doubtful).sum()
+        kind = f"2x{count}, {len(alphas)} alphas"
+        yield Measured(
+            "detailed", f"{kind}: proper pixels within 1e-3 rad of the ray trace",
+            100 * np.concatenate(proper).mean(), 99.99, "%", least=True,
+        )  # fmt: skip
+        yield Measured(
+            "detailed", f"{kind}: all pixels whose ray leaves, likewise",
+            100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
+        )  # fmt: skip
+        yield Measured("detailed", f"{kind}: of the {near_edge + wrong} others not within {EDGE:g} tiles of an edge", wrong, 0)
+
+
+EDGE = 1e-6  # tiles; POV-Ray keeps a mesh's vertices as 32-bit numbers, to 1e-7 tiles
+
+
+def _near_edge(scene: Directions, direction: np.ndarray) -> np.ndarray:
+    """Which rays take another path if they start up to EDGE aside."""
+    path = instruments.traced(scene, direction)
+    other = np.zeros(len(direction), bool)
+    for angle in np.arange(0, 2 * pi, pi / 8):
+        moved = scene.model_copy(update={"E": scene.E + EDGE * np.exp(1j * angle)})
+        neighbour = instruments.traced(moved, direction)
+        other |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
+    return other
+
+
+def finite_prisms(
+    prisms: tuple[int, ...] = (25, 50, 100, 200, 400, 800, 1600), count: int = 8, size: Size = SMALL
+) -> Iterator[Measured]:
+    """The apparent position through prisms against eq. 7 and against the paraxial prediction for thick sheets."""
+    errors = []
+    for number in prisms:
+        scenes = _targets("detailed", count, seed=3, E=0j, prisms=number)
+        thin, thick = [], []
+        for scene, seen in _located(scenes, size):
+            ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+            thin.append(abs(seen.place - ideal))
+            thick.append(abs(seen.place - scene.seen(scene.L, scene.z1)))
+        errors.append((_rms(thin), _rms(thick)))
+    thin, thick = np.array(errors).T
+    slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
+    yield Measured("detailed", f"error of eq. 7 falls as N^k, N = {prisms[0]} to {prisms[-1]}: |k + 1|", abs(slope + 1), 0.15)
+    at_100 = prisms.index(100)
+    yield Measured(
+        "detailed", f"paraxial prediction's error over eq. 7's ({_px(thin[at_100]):.2f} px) at N = 100",
+        thick[at_100] / thin[at_100], 0.25,
+    )  # fmt: skip
+
+
+def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
+    """Through a single sheet a line along the normal is seen as a hyperbola, (x - X/2)(y - Y/2) = const for L = (X, Y)."""
+    L = 0.45 + 0.3j
+    scenes = [Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)]
+    place = np.array([seen.place for _, seen in _located(scenes, size)])
+    x, y = place.real, place.imag
+    # x y = p x + q y + const
+    fit = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
+    away = abs(x * y - (fit[0] * x + fit[1] * y + fit[2])) / np.hypot(y - fit[0], x - fit[1])
+    yield Measured("detailed", "single sheet: a line along the normal off its hyperbola, rms", _px(_rms(away)), 0.2, "px")
+    middle = abs(fit[1] + 1j * fit[0] - L / 2)
+    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", _px(middle), 2, "px")
+
+
+def proper_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
+    """The fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
+    worst = 0.0
+    for _, _, rendered, exact in fractions(alphas, size):
+        worst = max(worst, abs(rendered - exact))
+    yield Measured("detailed", "fraction of proper pixels by field angle, 0 to 50 deg, against the ray trace, worst", worst, 0.002)
+
+
+def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:
+    """alpha, field angle, the fraction of pixels that show rotated light, and the same by the exact ray trace.
+
+    The fields are rings of 5 deg.
+    """
+    scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
+    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+        inside, direction = instruments.rays(scene, size)
+        turned = rotation.rotate(direction, radians(scene.alpha))
+        found = instruments.traced(scene, direction)
+        rendered = np.linalg.norm(told[inside] - turned, axis=1) < 1e-3
+        exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
+        exact &= found.count < scene.max_trace_level
+        field = np.degrees(np.arccos(direction[:, 2])) // 5
+        for ring in np.unique(field):
+            pixels = field == ring
+            if pixels.sum() > 500:
+                yield scene.alpha, 5 * ring + 2.5, rendered[pixels].mean(), exact[pixels].mean()
+
+
+def _targets(sheet: str, count: int, seed: int, **values) -> list[Positions]:
+    """Objects at random distances that are seen at random places of the window, far from the pole."""
+    random = np.random.default_rng(seed)
+    scenes = []
+    while len(scenes) < count:
+        alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(1), np.log(30))), random.uniform(3, 8)
+        place = complex(*random.uniform(-0.8, 0.8, 2))
+        M = rotation.M(z2 / z1, radians(alpha))
+        # the object is seen as 0.4 tiles wide
+        if M < 10 and (sheet == "ideal" or abs(alpha) > 15):
+            L = rotation.object_position(place, values["E"], z1, z2, radians(alpha))
+            values |= {"alpha": alpha, "z1": z1, "z2": z2, "L": L, "extent": 0.3 / M}
+            scenes.append(Positions(sheet=sheet, **values))
+    return scenes
+
+
+def _located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, instruments.Seen]]:
+    place = instruments.pixels(size)
+    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+        inside, _ = instruments.rays(scene, size)
+        yield scene, instruments.locate(place[inside], _complex(told[inside]), scene.extent)
+
+
+def _complex(told: np.ndarray) -> np.ndarray:
+    return told[..., 0] + 1j * told[..., 1]
+
+
+def _unit(direction: np.ndarray) -> np.ndarray:
+    return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
+
+
+def _rms(values) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _px(tiles: float) -> float:
+    """Pixels of a picture of 1280x960."""
+    return float(tiles * HD[1] / VIEW)
