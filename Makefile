@@ -5,7 +5,7 @@ QUALITY ?= paper
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
-SOURCES := $(wildcard povgen/*.py templates/*.j2 templates/pieces/*.j2)
+SOURCES := $(wildcard povgen/*.py templates/*.j2 templates/*/*.j2)
 READY := $(VENV)/ready
 # Debian's package for each program (or file) that may be missing
 NEEDED := $(if $(shell command -v povray),,povray) \
@@ -14,7 +14,7 @@ SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
 # root or sudo can install
 MAY := $(filter 0,$(shell id -u))$(SUDO)
 
-.PHONY: movies frame test bench clean help
+.PHONY: movies frame test verify bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -28,11 +28,15 @@ frame: | $(READY)  ## one frame, frame.png: the chess piece and its predicted pl
 test: $(VENV)/test-ready  ## all tests
 	$(VENV)/bin/python -m pytest
 
+verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
+	$(POVGEN) verify
+	$(POVGEN) verify --stability
+
 bench: | $(READY)  ## the figures of speed in the README
 	$(VENV)/bin/python benchmarks/speed.py
 
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
-	rm -rf $(VENV) build frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
+	rm -rf $(VENV) build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
 
 help:  ## this list
 	@echo "QUALITY=draft|paper|high, now $(QUALITY)"
@@ -58,6 +62,6 @@ endif
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-$(VENV)/test-ready: pyproject.toml | $(READY)
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[test]
+$(VENV)/%-ready: pyproject.toml | $(READY)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[$*]
 	@touch $@

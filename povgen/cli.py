@@ -14,6 +14,7 @@ from pydantic_core import PydanticUndefined
 
 from povgen import __version__
 from povgen.errors import InputError, PovrayError, validated
+from povgen.limits import warnings
 from povgen.rendering import Rendering
 from povgen.scenes import PIECES, SCENES, Scene
 
@@ -118,7 +119,9 @@ def pov(scene: SceneName, output: Output = None, **values) -> None:
     from povgen.output import checked_output, save
     from povgen.source import to_pov
 
-    text = to_pov(_scene(scene, values))
+    made = _scene(scene, values)
+    text = to_pov(made)
+    _warn([made])
     if output is None:
         sys.stdout.write(text)
     else:
@@ -136,6 +139,8 @@ def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = F
     made = _scene(scene, values)
     rendering = validated(Rendering, options)
     output = checked_output(output, [".png"])
+    if not quiet:
+        _warn([made], rendering)
     save(render_png(made, rendering).read_bytes(), output)
     if not quiet:
         print(f"wrote {output}")
@@ -169,8 +174,11 @@ def movie(
     values, options = _split(values)
     made = MovieSpec.load(spec).with_fixed(values)
     output = checked_output(output or Path(Path(spec).stem + ".mp4"), FORMATS)
-    total = len(made.sweep.values(validated(Rendering, options).quality))
-    with _progress(output.name, total, quiet) as done:
+    rendering = validated(Rendering, options)
+    scenes = made.scenes(rendering.quality)
+    if not quiet:
+        _warn(scenes, rendering)
+    with _progress(output.name, len(scenes), quiet) as done:
         make(made, output, workers=_workers(workers), done=done, **options)
     if not quiet:
         print(f"wrote {output}")
@@ -189,33 +197,54 @@ def check() -> None:
 def verify(
     sheet: Annotated[str | None, typer.Option(metavar="ideal|detailed", help="one sheet model (default both)")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="write the figures to a .json file as well")] = None,
+    stability: Annotated[
+        bool, typer.Option("--stability", help="map where methods fail, and measure the limits")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="for the maps (default stability)")
+    ] = None,
 ) -> None:
     """Measure what POV-Ray renders against the equations and the exact ray trace; exit status 1 where a bound fails."""
     from dataclasses import asdict
     from json import dumps
+    from math import isfinite
 
     from rich.console import Console
     from rich.live import Live
     from rich.table import Table
 
     from povgen import povray
-    from povgen.output import checked_output, save
-    from povgen.verify import checks
+    from povgen.output import checked_folder, checked_output, save
 
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
+    if output and not stability:
+        raise InputError(f"output = {str(output)!r}: it is for the maps; allowed with --stability")
     if json:
         json = checked_output(json, [".json"])
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
     figures = []
     with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as live:
-        for figure in checks(sheet):
-            bound = f"{'≥' if figure.least else '≤'} {figure.bound:g} {figure.unit}"
+
+        def add(figure) -> None:
+            bound = f"{'≥' if figure.least else '≤'} {figure.bound:.5g} {figure.unit}"
             holds = "ok" if figure.holds else "[red]FAILS[/red]"
             table.add_row(figure.sheet, figure.what, f"{figure.value:.5g} {figure.unit}", bound, holds)
-            figures.append(asdict(figure) | {"holds": figure.holds})
+            value = figure.value if isfinite(figure.value) else None
+            figures.append(asdict(figure) | {"value": value, "holds": figure.holds})
             live.refresh()
+
+        if stability:
+            from povgen.charts import save_maps
+            from povgen.stability import maps
+
+            save_maps(maps(sheet), checked_folder(output or Path("stability")), add)
+        else:
+            from povgen.verify import checks
+
+            for figure in checks(sheet):
+                add(figure)
     if json:
         save((dumps({"versions": versions, "figures": figures}, indent=2) + "\n").encode(), json)
     if not all(figure["holds"] for figure in figures):
@@ -227,6 +256,17 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
     if version:
         print(f"povgen {__version__}")
         raise typer.Exit
+
+
+def _warn(scenes: list[Scene], rendering: Rendering | None = None) -> None:
+    """Say once, of each limit that frames cross, what it is and how many do."""
+    said: dict[str, list[str]] = {}
+    for scene in scenes:
+        for name, text in warnings(scene, rendering):
+            said.setdefault(name, []).append(text)
+    for texts in said.values():
+        also = f" (and {len(texts) - 1} more frames)" if len(texts) > 1 else ""
+        print(f"povgen: warning: {texts[0]}{also}", file=sys.stderr)
 
 
 def _workers(text: str | None) -> int | None:

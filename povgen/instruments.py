@@ -116,7 +116,7 @@ def pixels(size: tuple[int, int]) -> np.ndarray:
 
 
 def rays(scene: Scene, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Which pixels look through the window past the frame's front, (height, width), and their rays' directions, (n, 3)."""
+    """Which pixels look through the window past the frame's front, (height, width), and their directions, (n, 3)."""
     place = pixels(size)
     front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.window / 2
@@ -126,11 +126,14 @@ def rays(scene: Scene, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     return inside, direction / np.linalg.norm(direction, axis=1, keepdims=True)
 
 
-def traced(scene: Scene, direction: np.ndarray) -> trace.Rays:
-    """The exact ray trace of a scene of two sheets for rays from its eye, those that meet the frame behind included."""
+def traced(scene: Scene, direction: np.ndarray, most: int = 60) -> trace.Rays:
+    """The exact ray trace of a scene of two sheets for rays from its eye, up to `most` faces each.
+
+    A ray that meets the frame behind the sheets ends there.
+    """
     sheets = trace.pair(radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
     eye = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap)
+    found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap, most)
     side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
     leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
     free = found.end <= trace.End.BACK

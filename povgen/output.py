@@ -22,6 +22,17 @@ def checked_output(path: Path, suffixes: Iterable[str]) -> Path:
         raise InputError(f"{name}: {error.strerror}; allowed: a file in a folder that can be written to") from None
 
 
+def checked_folder(path: Path) -> Path:
+    """The path of a folder, made if it is not there, if files can be written into it. Raises InputError."""
+    try:
+        path.mkdir(exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            return path
+    except OSError as error:
+        name = f"output = {str(path)!r}"
+        raise InputError(f"{name}: {error.strerror}; allowed: a folder that can be written to") from None
+
+
 def save(data: bytes, output: Path) -> None:
     """Write a file that bears its name only when it is whole."""
     with tempfile.TemporaryDirectory(dir=output.parent, prefix=".povgen-") as folder:

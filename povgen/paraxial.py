@@ -32,7 +32,7 @@ def image(z1, z2, alpha, pitch):
 
 
 def apparent_position(L, E, z1, z2, alpha, pitch):
-    """Where the sheets show L to the eye, in the plane z = 0: as `rotation.apparent_position`, for prisms of a pitch."""
+    """Where light from L crosses the plane z = 0: as `rotation.apparent_position`, for prisms of a pitch."""
     a, b = image(z1, z2, alpha, pitch)
     D = np.subtract(L, E)
     return E + a * D + b * np.conj(D)

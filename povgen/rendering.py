@@ -45,10 +45,14 @@ class Rendering(BaseModel):
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680"
     )
     antialias: Annotated[
-        tuple[Annotated[int, Field(ge=1, le=2)], Annotated[float, Field(ge=0, lt=1)], Annotated[int, Field(ge=1, le=9)]]
+        tuple[
+            Annotated[int, Field(ge=1, le=2)],
+            Annotated[float, Field(ge=0.001, lt=1)],
+            Annotated[int, Field(ge=1, le=9)],
+        ]
         | None,
         BeforeValidator(_antialias),
-    ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0 to below 1, 1 to 9")
+    ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9")
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
         1800, description="the longest a frame may take, above 0 to 1e6 seconds"
     )

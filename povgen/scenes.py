@@ -5,18 +5,18 @@ x + iy from the window's centre, x to the right and y up for the eye.
 """
 
 from cmath import isfinite
-from math import radians, sqrt
+from math import isinf, radians
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from povgen import prism
+from povgen import limits, prism
 
 # Radius of each piece's foot, tiles: it must stand clear of the sheets.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
 Piece = Literal["pawn", "rook", "knight", "bishop", "queen", "king"]
 Sheet = Literal["detailed", "ideal", "single", "none"]
-# POV-Ray sees 10 million of its units far, which is 10,000 tiles.
+FARTHEST = 5e6  # POV-Ray sees 10 million of its units far
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Offset = Annotated[float, Field(ge=-10, le=10)]
 
@@ -43,8 +43,8 @@ class Scene(BaseModel):
     sheet: Sheet = Field(
         "detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none"
     )
-    prisms: Annotated[int, Field(ge=1, le=3000)] = Field(
-        100, description="Dove prisms to the window's side, in each sheet, 1 to 3000"
+    prisms: Annotated[int, Field(ge=1, le=limits.PRISMS)] = Field(
+        100, description=f"Dove prisms to the window's side, in each sheet, 1 to {limits.PRISMS}"
     )
 
     name: ClassVar[str]
@@ -78,7 +78,7 @@ class Scene(BaseModel):
 
         Its error, in pixels, is as 1/(cells^2 z2).
         """
-        return 1 if self.E == 0 else round(48 * sqrt(6 / self.z2))
+        return 1 if self.E == 0 else limits.grid_cells(self.z2)
 
     @property
     def air_gap(self) -> float:
@@ -87,8 +87,13 @@ class Scene(BaseModel):
 
     @property
     def max_trace_level(self) -> int:
-        """How many surfaces POV-Ray follows a ray through: 4 prism faces on the proper path, more for stray light."""
-        return 20 if self.sheets_depth else 5
+        """How many surfaces POV-Ray follows a ray through: 6 prism faces on the proper path, more for stray light."""
+        return limits.trace_level(self.sheet, self.z2)
+
+    @property
+    def tile(self) -> int:
+        """POV-Ray's units in a tile."""
+        return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
 
     def _repr_png_(self) -> bytes:
         from povgen.frames import render_png  # a scene that is only described needs no POV-Ray
@@ -101,6 +106,16 @@ class Scene(BaseModel):
                 f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind "
                 f"z = 0; allowed: z1 > {nearest:.4g}"
             )
+        if z1 > self.farthest:
+            raise ValueError(
+                f"z1 = {z1:g}: with {self.prisms} prisms POV-Ray does not see so far; "
+                f"allowed: z1 <= {self.farthest:.4g}"
+            )
+
+    @property
+    def farthest(self) -> float:
+        """The greatest z1, tiles."""
+        return FARTHEST / self.tile
 
     @model_validator(mode="after")
     def _check_eye(self):
@@ -139,6 +154,13 @@ class Chess(Scene):
         """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
         return tuple(self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))
 
+    def _is_seen(self) -> bool:
+        """Whether the piece has an apparent place: neither eq. 7 nor the prediction for these sheets has its pole."""
+        from povgen import rotation
+
+        pole = isinf(rotation.condition(self.z2 / self.z1, radians(self.alpha)))
+        return not pole and isfinite(self.seen(self.L, self.z1))
+
     @model_validator(mode="after")
     def _check_piece(self):
         self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
@@ -147,7 +169,7 @@ class Chess(Scene):
                 f"ghost = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
                 "allowed with sheet 'detailed' or 'ideal'"
             )
-        if self.ghost and not isfinite(self.seen(self.L, self.z1)):
+        if self.ghost and not self._is_seen():
             raise ValueError(
                 f"ghost = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at infinity "
                 "(the pole of eq. 7); allowed: any other alpha or z1"
@@ -184,7 +206,7 @@ class Spheres(Scene):
     def distances(self) -> tuple[float, ...]:
         """z1 of every sphere, tiles."""
         steps = (2.0**n * self.z2 for n in range(-5, 6))
-        return self.z1 or tuple(z1 for z1 in steps if z1 > self.nearest)
+        return self.z1 or tuple(z1 for z1 in steps if self.nearest < z1 <= self.farthest)
 
     def radius(self, z1: float) -> float:
         """Radius of the sphere at z1, tiles: at alpha = 0 the farther looks larger, so that none hides another."""

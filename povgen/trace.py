@@ -152,7 +152,7 @@ def trace(
     steps = 3 * len(sheets)
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     path = np.where(direction[:, 2:] > 0, path, path[::-1])
-    rays.proper = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path).all(1)
+    rays.proper = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
     return rays
 
 

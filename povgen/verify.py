@@ -5,6 +5,7 @@ Every check renders scenes of `instruments` and yields what it measured beside i
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from math import degrees, pi, radians
 
 import numpy as np
@@ -82,7 +83,13 @@ def piece(size: Size = HD) -> Iterator[Measured]:
     """Rotation and magnification of a chess piece about the eye against eqs. 8 and 9, corrected."""
     scenes = [
         Piece(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
-        for alpha, z1, name in ((25, 3, "pawn"), (66, 2, "knight"), (90, 6, "queen"), (140, 1, "rook"), (-66, 4, "king"))
+        for alpha, z1, name in (
+            (25, 3, "pawn"),
+            (66, 2, "knight"),
+            (90, 6, "queen"),
+            (140, 1, "rook"),
+            (-66, 4, "king"),
+        )
     ]
     turn, scale = 0.0, 0.0
     for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
@@ -90,7 +97,9 @@ def piece(size: Size = HD) -> Iterator[Measured]:
         r = scene.z2 / scene.z1
         turn = max(turn, abs(np.angle(a * np.exp(-1j * rotation.nu(r, radians(scene.alpha))))))
         scale = max(scale, abs(abs(a) / rotation.M(r, radians(scene.alpha)) - 1))
-    yield Measured("ideal", f"nu of {len(scenes)} chess pieces against eq. 8 corrected, worst", degrees(turn), 0.1, "deg")
+    yield Measured(
+        "ideal", f"nu of {len(scenes)} chess pieces against eq. 8 corrected, worst", degrees(turn), 0.1, "deg"
+    )
     yield Measured("ideal", f"M of {len(scenes)} chess pieces against eq. 9 corrected, worst", 100 * scale, 0.2, "%")
 
 
@@ -176,21 +185,30 @@ def every_pixel(
             "detailed", f"{kind}: all pixels whose ray leaves, likewise",
             100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
         )  # fmt: skip
-        yield Measured("detailed", f"{kind}: of the {near_edge + wrong} others not within {EDGE:g} tiles of an edge", wrong, 0)
+        yield Measured(
+            "detailed", f"{kind}: of the {near_edge + wrong} others not within {EDGE:g} tiles of an edge", wrong, 0
+        )
 
 
-EDGE = 1e-6  # tiles; POV-Ray keeps a mesh's vertices as 32-bit numbers, to 1e-7 tiles
+# tiles: POV-Ray takes no face that is nearer to the last than its tolerance, 1e-6, and keeps vertices to 1e-7
+EDGE = 1e-6
 
 
 def _near_edge(scene: Directions, direction: np.ndarray) -> np.ndarray:
-    """Which rays take another path if they start up to EDGE aside."""
+    """Which rays take another path if they start up to EDGE aside, or meet two faces within EDGE, as at their edge."""
     path = instruments.traced(scene, direction)
-    other = np.zeros(len(direction), bool)
+    near = np.zeros(len(direction), bool)
     for angle in np.arange(0, 2 * pi, pi / 8):
         moved = scene.model_copy(update={"E": scene.E + EDGE * np.exp(1j * angle)})
         neighbour = instruments.traced(moved, direction)
-        other |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
-    return other
+        near |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
+    # where each ray meets its first face, its second ...; the last of them again where it has met them all
+    places = [
+        instruments.traced(scene, direction, most=met).position for met in range(1, path.count.max(initial=0) + 1)
+    ]
+    for met, (place, after) in enumerate(pairwise(places), 1):
+        near |= (np.linalg.norm(after - place, axis=1) < EDGE) & (path.count > met)
+    return near
 
 
 def finite_prisms(
@@ -208,7 +226,9 @@ def finite_prisms(
         errors.append((_rms(thin), _rms(thick)))
     thin, thick = np.array(errors).T
     slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
-    yield Measured("detailed", f"error of eq. 7 falls as N^k, N = {prisms[0]} to {prisms[-1]}: |k + 1|", abs(slope + 1), 0.15)
+    yield Measured(
+        "detailed", f"error of eq. 7 falls as N^k, N = {prisms[0]} to {prisms[-1]}: |k + 1|", abs(slope + 1), 0.15
+    )
     at_100 = prisms.index(100)
     yield Measured(
         "detailed", f"paraxial prediction's error over eq. 7's ({_px(thin[at_100]):.2f} px) at N = 100",
@@ -217,15 +237,19 @@ def finite_prisms(
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
-    """Through a single sheet a line along the normal is seen as a hyperbola, (x - X/2)(y - Y/2) = const for L = (X, Y)."""
+    """Through a single sheet a line along the normal at (X, Y) is seen as a hyperbola, (x - X/2)(y - Y/2) = const."""
     L = 0.45 + 0.3j
-    scenes = [Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)]
+    scenes = [
+        Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)
+    ]
     place = np.array([seen.place for _, seen in _located(scenes, size)])
     x, y = place.real, place.imag
     # x y = p x + q y + const
     fit = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
     away = abs(x * y - (fit[0] * x + fit[1] * y + fit[2])) / np.hypot(y - fit[0], x - fit[1])
-    yield Measured("detailed", "single sheet: a line along the normal off its hyperbola, rms", _px(_rms(away)), 0.2, "px")
+    yield Measured(
+        "detailed", "single sheet: a line along the normal off its hyperbola, rms", _px(_rms(away)), 0.2, "px"
+    )
     middle = abs(fit[1] + 1j * fit[0] - L / 2)
     yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", _px(middle), 2, "px")
 
@@ -235,7 +259,9 @@ def proper_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size =
     worst = 0.0
     for _, _, rendered, exact in fractions(alphas, size):
         worst = max(worst, abs(rendered - exact))
-    yield Measured("detailed", "fraction of proper pixels by field angle, 0 to 50 deg, against the ray trace, worst", worst, 0.002)
+    yield Measured(
+        "detailed", "fraction of proper pixels by field angle, 0 to 50 deg, against the ray trace, worst", worst, 0.002
+    )
 
 
 def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:

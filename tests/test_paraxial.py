@@ -1,0 +1,62 @@
+"""The prediction for prisms of finite size: eq. 7 in the limit, and the exact ray trace."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from povgen import paraxial, prism, rotation
+from povgen.trace import pair, trace
+
+RNG = np.random.default_rng(7)
+ANGLE = st.floats(-np.pi, np.pi)
+DISTANCE = st.floats(0.5, 50)
+
+
+@given(DISTANCE, DISTANCE, ANGLE)
+def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
+    assume(rotation.condition(z2 / z1, alpha) < 1e6)
+    a, b = paraxial.image(z1, z2, alpha, 0.0)
+    assert b == 0 and a == pytest.approx(rotation.one_minus_P(z2 / z1, alpha), rel=1e-9)
+
+
+@pytest.mark.parametrize("alpha", [0.2, 1.15, -2.0, np.pi])
+@pytest.mark.parametrize("prisms", [50, 200])
+def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms):
+    """Proper rays from the eye to all places of the window, as few degrees wide as they are paraxial."""
+    z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
+    P = RNG.uniform(-0.4, 0.4, 40000) + 1j * RNG.uniform(-0.4, 0.4, 40000)
+    direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
+    rays = trace([[E.real, E.imag, -z2]], direction, pair(alpha, window, prisms), window, prisms)
+    steps = (z1 - rays.position[:, 2]) / rays.direction[:, 2]
+    end = rays.position[:, :2] + steps[:, None] * rays.direction[:, :2]
+    D = (end[:, 0] + 1j * end[:, 1] - E)[rays.proper]
+    # what is seen at P - E is, on average over the prisms, L - E = A s + B conj(s); image() has its inverse
+    s = ((P - E) / z2)[rays.proper]
+    (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
+    size = abs(A) ** 2 - abs(B) ** 2
+    a, b = paraxial.image(z1, z2, alpha, window / prisms)
+    thin = abs(rotation.one_minus_P(z2 / z1, alpha) - A.conj() * z2 / size)
+    assert abs(a - A.conj() * z2 / size) < 0.1 * thin
+    assert abs(b + B * z2 / size) < 0.1 * thin
+
+
+def test_infinite_at_the_pole():
+    assert np.isinf(paraxial.image(3.0, 3.0, np.pi, 0.0)[0]).all() or np.isinf(
+        abs(paraxial.image(3.0, 3.0, np.pi, 0.0)[0])
+    )
+
+
+def test_slab_shift_is_that_of_glass_along_the_prism():
+    """Rays a little aside along the prisms leave aside of where the thin mirror would have them."""
+    prisms, window = 20, 2.4
+    slope = 1e-4
+    y = RNG.uniform(-0.5, 0.5, 5000)
+    origin = np.column_stack((np.zeros(5000), y, np.full(5000, -3.0)))
+    direction = np.tile([slope, 0, 1.0], (5000, 1))
+    sheets = pair(0.0, window, prisms)[1:]
+    rays = trace(origin, direction, sheets, window, prisms)
+    straight = (rays.position[:, 2] + 3) * slope
+    shift = (straight - rays.position[:, 0])[rays.proper] / slope
+    height = window / prisms * (1 - prism.AIR_GAP)
+    assert shift == pytest.approx(prism.slab_shift() * height, rel=1e-6)

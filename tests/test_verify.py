@@ -1,0 +1,171 @@
+"""The checks of `povgen verify` at reduced size, that they can fail, and the limits that the maps found."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from povgen import Chess, Rendering, Spheres, instruments, limits, prism, stability, verify
+from povgen.stability import Map
+
+POVGEN = Path(sys.executable).with_name("povgen")
+SIZE = (320, 240)
+REDUCED = {
+    "positions": lambda: verify.ideal_positions(8, SIZE),
+    "directions": lambda: verify.ideal_directions(SIZE),
+    "piece": lambda: verify.piece((640, 480)),
+    "horizon": lambda: verify.horizon(SIZE),
+    "real image": lambda: verify.real_image((640, 480)),
+    "alpha = 0": lambda: verify.nothing_changed(SIZE),
+    "every pixel": lambda: verify.every_pixel((100, 1000), (35,), SIZE),
+    "finite prisms": lambda: verify.finite_prisms((25, 100, 400), 4, SIZE),
+    "hyperbola": lambda: verify.hyperbola(SIZE),
+    "proper fraction": lambda: verify.proper_fraction((66,), SIZE),
+}
+
+
+@pytest.mark.parametrize("name", REDUCED)
+def test_bounds_hold(name):
+    figures = list(REDUCED[name]())
+    assert figures and all(figure.holds for figure in figures), figures
+
+
+@pytest.mark.parametrize("name", set(REDUCED) - {"hyperbola", "real image"})
+def test_a_sheet_that_is_off_by_half_a_degree_fails(name, monkeypatch):
+    render = instruments.frames
+
+    def off(scenes, size):
+        return render([scene.model_copy(update={"alpha": scene.alpha + 0.5}) for scene in scenes], size)
+
+    monkeypatch.setattr(instruments, "frames", off)
+    assert not all(figure.holds for figure in REDUCED[name]())
+
+
+@pytest.mark.parametrize("name", ["hyperbola", "real image"])
+def test_an_eye_too_near_fails(name, monkeypatch):
+    render = instruments.frames
+
+    def off(scenes, size):
+        return render([scene.model_copy(update={"z2": 0.98 * scene.z2}) for scene in scenes], size)
+
+    monkeypatch.setattr(instruments, "frames", off)
+    assert not all(figure.holds for figure in REDUCED[name]())
+
+
+def test_the_command(tmp_path, monkeypatch):
+    """Status 0 and all figures where bounds hold, 1 where one does not; nothing measured for what cannot be."""
+    from typer.testing import CliRunner
+
+    from povgen.cli import app
+
+    made = [verify.Measured("ideal", "a thing", 0.5, 1.0, "px"), verify.Measured("ideal", "more", 2, 1, "%", least=True)]
+    monkeypatch.setattr(verify, "checks", lambda sheet: iter(made))
+    done = CliRunner().invoke(app, ["verify", "--json", str(tmp_path / "x.json")])
+    assert done.exit_code == 0 and "a thing" in done.output and "FAILS" not in done.output
+    figures = json.loads((tmp_path / "x.json").read_text())["figures"]
+    assert [figure["value"] for figure in figures] == [0.5, 2] and all(figure["holds"] for figure in figures)
+    made.append(verify.Measured("ideal", "nowhere", float("nan"), 1))
+    done = CliRunner().invoke(app, ["verify", "--json", str(tmp_path / "x.json")])
+    assert done.exit_code == 1 and "FAILS" in done.output
+    assert json.loads((tmp_path / "x.json").read_text())["figures"][2]["value"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--sheet", "single"], ["sheet", "single", "ideal or detailed"]),
+        (["--json", "x.txt"], ["x.txt", ".json"]),
+        (["-o", "maps"], ["output", "maps", "--stability"]),
+        (["--stability", "-o", "no/where"], ["no/where", "No such file"]),
+    ],
+)
+def test_bad_options_are_refused(options, words, tmp_path):
+    done = subprocess.run([POVGEN, "verify", *options], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and all(word in done.stderr for word in words), done
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
+    map = Map("name", "title", "x", "y", 1.0, "")
+    for x, y in ((1, 0.2), (3, 0.5), (5, 1.5), (7, 0.1)):
+        map.add("series", x, y)
+    map.limit("ideal", "series", 3.9)
+    map.limit("ideal", "series", 4.1)
+    map.limit("ideal", "series", 6.1, rising=False)
+    assert [limit.value for limit in map.limits] == pytest.approx([4, 4, 7 - 2 * 0.9 / 1.4])
+    assert [limit.holds for limit in map.limits] == [True, False, True]
+    map.add("never", 1, float("nan"))
+    map.add("never", 2, 0.0)
+    map.limit("ideal", "never", 1)
+    assert not map.limits[-1].holds
+
+
+def test_maps_are_drawn_and_tabled(tmp_path):
+    from povgen.charts import save_maps
+
+    found = []
+    save_maps([*stability.grid(SIZE), *stability.trace_level((64, 48))], tmp_path, found.append)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *("grid.csv", "grid.png", "trace-level.csv", "trace-level.png", "stability.png")
+    }
+    rows = list(csv.reader((tmp_path / "grid.csv").open()))
+    assert rows[0] == ["series", "cells² z2", "worst error of position (px)"] and len(rows) == 26
+    assert {limit.sheet for limit in found} == {"ideal", "detailed", "single"}
+    assert all(limit.holds for limit in found if limit.sheet == "ideal")
+
+
+# ---- the limits are in force
+
+
+def said(scene, rendering=None):
+    return " ".join(text for _, text in limits.warnings(scene, rendering))
+
+
+def test_no_warning_without_cause():
+    draft = Rendering(quality="draft")
+    for scene in (Chess(), Chess(ghost=True), Spheres(), Chess(sheet="ideal", alpha=0, z2=1), Chess(sheet="none")):
+        assert not said(scene, draft)
+
+
+@pytest.mark.parametrize(
+    ("scene", "rendering", "words"),
+    [
+        (Chess(z2=2), None, ["z2 = 2", "40 degrees", "25 degrees", "stray light"]),
+        (Chess(sheet="single", z2=2), None, ["z2 = 2"]),
+        (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
+        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "3", "alpha = 179", "z1 = 5"]),
+        (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "400", "573 times"]),
+        (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.37 pixels", "1.2 pixels", "noise"]),
+    ],
+)
+def test_each_limit_warns_in_words(scene, rendering, words):
+    text = said(scene, rendering)
+    assert all(word in text for word in words), text
+
+
+def test_antialiasing_quiets_the_warning_of_aliasing():
+    assert not said(Chess(prisms=400), Rendering(quality="paper"))
+
+
+def test_warnings_are_said_once_and_not_with_quiet(tmp_path):
+    base = [POVGEN, "frame", "chess", "--alpha", "1", "--size", "64x48", "--antialias", "1,0.5,1"]
+    done = subprocess.run(base, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and done.stderr.count("warning") == 1 and "3 degrees" in done.stderr
+    assert not subprocess.run([*base, "--quiet"], cwd=tmp_path, capture_output=True, text=True).stderr
+
+
+def test_settings_follow_the_maps():
+    assert prism.AIR_GAP > limits.GAP[0] and prism.AIR_GAP < limits.GAP[1]
+    assert [Chess(z2=z2).max_trace_level for z2 in (1, 2, 4, 6, 100)] == [53, 46, 41, 33, 7]
+    assert Chess(sheet="ideal").max_trace_level == Chess(sheet="none").max_trace_level == 5
+    near, far = (Chess(sheet="ideal", z2=z2, offset=(0, -1)) for z2 in (1, 20))
+    assert near.cells > far.cells > 1 == Chess(sheet="ideal").cells
+    assert near.cells**2 * 1 >= limits.GRID / limits.GRID_ERROR
+    # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
+    assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 3000, 1000)
+    with pytest.raises(ValueError, match="z1 = 2000.*3000 prisms.*1667"):
+        Chess(prisms=3000, z1=2000)
+    assert max(Spheres(prisms=3000, z2=60).distances) == 960
