@@ -9,7 +9,7 @@ import numpy as np
 
 from povgen.errors import InputError
 from povgen.output import save
-from povgen.stability import Map
+from povgen.stability import RENDERED, Map
 from povgen.verify import Measured
 
 try:
@@ -28,7 +28,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 9,
     "axes.prop_cycle": matplotlib.cycler(
-        color=["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b"]
+        color=["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
     ),
 }
 
@@ -54,7 +54,7 @@ def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], obje
         columns = 3
         figure = Figure(figsize=(6 * columns, 4.4 * -(-len(drawn) // columns)), layout="constrained")
         axes = figure.subplots(-(-len(drawn) // columns), columns, squeeze=False).ravel()
-        for map, ax in zip(drawn, axes, strict=False):
+        for map, ax in zip(sorted(drawn, key=lambda map: map.title), axes, strict=False):
             _draw(ax, map)
         for ax in axes[len(drawn) :]:
             ax.axis("off")
@@ -63,10 +63,15 @@ def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], obje
 
 def _draw(ax: Axes, map: Map) -> None:
     """A map: each series, the tolerance as a dashed line, and a diamond on it at each limit that is in force."""
+    rendered = None
     for series in dict.fromkeys(name for name, _, _ in map.rows):
         x, y = np.array([row[1:] for row in map.rows if row[0] == series]).T
-        rendered = "POV-Ray" in series  # beside the exact ray trace's line
-        ax.plot(x, y, "x" if rendered else "-" if len(x) > 20 else "o-", markersize=5, label=series)
+        if series.endswith(RENDERED):  # beside the exact ray trace's line
+            (rendered,) = ax.plot(x, y, "kx", markersize=6)
+        else:
+            ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, label=series)
+    if rendered:
+        rendered.set_label("the same, by POV-Ray")
     if map.limits:
         ax.axhline(map.most, color="black", linestyle="--", linewidth=1, label="tolerance")
         places = sorted({limit.bound for limit in map.limits})

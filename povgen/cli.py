@@ -265,7 +265,7 @@ def _warn(scenes: list[Scene], rendering: Rendering | None = None) -> None:
         for name, text in warnings(scene, rendering):
             said.setdefault(name, []).append(text)
     for texts in said.values():
-        also = f" (and {len(texts) - 1} more frames)" if len(texts) > 1 else ""
+        also = f" (so in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
         print(f"povgen: warning: {texts[0]}{also}", file=sys.stderr)
 
 

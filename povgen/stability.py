@@ -19,6 +19,7 @@ from povgen.trace import End, Sheet, trace
 from povgen.verify import SMALL, Measured, _complex, _located, _px, _rms, fractions
 
 TINY = (320, 240)
+RENDERED = ", by POV-Ray"  # ends the name of a series beside the one that the exact ray trace makes
 
 
 @dataclass
@@ -49,10 +50,12 @@ class Map:
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
         found = points[0][0] if points[0][1] <= self.most else np.nan
         for (x0, y0), (x1, y1) in pairwise(points):
-            if not y1 <= self.most:
-                found = x0 + (x1 - x0) * (self.most - y0) / (y1 - y0) if y1 > y0 and y0 <= self.most else found
+            if not y0 <= self.most:
                 break
-            found = x1
+            if y1 <= self.most:
+                found = x1
+            elif y1 > self.most:
+                found = x0 + (x1 - x0) * (self.most - y0) / (y1 - y0)
         self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
 
 
@@ -133,13 +136,16 @@ def trace_level(size=TINY) -> Iterator[Map]:
             for at, share in zip(levels, lost, strict=True):
                 map.add(series, at, 100 * share)
             map.limit(sheet, series, level, rising=False)
+    one = "detailed, z2 = 6, α = 66°"
     scene = Directions(sheet="detailed")
+    for at, share in zip(levels, _lost(scene, "detailed", levels, size), strict=True):
+        map.add(one, at, 100 * share)
     inside, direction = instruments.rays(scene, size)
     leaves = instruments.traced(scene, direction).end != End.FRAME
     scenes = [Directions(sheet="detailed", trace_level=level) for level in (7, 10, 15, 20, 30, 45)]
     for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
         black = np.isnan(told[inside][:, 0]) & leaves
-        map.add("POV-Ray, α = 66°, z2 = 6", scene.max_trace_level, 100 * black.mean())
+        map.add(one + RENDERED, scene.max_trace_level, 100 * black.mean())
     yield map
 
 
@@ -162,7 +168,7 @@ def field_angle() -> Iterator[Map]:
     angles = Map("field", "(e) field angle", "field angle (degrees)", "pixels without rotated light (%)", 75, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), SMALL, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
-        angles.add(f"α = {alpha:g}°, POV-Ray", angle, 100 * (1 - rendered))
+        angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
     distance = Map("distance", "(e) distance of the eye", "z2 (tiles)", "pixels without rotated light (%)", 75, "x")
     for z2 in (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150):

@@ -1,6 +1,8 @@
 """The house: who may import whom."""
 
 import ast
+import math
+import re
 from pathlib import Path
 
 import povgen
@@ -31,13 +33,25 @@ def test_each_trade_has_one_house():
     assert not only("source", of="jinja2")
     assert not only("povray", of="subprocess")
     assert not only("encode", "frames", of="imageio")  # frames only reads back the PNG that it hands out as an array
+    assert not only("charts", of="matplotlib")
     assert not only("cli", of="typer")
     assert not only("cli", of="rich")
 
 
 def test_the_mathematics_is_numpy_alone():
     assert imports(HOUSE / "rotation.py") == {"numpy"}
-    assert {name.split(".")[0] for name in imports(HOUSE / "prism.py")} == {"math"}
+    assert imports(HOUSE / "prism.py") <= {"math"} | {f"math.{name}" for name in vars(math)}
+    for name in ("paraxial", "trace"):
+        own = {"povgen", "povgen.prism"}
+        assert {module.split(".")[0] for module in imports(HOUSE / f"{name}.py") - own} <= {
+            *("numpy", "dataclasses", "enum")
+        }
+
+
+def test_the_ray_trace_shares_nothing_with_what_builds_the_mesh():
+    assert not imports(HOUSE / "source.py") & {"povgen.trace", "povgen.paraxial"}
+    mesh = (HOUSE / "templates" / "sheets.pov.j2").read_text()
+    assert not set(re.findall(r"prism\.\w+", mesh))
 
 
 def test_scenes_know_nothing_of_files_and_processes():

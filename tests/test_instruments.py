@@ -10,7 +10,10 @@ SIZE = (320, 240)
 RNG = np.random.default_rng(9)
 
 
-def looked_at(place=0.4 - 0.3j, a=0.7 * np.exp(0.5j), b=0.1j, radius=0.3):
+A = 0.7 * np.exp(0.5j)
+
+
+def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
     """Pixels of a picture and what they tell: an object of that radius, seen at `place` as a d + b conj(d)."""
     pixels = instruments.pixels(SIZE).ravel()
     off = pixels - place
@@ -22,7 +25,7 @@ def looked_at(place=0.4 - 0.3j, a=0.7 * np.exp(0.5j), b=0.1j, radius=0.3):
 def test_an_object_is_located_to_a_thousandth_of_a_pixel():
     seen = locate(*looked_at(), 0.3)
     assert abs(seen.place - (0.4 - 0.3j)) < 1e-3 * 3.85 / 240
-    assert seen.a == pytest.approx(0.7 * np.exp(0.5j)) and seen.b == pytest.approx(0.1j)
+    assert seen.a == pytest.approx(A) and seen.b == pytest.approx(0.1j)
     assert seen.rotation == pytest.approx(0.5) and seen.magnification == pytest.approx(0.7)
 
 
@@ -32,7 +35,7 @@ def test_ghosts_and_stray_light_do_not_move_it():
     told = np.where(np.isnan(told), ghost, told)
     stripes = np.round(pixels.real * 40) % 3 == 0  # prisms cut the object into slices
     told[stripes] = np.nan
-    stray = RNG.random(len(pixels)) < 0.25
+    stray = RNG.random(len(pixels)) < 0.005  # as many as the object has left
     told[stray] = RNG.uniform(-0.3, 0.3, stray.sum()) + 1j * RNG.uniform(-0.3, 0.3, stray.sum())
     assert abs(locate(pixels, told, 0.3).place - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
     naive = pixels[abs(told) < 0.3].mean()
@@ -77,25 +80,22 @@ def test_a_piece_tells_places_on_it():
 
 
 def test_apparent_place_of_what_is_seen_through_prisms():
-    """Stray light of real prisms; the paraxial prediction is good to a tenth of a pixel here, eq. 7 to four."""
-    scene = Positions(sheet="detailed", alpha=66, z1=3, L=0.5 + 0.2j, extent=0.4)
+    """Stray light of real prisms; eq. 7, for infinitely fine ones, is off by three pixels of 1280x960."""
+    scene = Positions(sheet="detailed", alpha=120, z1=2, L=0.5 + 0.2j, extent=0.4)
     (told,) = instruments.frames([scene], SIZE)
     inside, _ = instruments.rays(scene, SIZE)
     told = told[inside][:, 0] + 1j * told[inside][:, 1]
     seen = locate(instruments.pixels(SIZE)[inside], told, scene.extent)
     pixel = 3.85 / 960
     assert abs(seen.place - scene.seen(scene.L, scene.z1)) < 0.5 * pixel
-    ideal = rotation.apparent_position(scene.L, 0, 3, 6, np.radians(66))
-    assert 2 * pixel < abs(seen.place - ideal) < 6 * pixel
+    ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
+    assert 2.5 * pixel < abs(seen.place - ideal) < 4 * pixel
 
 
 def test_a_ray_that_misses_an_edge_does_not_end_povray():
     """With glass alike to the last digit POV-Ray counts no face of such a ray and runs out of its stack."""
-    scene = Directions(sheet="detailed", prisms=1600, alpha=CRASH[0], z2=CRASH[1])
+    scene = Directions(sheet="detailed", prisms=1600, alpha=164.25621174099547, z2=6.242736035399125)
     next(instruments.frames([scene], (640, 480)))
-
-
-CRASH = (-149.17, 7.006)
 
 
 def test_what_povray_says_of_an_instrument(monkeypatch):

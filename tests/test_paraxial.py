@@ -36,15 +36,9 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms):
     (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
     size = abs(A) ** 2 - abs(B) ** 2
     a, b = paraxial.image(z1, z2, alpha, window / prisms)
-    thin = abs(rotation.one_minus_P(z2 / z1, alpha) - A.conj() * z2 / size)
-    assert abs(a - A.conj() * z2 / size) < 0.1 * thin
-    assert abs(b + B * z2 / size) < 0.1 * thin
-
-
-def test_infinite_at_the_pole():
-    assert np.isinf(paraxial.image(3.0, 3.0, np.pi, 0.0)[0]).all() or np.isinf(
-        abs(paraxial.image(3.0, 3.0, np.pi, 0.0)[0])
-    )
+    found = A.conj() * z2 / size, -B * z2 / size
+    thin = abs(rotation.one_minus_P(z2 / z1, alpha) - found[0]) + abs(found[1])
+    assert abs(a - found[0]) + abs(b - found[1]) < 0.12 * thin
 
 
 def test_slab_shift_is_that_of_glass_along_the_prism():

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from povgen import Chess, Spheres, to_pov
+from povgen.instruments import Directions, Piece, Positions
 from povgen.scenes import PIECES
 from povgen.source import TEMPLATES, template_of
 
@@ -16,6 +17,9 @@ def scenes():
         yield Spheres(sheet=sheet)
         for piece in PIECES:
             yield Chess(sheet=sheet, piece=piece)
+        yield Directions(sheet=sheet)
+        yield Positions(sheet=sheet, z1=3)
+        yield Piece(sheet=sheet)
     yield Chess(ghost=True)
     yield Chess(ghost=True, sheet="ideal", offset=(0.5, -1))
 
