@@ -246,7 +246,7 @@ def verify(
             for figure in checks(sheet):
                 add(figure)
     if json:
-        save((dumps({"versions": versions, "figures": figures}, indent=2) + "\n").encode(), json)
+        save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json)
     if not all(figure["holds"] for figure in figures):
         raise typer.Exit(1)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from povgen import Chess, Rendering, Spheres, instruments, limits, prism, stability, verify
