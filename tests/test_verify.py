@@ -40,8 +40,13 @@ def test_bounds_fail_for_another_scene(name, monkeypatch):
     render = instruments.frames
 
     def other(scene):
-        change = {"hyperbola": {"L": scene.L + 0.05}, "real image": {"z2": 0.98 * scene.z2}}
-        return scene.model_copy(update=change.get(name, {"alpha": scene.alpha + 0.5}))
+        if name == "hyperbola":
+            change = {"L": scene.L + 0.05}
+        elif name == "real image":
+            change = {"z2": 0.98 * scene.z2}
+        else:
+            change = {"alpha": scene.alpha + 0.5}
+        return scene.model_copy(update=change)
 
     monkeypatch.setattr(instruments, "frames", lambda scenes, size: render([other(s) for s in scenes], size))
     assert not all(figure.holds for figure in REDUCED[name]())
