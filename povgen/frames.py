@@ -76,6 +76,11 @@ def render(scene: Scene, **options) -> np.ndarray:
 
     Options: quality, size, antialias and timeout, as of `Rendering`.
     """
+    return read(render_png(scene, validated(Rendering, options)))
+
+
+def read(frame: Path) -> np.ndarray:
+    """A frame's picture, (height, width, 3) bytes of red, green and blue."""
     import imageio.v3 as iio
 
-    return iio.imread(render_png(scene, validated(Rendering, options)))[..., :3]
+    return iio.imread(frame)[..., :3]

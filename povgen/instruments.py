@@ -116,7 +116,7 @@ def pixels(size: tuple[int, int]) -> np.ndarray:
 
 
 def rays(scene: Scene, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Which pixels look through the window past the frame's front, (height, width), and their directions, (n, 3)."""
+    """Which pixels look through the window past the frame's front, (height, width); their unit directions, (n, 3)."""
     place = pixels(size)
     front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.window / 2
@@ -126,12 +126,19 @@ def rays(scene: Scene, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     return inside, direction / np.linalg.norm(direction, axis=1, keepdims=True)
 
 
+def window(scene: Scene, size: tuple[int, int]) -> tuple[slice, slice]:
+    """Rows and columns of the pixels that look through the window."""
+    inside, _ = rays(scene, size)
+    y, x = np.argwhere(inside)[[0, -1]].T
+    return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
+
+
 def traced(scene: Scene, direction: np.ndarray, most: int = 60) -> trace.Rays:
-    """The exact ray trace of a scene of two sheets for rays from its eye, up to `most` faces each.
+    """The exact ray trace of a scene of prisms for rays from its eye, up to `most` faces each.
 
     A ray that meets the frame behind the sheets ends there.
     """
-    sheets = trace.pair(radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
+    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
     eye = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
     found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap, most)
     side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
@@ -153,7 +160,6 @@ class Seen:
     place: complex
     a: complex
     b: complex
-    pixels: int
 
     @property
     def rotation(self) -> float:
@@ -186,7 +192,9 @@ def locate(place: np.ndarray, told: np.ndarray, radius: float) -> Seen | None:
         kept = np.ones(len(x), bool)
         for _ in range(5):
             fit = basis[kept]
-            c = np.linalg.solve(fit.conj().T @ fit, fit.conj().T @ y[kept])
+            c, _, rank, _ = np.linalg.lstsq(fit, y[kept], rcond=None)
+            if rank < 3:  # pixels in a line
+                return None
             off = abs(y - basis @ c)
             kept = off <= 4 * np.median(off[kept]) + 1e-12
         c /= (1, reach, reach)
@@ -198,7 +206,7 @@ def locate(place: np.ndarray, told: np.ndarray, radius: float) -> Seen | None:
         reach = 0.8 * radius * abs(abs(a) - abs(b))
         if abs(step) < 1e-6 * reach:
             break
-    return Seen(complex(centre), complex(a), complex(b), int(kept.sum()))
+    return Seen(complex(centre), complex(a), complex(b))
 
 
 def _densest(place: np.ndarray) -> tuple[complex, float]:

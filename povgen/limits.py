@@ -4,42 +4,74 @@
 """
 
 from collections.abc import Iterator
-from math import atan, degrees, hypot, radians, sqrt
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from math import ceil, hypot, radians, sqrt
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from povgen.rendering import Rendering
     from povgen.scenes import Scene
 
-# (a) Largest condition number of the apparent position at which it is predicted: to 1 and to 2 pixels of 1280x960.
-CONDITION = {"ideal": 400, "detailed": 3}
+# (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
+# correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.
+CONDITION = 150
+CORRECTION = 9
 # (b) Most prisms at which no more than 1 in 10,000 rays on the proper path goes astray.
 PRISMS = 3000
 # (c) Widths of the air gap, in units of the pitch, between which it matters little: narrower POV-Ray misses it.
 GAP = (1e-4, 0.09)
-# (d) max_trace_level from which at most LOST of the window's pixels stay black though their light comes through, for
-# an eye as near as so many tiles.
+# (d) The fraction of the window's pixels that may stay black, for want of trace level, though light comes through.
 LOST = 0.05
-LEVELS = {"detailed": {0: 53, 2: 46, 3: 41, 6: 33, 60: 7}, "single": {0: 27, 60: 5}}
-# (e) Field angle of the window's farthest corner, degrees, up to which a quarter of the pixels shows rotated light.
-FIELD = 25
-# (f) Error of the ideal sheet's camera off the axis, pixels of 1280x960, times cells^2 z2; and what it may be.
-GRID = 340
+# (e) The least fraction of them on the prisms' proper path.
+PROPER = 0.25
+# (f) Error of the ideal sheet's camera off the axis, pixels of 1280x960, over sin(2 field angle)/(cells^2 z2); and
+# what it may be.
+GRID = 270
 GRID_ERROR = 0.03
-# (g) Pixels per prism below which a picture without antialiasing resolves no prisms: its pixels are a random sample.
+# (g) Pixels per prism below which a picture without antialiasing is as far from right as pixels taken at random.
 PIXELS_PER_PRISM = 1.2
 # (h) alpha, degrees, below which parallel prisms make dark bands.
 PARALLEL = 3
 
 
-def trace_level(sheet: str, z2: float) -> int:
-    """The least max_trace_level for a model of the sheets seen from z2; 5, POV-Ray's own, without glass."""
-    return next((level for near, level in reversed(LEVELS.get(sheet, {}).items()) if z2 >= near), 5)
+class Survey(NamedTuple):
+    """What becomes of the rays that the eye sends through a window of prisms."""
+
+    trace_level: int  # the least max_trace_level that loses no more than LOST
+    proper: float  # the fraction on the proper path
 
 
-def grid_cells(z2: float) -> int:
+@lru_cache(1024)
+def survey(scene: "Scene", side: int = 60) -> Survey:
+    """Trace side^2 rays through the window of a scene with prisms, each to a random place of a square of its own.
+
+    They are the same every time. Pixels, which lie in rows, would alias with prisms that do.
+    """
+    import numpy as np
+
+    from povgen import trace  # numpy is slow to load, and only prisms need it
+
+    places = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
+    x, y = (places.reshape(2, -1) / side - 0.5) * scene.window
+    direction = np.column_stack((x - scene.E.real, y - scene.E.imag, np.full(len(x), scene.z2)))
+    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
+    eye = [[scene.E.real, scene.E.imag, -scene.z2]]
+    found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap)
+    faces = np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))
+    # 0.9: what a picture loses may be a little more than the sample
+    return Survey(max(5, int(faces[-int(0.9 * LOST * len(x))]) + 1), float(found.proper.mean()))
+
+
+def field(scene: "Scene") -> float:
+    """Tangent of the field angle of the window's farthest corner."""
+    half = scene.window / 2
+    return hypot(half + abs(scene.E.real), half + abs(scene.E.imag)) / scene.z2
+
+
+def grid_cells(scene: "Scene") -> int:
     """The least number of cells a side for the ideal sheet's camera off the axis."""
-    return round(sqrt(GRID / GRID_ERROR / z2) + 0.5)
+    tangent = min(1, field(scene))  # sin(2 angle) is greatest at 45 degrees
+    return ceil(sqrt(GRID * 2 * tangent / (1 + tangent**2) / GRID_ERROR / scene.z2))
 
 
 def units_per_tile(prisms: int) -> int:
@@ -49,25 +81,36 @@ def units_per_tile(prisms: int) -> int:
 
 def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[tuple[str, str]]:
     """What a picture of the scene will not show right: the parameter to blame, and the limit in words."""
-    prisms = scene.sheet in ("detailed", "single")
-    half = scene.window / 2
-    corner = degrees(atan(hypot(half + abs(scene.E.real), half + abs(scene.E.imag)) / scene.z2))
-    if prisms and corner > FIELD:
-        text = f"z2 = {scene.z2:g}: the window's corner is seen at {corner:.0f} degrees; beyond {FIELD} degrees"
-        yield "z2", f"{text} less than a quarter of the window shows rotated light, the rest is stray light"
-    if scene.sheet == "detailed" and abs(scene.alpha) < PARALLEL:
-        text = f"alpha = {scene.alpha:.3g}: below {PARALLEL} degrees the prisms of the two sheets"
+    glass = scene.sheet in ("detailed", "single")
+    if glass and (proper := survey(scene).proper) < PROPER:
+        eye = f" and the eye at {scene.E:g}" if scene.E else ""
+        text = f"z2 = {scene.z2:g}{eye}: {100 * proper:.0f} % of the window shows light on the prisms' proper path"
+        yield "z2", f"{text}, the rest is stray light; below {100 * PROPER:.0f} % little of the scene is seen"
+    if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < PARALLEL:
+        text = f"alpha = {scene.alpha:.3g}: within {PARALLEL} degrees of 0 the prisms of the two sheets"
         yield "alpha", f"{text} lie so nearly parallel that they make dark bands"
     if getattr(scene, "ghost", False):
-        from povgen import rotation  # numpy is slow to load
-
-        condition = rotation.condition(scene.z2 / scene.z1, radians(scene.alpha))
-        if condition > CONDITION[scene.sheet]:
-            text = f"ghost = true: at alpha = {scene.alpha:g} and z1 = {scene.z1:g} the piece is magnified"
-            limit = f"beyond {CONDITION[scene.sheet]} the prediction for this sheet is off by pixels"
-            yield "ghost", f"{text} {condition:.3g} times; {limit}"
-    if prisms and rendering and rendering.antialias is None:
+        yield from _ghost(scene)
+    if glass and rendering and rendering.antialias is None:
         pixels = scene.window / scene.view_height * rendering.size[1] / scene.prisms
         if pixels < PIXELS_PER_PRISM:
             text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {PIXELS_PER_PRISM} pixels,"
-            yield "prisms", f"{text} without antialiasing, the picture resolves no prisms and is noise"
+            yield "prisms", f"{text} without antialiasing, the picture is noise"
+
+
+def _ghost(scene: "Scene") -> Iterator[tuple[str, str]]:
+    """The limit of what predicts the ghost."""
+    from povgen import rotation
+
+    where = f"ghost = true: at alpha = {scene.alpha:g} and z1 = {scene.z1:g}"
+    if scene.sheet == "ideal":
+        condition = rotation.condition(scene.z2 / scene.z1, radians(scene.alpha))
+        if condition > CONDITION:
+            text = f"{where} the piece is magnified {condition:.3g} times"
+            yield "ghost", f"{text}; beyond {CONDITION} its prediction is off by pixels"
+    else:
+        thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        pixels = abs(scene.seen(scene.L, scene.z1) - thin) / scene.view_height * 960
+        if pixels > CORRECTION:
+            text = f"{where} the prisms' size moves the piece by {pixels:.3g} pixels of 1280x960"
+            yield "ghost", f"{text}; beyond {CORRECTION} its prediction is off by pixels"

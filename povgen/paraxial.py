@@ -17,7 +17,8 @@ def image(z1, z2, alpha, pitch):
     """The numbers a, b by which light from L reaches E at P, P - E = a (L - E) + b conj(L - E); they broadcast.
 
     z1, z2 and the pitch of the prisms in one unit, alpha in radians. For pitch = 0, a = 1 - P and b = 0 (eq. 7).
-    Infinite at a pole, where light from L meets the eye's plane in a line or not at all.
+    Where |A| = |B| light from L meets the eye's plane in a line or not at all; a and b grow without bound towards it,
+    and with them their error: `limits.CORRECTION`.
     """
     height = pitch * (1 - prism.AIR_GAP)
     g = prism.slab_shift() * height

@@ -25,24 +25,26 @@ def p2(z2, theta):
 
 
 def r(z1, z2):
-    """The ratio of distances z2/z1 = p2/p1, eq. 3; infinite for an object that touches the sheet, z1 = 0."""
-    with np.errstate(divide="ignore"):
+    """The ratio of distances z2/z1 = p2/p1, eq. 3; infinite for z1 = 0, NaN if z2 = 0 as well."""
+    with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(z2, np.asarray(z1, float))
 
 
 def r_from_P(P, L=0, E=1):
-    """The r for which light from L crosses the sheet at P on its way to E: |E - P|/|P - L|, eq. 4."""
-    with np.errstate(divide="ignore"):
-        return np.divide(np.abs(np.subtract(E, P)), np.abs(np.subtract(P, L)))
+    """The r for which light from L crosses the sheet at P on its way to E: |E - P|/|P - L|, eq. 4; 1 for P infinite."""
+    infinite = np.isinf(P)
+    P = np.where(infinite, 0, P)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(infinite, 1, np.divide(np.abs(np.subtract(E, P)), np.abs(np.subtract(P, L))))[()]
 
 
 def E_minus_P(P, r, alpha):
-    """The projection of the ray from P to E: r exp(i alpha) P, eq. 5."""
+    """The projection of the ray from P to E: r exp(i alpha) P, eq. 5; for P and r both finite."""
     return np.multiply(r, np.exp(1j * np.asarray(alpha)) * P)
 
 
 def E_from_P(P, r, alpha):
-    """Where the ray that crosses the sheet at P meets the eye's plane: P (1 + r exp(i alpha)), eq. 6."""
+    """Where the ray that crosses the sheet at P meets the eye's plane: P (1 + r exp(i alpha)), eq. 6; P, r finite."""
     return P * _sum(1.0, np.asarray(r, float), alpha)
 
 
@@ -66,8 +68,10 @@ def nu(r, alpha):
 
     Erratum: eq. 8 prints arg(P), the angle at L; the text beside it, and every picture, say the angle at E.
     """
-    image = one_minus_P(r, alpha)
-    return np.where(np.isinf(image), np.nan, np.angle(image))[()]
+    r = np.asarray(r, float)
+    touching = np.isinf(r)
+    inverse = _sum(np.where(touching, 1, r), np.where(touching, 0, 1.0), -np.asarray(alpha))  # 1/(1 - P) to scale
+    return np.where(inverse == 0, np.nan, -np.angle(inverse))[()]
 
 
 def M(r, alpha):
@@ -89,8 +93,8 @@ def condition(r, alpha):
 def apparent_position(L, E, z1, z2, alpha):
     """Where light from L crosses the sheet on its way to E, both anywhere: E + (L - E) (1 - P), from eq. 7.
 
-    Perspective with a complex depth. L and E are complex, z1 >= 0 and z2 > 0 in the unit of L and E. At the pole the
-    complex infinity, but for L = E, which is seen in every direction there: NaN.
+    Perspective with a complex depth. L and E are complex, z1 >= 0 and z2 > 0, both finite, in their unit. At the pole
+    the complex infinity, but for L = E, which is seen in every direction there: NaN.
     """
     offset = np.subtract(L, E) * np.asarray(z2, float)
     return np.asarray(E) + _divide(offset, _sum(np.asarray(z2, float), np.asarray(z1, float), -np.asarray(alpha)))
@@ -99,7 +103,7 @@ def apparent_position(L, E, z1, z2, alpha):
 def object_position(P, E, z1, z2, alpha):
     """Where to put an object, a distance z1 behind the sheet, to see it at P: L of `apparent_position`.
 
-    P and E are complex, z1 >= 0 and z2 > 0 in their unit. At the pole it is E, wherever P is.
+    P and E are complex, z1 >= 0 and z2 > 0, both finite, in their unit. At the pole it is E, wherever P is.
     """
     depth = _sum(np.asarray(z2, float), np.asarray(z1, float), -np.asarray(alpha))
     return np.asarray(E) + np.subtract(P, E) * depth / z2

@@ -4,8 +4,9 @@ Each map measures scenes of `instruments` and holds a table, which `charts` draw
 (or from which on) the ordinate keeps below a tolerance; it is measured beside the one that is in force in `limits`.
 """
 
+import dataclasses
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from math import degrees, radians
 
@@ -13,10 +14,24 @@ import numpy as np
 
 from povgen import instruments, rotation
 from povgen.instruments import Directions, Positions
-from povgen.limits import CONDITION, FIELD, GAP, GRID, GRID_ERROR, LEVELS, LOST, PARALLEL, PIXELS_PER_PRISM, PRISMS
+from povgen.limits import (
+    CONDITION,
+    CORRECTION,
+    GAP,
+    GRID,
+    GRID_ERROR,
+    LOST,
+    PARALLEL,
+    PIXELS_PER_PRISM,
+    PRISMS,
+    PROPER,
+    field,
+    survey,
+    warnings,
+)
 from povgen.scenes import Chess
-from povgen.trace import End, Sheet, trace
-from povgen.verify import SMALL, Measured, _complex, _located, _px, _rms, fractions
+from povgen.trace import End
+from povgen.verify import SMALL, Measured, fractions, located, px, rms, transverse
 
 TINY = (320, 240)
 RENDERED = ", by POV-Ray"  # ends the name of a series beside the one that the exact ray trace makes
@@ -35,8 +50,8 @@ class Map:
     y: str
     most: float
     logs: str
-    rows: list[tuple[str, float, float]] = field(default_factory=list)
-    limits: list[Measured] = field(default_factory=list)
+    rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
+    limits: list[Measured] = dataclasses.field(default_factory=list)
 
     def add(self, series: str, x: float, y: float) -> None:
         """A row."""
@@ -45,7 +60,7 @@ class Map:
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
         """Measure how far a series keeps below `most`: up to where if it is rising, else from where on.
 
-        Interpolated between abscissas; NaN, which fails, where it keeps below `most` nowhere.
+        Interpolated between abscissas, or their logarithms; NaN, which fails, where it keeps below `most` nowhere.
         """
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
         found = points[0][0] if points[0][1] <= self.most else np.nan
@@ -54,35 +69,55 @@ class Map:
                 break
             if y1 <= self.most:
                 found = x1
+            elif y1 > self.most and "x" in self.logs:
+                found = x0 * (x1 / x0) ** ((self.most - y0) / (y1 - y0))
             elif y1 > self.most:
                 found = x0 + (x1 - x0) * (self.most - y0) / (y1 - y0)
         self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
 
 
-def pole(sheet: str = "detailed", size=TINY) -> Iterator[Map]:
+def pole(size=TINY) -> Iterator[Map]:
     """(a) Measured against predicted position as alpha -> 180 deg and as z1 -> z2, by the condition number of P."""
-    title, most = {"ideal": ("ideal sheet", 1), "detailed": ("prisms", 2)}[sheet]
     x, y = "condition number |1 − P|", "error of position (px)"
-    map = Map(f"pole-{sheet}", f"(a) near the pole, {title}", x, y, most, "xy")
-    decades = {"ideal": (0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 6, 7), "detailed": (0, 0.3, 0.5, 0.6, 0.75, 1, 1.25, 1.5)}[sheet]
+    map = Map("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
-        scenes = []
-        for M in 10.0 ** np.array(decades):
-            # near the pole |1 - P| is 1/|alpha - pi|, or z2/|z2 - z1|
-            alpha, z1 = (180 - degrees(2 * np.arcsin(0.5 / M)), 6.0) if toward[0] == "α" else (180.0, 6 - 6 / (M + 1))
-            E = -0.2 + 0j
-            L = rotation.object_position(0.3 + 0.1j, E, z1, 6, radians(alpha))
-            extent = 0.3 / rotation.M(6 / z1, radians(alpha))
-            scenes.append(Positions(sheet=sheet, alpha=alpha, z1=z1, L=L, E=E, extent=extent))
-        for scene, seen in _located(scenes, size):
-            M = rotation.condition(scene.z2 / scene.z1, radians(scene.alpha))
-            thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-            place = seen.place if seen else np.nan
-            map.add(f"eq. 7, {toward}", M, _px(abs(place - thin)))
-            if sheet == "detailed":
-                map.add(f"paraxial, {toward}", M, _px(abs(place - scene.seen(scene.L, scene.z1))))
-        map.limit(sheet, f"{'eq. 7' if sheet == 'ideal' else 'paraxial'}, {toward}", CONDITION[sheet])
+        for M, _, place, thin in _near_pole(toward, 10.0 ** np.arange(0.5, 7.5, 0.5), size, sheet="ideal"):
+            map.add(f"eq. 7, {toward}", M, px(abs(place - thin)))
+        map.limit("ideal", f"eq. 7, {toward}", CONDITION)
     yield map
+
+
+def prediction(conditions=(1, 1.5, 2, 3, 4, 6, 8), size=TINY) -> Iterator[Map]:
+    """(a) What the paraxial prediction leaves of eq. 7's error: towards the pole, for few prisms, in a wide field."""
+    x, y = "correction of eq. 7 (px)", "error of the paraxial prediction (px)"
+    map = Map("prediction", "(a) prisms' size and the pole", x, y, 3, "xy")
+    for toward in ("α → 180°", "z1 → z2"):
+        for series, values in (
+            (f"{toward}", {}),
+            (f"{toward}, N = 25", {"prisms": 25}),
+            (f"{toward}, wide field", {"z2": 3.6, "P": 0.6 - 0.6j}),
+        ):
+            for _, scene, place, thin in _near_pole(toward, conditions, size, sheet="detailed", **values):
+                seen = scene.seen(scene.L, scene.z1)
+                map.add(series, px(abs(seen - thin)), px(abs(place - seen)))
+            map.limit("detailed", series, CORRECTION, "px")
+    yield map
+
+
+def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, **values):
+    """Condition number, scene, where its object is seen and where eq. 7 has it, tiles: towards the pole."""
+    scenes = []
+    for M in conditions:
+        # near the pole |1 - P| is 1/|alpha - pi|, or z2/|z2 - z1|
+        angle = 180 - degrees(2 * np.arcsin(0.5 / M))
+        alpha, z1 = (angle, z2) if toward[0] == "α" else (180.0, z2 - z2 / (M + 1))
+        E = -0.2 + 0j
+        L = rotation.object_position(P, E, z1, z2, radians(alpha))
+        extent = 0.3 / rotation.M(z2 / z1, radians(alpha))
+        scenes.append(Positions(alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=extent, **values))
+    for scene, seen in located(scenes, size):
+        thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        yield rotation.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.place, thin
 
 
 def prism_count(counts=(300, 1000, 3000, 10000, 30000), size=SMALL) -> Iterator[Map]:
@@ -95,7 +130,7 @@ def prism_count(counts=(300, 1000, 3000, 10000, 30000), size=SMALL) -> Iterator[
     yield map
 
 
-def gap_width(gaps=(1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 3e-2, 0.1, 0.3), size=TINY) -> Iterator[Map]:
+def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=TINY) -> Iterator[Map]:
     """(c) Stray pixels that POV-Ray gets wrong where gaps are narrow; light lost to gaps where they are wide."""
     narrow = Map("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
     wide = Map("gap-wide", "(c) air gap, wide", "gap / pitch", "proper pixels lost to it (%)", 3, "x")
@@ -123,68 +158,60 @@ def _wrong(scene: Directions, size) -> tuple[float, float, float]:
 def trace_level(size=TINY) -> Iterator[Map]:
     """(d) Pixels of the window that stay black though their light comes through: the ray trace, and POV-Ray beside it.
 
-    Of five alphas the one that loses most.
+    The limit is the level that povgen takes for the scene.
     """
     map = Map("trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * LOST, "")
     levels = np.arange(5, 61)
-    for sheet, table in LEVELS.items():
-        for near, level in table.items():
-            z2 = max(near, NEAREST)
-            scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in (0, 66, 90, 120, 180)]
-            lost = np.max([_lost(scene, sheet, levels, size) for scene in scenes], axis=0)
-            series = f"{sheet}, z2 = {z2:g}"
-            for at, share in zip(levels, lost, strict=True):
-                map.add(series, at, 100 * share)
-            map.limit(sheet, series, level, rising=False)
-    one = "detailed, z2 = 6, α = 66°"
-    scene = Directions(sheet="detailed")
-    for at, share in zip(levels, _lost(scene, "detailed", levels, size), strict=True):
-        map.add(one, at, 100 * share)
-    inside, direction = instruments.rays(scene, size)
-    leaves = instruments.traced(scene, direction).end != End.FRAME
-    scenes = [Directions(sheet="detailed", trace_level=level) for level in (7, 10, 15, 20, 30, 45)]
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-        black = np.isnan(told[inside][:, 0]) & leaves
-        map.add(one + RENDERED, scene.max_trace_level, 100 * black.mean())
+    for series, scene in (
+        ("z2 = 2", Directions(sheet="detailed", z2=2)),
+        ("z2 = 6", Directions(sheet="detailed")),
+        ("z2 = 6, α = 150°", Directions(sheet="detailed", alpha=150)),
+        ("z2 = 6, N = 1000", Directions(sheet="detailed", prisms=1000)),
+        ("z2 = 6, E = 3i", Directions(sheet="detailed", E=3j)),
+        ("z2 = 60", Directions(sheet="detailed", z2=60)),
+        ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, E=8j)),
+        ("single, z2 = 2", Directions(sheet="single", z2=2)),
+    ):
+        inside, direction = instruments.rays(scene, size)
+        found = instruments.traced(scene, direction)
+        leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
+        for level in levels:
+            map.add(series, level, 100 * (leaves & (found.count >= level)).mean())
+        scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, scene.max_trace_level)]
+        for other, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+            black = np.isnan(told[inside][:, 0]) & leaves
+            map.add(series + RENDERED, other.max_trace_level, 100 * black.mean())
+        map.limit(scene.sheet, series, scene.max_trace_level, rising=False)
     yield map
 
 
-NEAREST = 1.4  # tiles: nearer, light goes round among the prisms for ever, and the field's limit warns
-
-
-def _lost(scene: Directions, sheet: str, levels: np.ndarray, size) -> np.ndarray:
-    """For each max_trace_level the share of the pixels that stay black though their ray leaves the sheets."""
-    _, direction = instruments.rays(scene, size)
-    if sheet == "single":
-        found = trace([[0, 0, -scene.z2]], direction, (Sheet(0, 0),), scene.window, scene.prisms, scene.gap)
-    else:
-        found = instruments.traced(scene, direction)
-    leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
-    return (leaves & (found.count >= levels[:, None])).mean(axis=1)
-
-
-def field_angle() -> Iterator[Map]:
+def field_angle(distances=(0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size=SMALL) -> Iterator[Map]:
     """(e) Pixels that show no rotated light, by field angle; and those of a whole window, by the eye's distance."""
-    angles = Map("field", "(e) field angle", "field angle (degrees)", "pixels without rotated light (%)", 75, "")
-    for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), SMALL, z2=0.7):
+    y, most = "pixels without rotated light (%)", 100 * (1 - PROPER) + 1  # one for the sample that povgen warns by
+    angles = Map("field", "(e) field angle", "field angle (degrees)", y, most, "")
+    for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
-    distance = Map("distance", "(e) distance of the eye", "z2 (tiles)", "pixels without rotated light (%)", 75, "x")
-    for z2 in (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150):
+    distance = Map("distance", "(e) distance of the eye", "z2 (tiles)", y, most, "x")
+    for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
-            _, direction = instruments.rays(scene, TINY)
-            distance.add(f"α = {alpha}°", z2, 100 * (1 - instruments.traced(scene, direction).proper.mean()))
-    corner = Directions.window / 2 * np.sqrt(2)
+            distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).proper))
     for alpha in (0, 66, 120, 180):
-        distance.limit("detailed", f"α = {alpha}°", corner / np.tan(radians(FIELD)), "tiles", rising=False)
+        near = next(z2 for z2 in np.arange(0.5, 9, 0.1) if not _warned(alpha, z2))
+        distance.limit("detailed", f"α = {alpha}°", near, "tiles", rising=False)
     yield distance
+
+
+def _warned(alpha: float, z2: float) -> bool:
+    return any(name == "z2" for name, _ in warnings(Directions(sheet="detailed", alpha=alpha, z2=z2)))
 
 
 def grid(size=TINY) -> Iterator[Map]:
     """(f) The ideal sheet's camera off the axis: error of what is seen at z1 = z2, over cells^2 z2; wide fields too."""
-    map = Map("grid", "(f) cells of the ideal camera", "cells² z2", "worst error of position (px)", GRID_ERROR, "xy")
+    x = "cells² z2 / sin(2 field angle)"
+    map = Map("grid", "(f) cells of the ideal camera", x, "worst error of position (px)", GRID_ERROR, "xy")
     scenes = [
         Positions(sheet="ideal", alpha=66, z1=z2, z2=z2, E=E, grid=cells, extent=2)
         for z2, E in ((20, 0.5 - 0.5j), (6, 0.5 - 0.5j), (6, 3 - 1j), (2, 0.5 - 0.5j), (1, 0.5 - 0.5j))
@@ -194,9 +221,10 @@ def grid(size=TINY) -> Iterator[Map]:
     for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
         inside, _ = instruments.rays(scene, size)
         inside &= ~np.isnan(told[..., 0])
-        predicted = scene.E + (_complex(told[inside]) + scene.L - scene.E) * rotation.one_minus_P(1, radians(66))
+        predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * rotation.one_minus_P(1, radians(66))
         error = abs(predicted - place[inside]).max()
-        map.add(f"z2 = {scene.z2:g}, E = {scene.E.real:g}{scene.E.imag:+g}i", scene.cells**2 * scene.z2, _px(error))
+        scaled = scene.cells**2 * scene.z2 / np.sin(2 * min(np.arctan(field(scene)), np.pi / 4))
+        map.add(f"z2 = {scene.z2:g}, E = {scene.E.real:g}{scene.E.imag:+g}i", scaled, px(error))
     for series in dict.fromkeys(name for name, _, _ in map.rows):
         map.limit("ideal", series, GRID / GRID_ERROR, rising=False)
     yield map
@@ -213,13 +241,11 @@ def aliasing(counts=(12, 25, 50, 75, 100, 150, 300, 800), size=(240, 180)) -> It
     width = Chess.window / Chess.view_height * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
-        inside, _ = instruments.rays(scene, size)
-        y, x = np.argwhere(inside)[[0, -1]].T
-        window = (slice(y[0], y[0] + (y[1] - y[0]) // 12 * 12), slice(x[0], x[0] + (x[1] - x[0]) // 12 * 12))
+        window = instruments.window(scene, size)
         coarse, fine = (render(scene, size=size, antialias=to)[window] / 255 for to in ("off", "1,0.001,4"))
         off = coarse - fine
-        map.add("pixels", width / count, _rms(off))
-        map.add("blocks of 12x12 pixels", width / count, _rms(_blocks(off, 12)))
+        map.add("pixels", width / count, rms(off))
+        map.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
     map.limit("detailed", "pixels", PIXELS_PER_PRISM, "px", rising=False)
     yield map
 
@@ -234,10 +260,9 @@ def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
             inside, direction = instruments.rays(scene, size)
             proper = np.zeros(inside.shape)
             proper[inside] = instruments.traced(scene, direction).proper
-            y, x = np.argwhere(inside)[[0, -1]].T
-            blocks = _blocks(proper[y[0] + 6 : y[1] - 5, x[0] + 6 : x[1] - 5], 24)
+            blocks = _blocks(proper[instruments.window(scene, size)][6:-6, 6:-6], 24)
             # of neighbours, for the slow fall towards the edges does not count
-            contrast.append(_rms(np.diff(blocks, axis=0)))
+            contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
             map.add(f"N = {count}", alpha, value / contrast[-1])
         map.limit("detailed", f"N = {count}", PARALLEL, "deg", rising=False)
@@ -253,8 +278,8 @@ def _blocks(picture: np.ndarray, n: int) -> np.ndarray:
 def maps(sheet: str | None = None) -> Iterator[Map]:
     """All maps, one after the other, or those of one sheet model: 'ideal' or 'detailed'."""
     if sheet != "detailed":
-        yield from pole("ideal")
+        yield from pole()
         yield from grid()
     if sheet != "ideal":
-        for measure in (pole, prism_count, gap_width, trace_level, field_angle, aliasing, moire):
+        for measure in (prediction, prism_count, gap_width, trace_level, field_angle, aliasing, moire):
             yield from measure()

@@ -118,6 +118,11 @@ def pair(alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -
     return Sheet(alpha / 2, -offset), Sheet(0.0, offset)
 
 
+def sheets(model: str, alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, ...]:
+    """The sheets of a scene, 'detailed' or 'single'."""
+    return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, window, prisms, gap)
+
+
 def trace(
     origin: np.ndarray,
     direction: np.ndarray,

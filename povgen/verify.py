@@ -55,11 +55,19 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
 def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
     """The apparent position of an object against eq. 7."""
     scenes = [
-        *_targets("ideal", count // 2, seed=7, E=0j),
-        *_targets("ideal", count - count // 2, seed=8, E=0.3 - 0.4j),
+        *targets("ideal", count // 2, seed=7, E=0j),
+        *targets("ideal", count - count // 2, seed=8, E=0.3 - 0.4j),
     ]
-    worst = max(abs(seen.place - scene.seen(scene.L, scene.z1)) for scene, seen in _located(scenes, size))
-    yield Measured("ideal", f"apparent position against eq. 7, {count} scenes, worst", _px(worst), 0.05, "px")
+    off, turn, scale = [], [], []
+    for scene, seen in located(scenes, size):
+        r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
+        off.append(px(abs(seen.place - scene.seen(scene.L, scene.z1))))
+        turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * rotation.nu(r, alpha))))))
+        scale.append(100 * abs(abs(seen.a) / rotation.M(r, alpha) - 1))
+    # numpy's max keeps NaN
+    yield Measured("ideal", f"apparent position against eq. 7, {count} scenes, worst", np.max(off), 0.05, "px")
+    yield Measured("ideal", "nu of these objects against eq. 8 corrected, worst", np.max(turn), 0.1, "deg")
+    yield Measured("ideal", "M of these objects against eq. 9 corrected, worst", np.max(scale), 0.2, "%")
 
 
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
@@ -139,14 +147,14 @@ def horizon(size: Size = HD) -> Iterator[Measured]:
 
 def real_image(size: Size = HD) -> Iterator[Measured]:
     """alpha = 180 deg: two eyes see an object by parallax as far before the sheets as it is behind them."""
-    worst = 0.0
+    off = []
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
         scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
-        a, b = (seen.place for _, seen in _located(scenes, size))
-        nearness = 1 - ((a - b) / (eyes[0] - eyes[1])).real  # of the crossing of the two lines of sight: z2/distance
-        worst = max(worst, abs(scenes[0].z2 - scenes[0].z2 / nearness - z1) / z1)
-    yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", 100 * worst, 0.2, "%")
+        a, b = (seen.place for _, seen in located(scenes, size))
+        nearness = 1 - (a - b) / (eyes[0] - eyes[1])  # of the crossing of the two lines of sight: z2/distance
+        off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / nearness - z1) / z1)
+    yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
 
 
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
@@ -154,9 +162,10 @@ def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
     ideal, none = instruments.frames(scenes, size)
     inside, _ = instruments.rays(scenes[0], size)
-    change = _complex(ideal - none)[inside & ~np.isnan(none[..., 0])]
-    worst = np.nan_to_num(abs(change), nan=np.inf).max() * 6 / 8  # as seen in the plane z = 0
-    yield Measured("ideal", "alpha = 0: change of what a pixel shows, worst", _px(worst), 0.05, "px")
+    change = transverse(ideal - none)[inside & ~np.isnan(none[..., 0])]
+    worst = np.nan_to_num(abs(change), nan=np.inf).max(initial=0) * 6 / 8  # as seen in the plane z = 0
+    worst = worst if len(change) else np.nan
+    yield Measured("ideal", "alpha = 0: change of what a pixel shows, worst", px(worst), 0.05, "px")
 
 
 def every_pixel(
@@ -217,13 +226,13 @@ def finite_prisms(
     """The apparent position through prisms against eq. 7 and against the paraxial prediction for thick sheets."""
     errors = []
     for number in prisms:
-        scenes = _targets("detailed", count, seed=3, E=0j, prisms=number)
+        scenes = targets("detailed", count, seed=3, E=0j, prisms=number)
         thin, thick = [], []
-        for scene, seen in _located(scenes, size):
+        for scene, seen in located(scenes, size):
             ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
             thin.append(abs(seen.place - ideal))
             thick.append(abs(seen.place - scene.seen(scene.L, scene.z1)))
-        errors.append((_rms(thin), _rms(thick)))
+        errors.append((rms(thin), rms(thick)))
     thin, thick = np.array(errors).T
     slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
     yield Measured(
@@ -231,36 +240,41 @@ def finite_prisms(
     )
     at_100 = prisms.index(100)
     yield Measured(
-        "detailed", f"paraxial prediction's error over eq. 7's ({_px(thin[at_100]):.2f} px) at N = 100",
+        "detailed", f"paraxial prediction's error over eq. 7's ({px(thin[at_100]):.2f} px) at N = 100",
         thick[at_100] / thin[at_100], 0.25,
     )  # fmt: skip
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
-    """Through a single sheet a line along the normal at (X, Y) is seen as a hyperbola, (x - X/2)(y - Y/2) = const."""
+    """Through a single sheet a line along the normal at (X, Y) is seen as a hyperbola, (x - X/2)(y - Y/2) = XY/4."""
     L = 0.45 + 0.3j
     scenes = [
         Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)
     ]
-    place = np.array([seen.place for _, seen in _located(scenes, size)])
+    place = np.array([seen.place for _, seen in located(scenes, size)])
     x, y = place.real, place.imag
     # x y = p x + q y + const
     fit = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
     away = abs(x * y - (fit[0] * x + fit[1] * y + fit[2])) / np.hypot(y - fit[0], x - fit[1])
-    yield Measured(
-        "detailed", "single sheet: a line along the normal off its hyperbola, rms", _px(_rms(away)), 0.2, "px"
-    )
+    yield Measured("detailed", "single sheet: a line along the normal off its hyperbola, rms", px(rms(away)), 0.2, "px")
     middle = abs(fit[1] + 1j * fit[0] - L / 2)
-    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", _px(middle), 2, "px")
+    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(middle), 2, "px")
+    y = (fit[0] * L.real + fit[2]) / (L.real - fit[1])
+    yield Measured(
+        "detailed", "single sheet: the hyperbola off L, where the line meets the sheet", px(abs(y - L.imag)), 2, "px"
+    )
 
 
 def proper_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
     """The fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
-    worst = 0.0
-    for _, _, rendered, exact in fractions(alphas, size):
-        worst = max(worst, abs(rendered - exact))
+    found = list(fractions(alphas, size))
+    worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
+    angles = [angle for _, angle, *_ in found] or [np.nan]
     yield Measured(
-        "detailed", "fraction of proper pixels by field angle, 0 to 50 deg, against the ray trace, worst", worst, 0.002
+        "detailed",
+        f"fraction of proper pixels, fields of {min(angles):g} to {max(angles):g} deg, against the ray trace, worst",
+        worst,
+        0.002,
     )
 
 
@@ -284,7 +298,7 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
                 yield scene.alpha, 5 * ring + 2.5, rendered[pixels].mean(), exact[pixels].mean()
 
 
-def _targets(sheet: str, count: int, seed: int, **values) -> list[Positions]:
+def targets(sheet: str, count: int, seed: int, E: complex, **values) -> list[Positions]:
     """Objects at random distances that are seen at random places of the window, far from the pole."""
     random = np.random.default_rng(seed)
     scenes = []
@@ -294,20 +308,24 @@ def _targets(sheet: str, count: int, seed: int, **values) -> list[Positions]:
         M = rotation.M(z2 / z1, radians(alpha))
         # the object is seen as 0.4 tiles wide
         if M < 10 and (sheet == "ideal" or abs(alpha) > 15):
-            L = rotation.object_position(place, values["E"], z1, z2, radians(alpha))
+            L = rotation.object_position(place, E, z1, z2, radians(alpha))
             values |= {"alpha": alpha, "z1": z1, "z2": z2, "L": L, "extent": 0.3 / M}
-            scenes.append(Positions(sheet=sheet, **values))
+            scenes.append(Positions(sheet=sheet, E=E, **values))
     return scenes
 
 
-def _located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, instruments.Seen]]:
+NOWHERE = instruments.Seen(complex("nan"), complex("nan"), complex("nan"))
+
+
+def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, instruments.Seen]]:
+    """Each scene, and where its square is seen, in tiles; NOWHERE where it is not, which holds no bound."""
     place = instruments.pixels(size)
     for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
         inside, _ = instruments.rays(scene, size)
-        yield scene, instruments.locate(place[inside], _complex(told[inside]), scene.extent)
+        yield scene, instruments.locate(place[inside], transverse(told[inside]), scene.extent) or NOWHERE
 
 
-def _complex(told: np.ndarray) -> np.ndarray:
+def transverse(told: np.ndarray) -> np.ndarray:
     return told[..., 0] + 1j * told[..., 1]
 
 
@@ -315,10 +333,10 @@ def _unit(direction: np.ndarray) -> np.ndarray:
     return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 
-def _rms(values) -> float:
+def rms(values) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _px(tiles: float) -> float:
+def px(tiles: float) -> float:
     """Pixels of a picture of 1280x960."""
     return float(tiles * HD[1] / VIEW)

@@ -46,6 +46,8 @@ def test_nothing_is_located_where_nothing_is_seen():
     pixels, told = looked_at()
     assert locate(pixels, np.full_like(told, np.nan), 0.3) is None
     assert locate(pixels, told + 5, 0.3) is None
+    row = pixels.imag == pixels.imag[len(pixels) // 2]
+    assert locate(pixels[row], told[row] * 0 + pixels[row].real, 3) is None
 
 
 def test_directions_to_16_bits():

@@ -66,6 +66,8 @@ def test_limits_and_symmetric_angles():
     np.testing.assert_allclose(rotation.M(3, 0.0), 0.75, rtol=EXACT)  # alpha = 0: perspective
     np.testing.assert_allclose(rotation.M(3, np.pi), 1.5, rtol=EXACT)  # alpha = 180 deg: real image at -z1
     np.testing.assert_allclose(rotation.nu(1e-9, 1.0), 1.0, atol=1e-8)  # the horizon turns by alpha
+    np.testing.assert_allclose(rotation.nu(0, alpha), alpha, rtol=EXACT)
+    assert rotation.nu(np.inf, 1.0) == 0 and rotation.M(np.inf, 1.0) == 1
 
 
 def test_near_the_pole_and_at_it():
@@ -75,6 +77,7 @@ def test_near_the_pole_and_at_it():
             assert rotation.P(1, sign * np.pi) == complex(np.inf, 0)
             assert rotation.M(1, sign * np.pi) == np.inf
             assert np.isnan(rotation.nu(1, sign * np.pi))
+            assert rotation.r_from_P(rotation.P(1, sign * np.pi)) == 1
         assert np.isnan(rotation.apparent_position(0.2, 0.2, 3, 3, np.pi))  # seen in every direction
         assert rotation.apparent_position(0.2, 0, 3, 3, np.pi) == complex(np.inf, 0)
         assert rotation.object_position(0.2, 0.1, 3, 3, np.pi) == 0.1

@@ -1,0 +1,169 @@
+"""CPU seconds beside error: every model of the sheets and every useful sampling, measured in one run, `povgen chart`.
+
+CPU seconds are the operating system's account of the finished POV-Ray process, one at a time; medians of rounds in
+turn.
+Picture errors are inside the window, against a converged picture of the same scene: RMS of gamma-encoded colours
+(0 black to 1 white), and the mean of FLIP. Position errors are RMS against eq. 7, pixels of 1280x960.
+"""
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+from statistics import median
+from unittest import mock
+
+import numpy as np
+
+from povgen import instruments, povray, rotation
+from povgen.assemble import movie
+from povgen.frames import read
+from povgen.rendering import Rendering
+from povgen.scenes import Chess, Scene
+from povgen.source import to_pov
+from povgen.verify import SMALL, located, px, rms, targets
+
+SIZES = ((160, 120), (320, 240), (640, 480))
+MAIN = SIZES[1]
+# POV-Ray's antialiasing: method, threshold, depth; and k x k pixels averaged to one, box k
+SAMPLINGS = (
+    *("off", "1,0.9,2", "1,0.3,2", "1,0.1,2", "1,0.9,3", "1,0.3,3", "1,0.1,3", "1,0.3,4", "1,0.1,4"),
+    *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "box 2", "box 3", "box 4"),
+)
+USUAL = "1,0.3,3"  # POV-Ray's own, +A0.3
+BY_HAND = ("off", "1,0.9,2", USUAL)
+CONVERGED = "1,0.001,9"
+COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
+ROUNDS = 3
+
+
+@dataclass
+class Point:
+    """A way to make a picture, what it costs and how far it is from right."""
+
+    method: str
+    sampling: str
+    size: tuple[int, int]
+    text: str = field(repr=False)
+    seconds: list[float] = field(default_factory=list, repr=False)
+    picture: np.ndarray | None = field(default=None, repr=False)
+    rms: float = np.nan
+    flip: float = np.nan
+    flip_detailed: float = np.nan  # against the prisms' picture, whatever the method
+
+    @property
+    def cpu(self) -> float:
+        """CPU seconds of the frame, median."""
+        return median(self.seconds)
+
+
+def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, np.ndarray]:
+    """CPU seconds that POV-Ray took for a scene's text, and its picture, (height, width, 3) bytes.
+
+    No other child process may end meanwhile.
+    """
+    with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
+        before = getrusage(RUSAGE_CHILDREN)
+        path = povray.run(text, rendering, Path(folder))
+        after = getrusage(RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read(path)
+
+
+def sample(text: str, sampling: str, size: tuple[int, int]) -> tuple[float, np.ndarray]:
+    """CPU seconds and picture for antialiasing as POV-Ray's, or 'box k'."""
+    if not sampling.startswith("box"):
+        return cpu_seconds(text, Rendering(size=size, antialias=sampling))
+    k = int(sampling.split()[1])
+    seconds, picture = cpu_seconds(text, Rendering(size=(k * size[0], k * size[1]), antialias="off"))
+    # light is averaged, not its gamma-encoded value
+    light = (picture / 255.0) ** 2.2
+    light = light.reshape(size[1], k, size[0], k, 3).mean((1, 3))
+    return seconds, np.round(255 * light ** (1 / 2.2)).astype(np.uint8)
+
+
+def picture_error(picture: np.ndarray, reference: np.ndarray, scene: Scene) -> tuple[float, float]:
+    """RMS difference (0 to 1) and mean FLIP of two pictures, bytes, inside the window."""
+    import flip_evaluator
+
+    height, width = reference.shape[:2]
+    window = instruments.window(scene, (width, height))
+    a, b = (np.ascontiguousarray(image[window] / np.float32(255), np.float32) for image in (reference, picture))
+    return rms(a - b), float(flip_evaluator.evaluate(a, b, "LDR", applyMagma=False)[1])
+
+
+def frames(peers: dict[str, Callable[[str], str]], done: Callable[[str], object]) -> list[Point]:
+    """Every method with every sampling; `peers` turn povgen's text for detailed sheets into another for the same."""
+    detailed, ideal = Chess(), Chess(sheet="ideal")
+    texts = {"detailed": to_pov(detailed), "ideal": to_pov(ideal)}
+    texts |= {name: by_hand(texts["detailed"]) for name, by_hand in peers.items()}
+    points = [
+        Point(method, sampling, size, text)
+        for method, text in texts.items()
+        for size in (SIZES if method in ("detailed", "ideal") else (MAIN,))
+        for sampling in (SAMPLINGS if method in ("detailed", "ideal") else BY_HAND)
+    ]
+    for turn in range(ROUNDS):
+        for point in points:
+            if turn == 0 or point.size == MAIN:
+                seconds, point.picture = sample(point.text, point.sampling, point.size)
+                point.seconds.append(seconds)
+        done(f"frames, round {turn + 1} of {ROUNDS}")
+    for size in SIZES:
+        right = {method: sample(texts[method], CONVERGED, size)[1] for method in ("detailed", "ideal")}
+        for point in points:
+            if point.size == size:
+                own = right["ideal" if point.method == "ideal" else "detailed"]
+                point.rms, point.flip = picture_error(point.picture, own, detailed)
+                point.flip_detailed = picture_error(point.picture, right["detailed"], detailed)[1]
+        done(f"converged pictures of {size[0]}x{size[1]}")
+    return points
+
+
+def front(points: Sequence[Point], error: str) -> list[Point]:
+    """The points that no other beats in both CPU seconds and the named error, the cheapest first."""
+    best, least = [], np.inf
+    for point in sorted(points, key=lambda point: point.cpu):
+        if getattr(point, error) < least:
+            best.append(point)
+            least = getattr(point, error)
+    return best
+
+
+def prism_counts(done: Callable[[str], object]) -> Iterator[tuple[str, int, float, float]]:
+    """Sheet, prisms, CPU seconds of 640x480 pixels without antialiasing, and position error, pixels of 1280x960."""
+    rendering = Rendering(size=SMALL, antialias="off")
+    cases = [("ideal", 100), *(("detailed", count) for count in COUNTS)]
+    texts = [to_pov(Chess(sheet=sheet, prisms=count)) for sheet, count in cases]
+    seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
+    for (sheet, count), times in zip(cases, zip(*seconds, strict=True), strict=True):
+        yield sheet, count, median(times), position_error(sheet, count)
+        done(f"{sheet}, {count} prisms")
+
+
+def position_error(sheet: str, prisms: int) -> float:
+    """RMS distance of objects, as seen, from where eq. 7 has them, pixels of 1280x960."""
+    off = []
+    for scene, seen in located(targets(sheet, 6, seed=3, E=0j, prisms=prisms), SMALL):
+        place = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, np.radians(scene.alpha))
+        off.append(abs(seen.place - place))
+    return px(rms(off))
+
+
+def movies(workers: Sequence[int], done: Callable[[str], object]) -> Iterator[tuple[int, float, float]]:
+    """Workers, wall seconds of a movie of 61 small frames, and the fraction of the cores that was busy meanwhile."""
+    cores = len(os.sched_getaffinity(0))
+    for count in workers:
+        with tempfile.TemporaryDirectory(prefix="povgen-") as folder, mock.patch.dict(os.environ, POVGEN_CACHE=folder):
+            before, start = _cpu(), time.monotonic()
+            movie("vary-alpha", Path(folder) / "movie.mp4", size=MAIN, antialias="off", workers=count)
+            wall = time.monotonic() - start
+            yield count, wall, (_cpu() - before) / wall / cores
+        done(f"a movie with {count} workers")
+
+
+def _cpu() -> float:
+    """CPU seconds so far of this process and of those it has waited for."""
+    return sum(usage.ru_utime + usage.ru_stime for usage in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
