@@ -230,14 +230,14 @@ def grid(size=TINY) -> Iterator[Map]:
     yield map
 
 
-def aliasing(counts=(12, 25, 50, 75, 100, 150, 300, 800), size=(240, 180)) -> Iterator[Map]:
+def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]:
     """(g) Error of a picture without antialiasing, by the pitch of the prisms in pixels; and that of 12x12 blocks.
 
     Where the pixels resolve no prism, their error is that of a sample at random; it grows no more.
     """
     from povgen.frames import render
 
-    map = Map("aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.2, "x")
+    map = Map("aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x")
     width = Chess.window / Chess.view_height * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
