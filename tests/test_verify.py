@@ -139,7 +139,7 @@ def test_distance_map_is_that_of_the_exact_trace():
     rendered = {row[:2]: row[2] for row in angles.rows}
     for (name, angle), y in rendered.items():
         if not name.endswith(stability.RENDERED):
-            assert rendered[name + stability.RENDERED, angle] == pytest.approx(y, abs=0.1)
+            assert rendered[name + stability.RENDERED, angle] == pytest.approx(y, abs=0.5)
 
 
 def test_maps_are_drawn_and_tabled(tmp_path):
@@ -186,7 +186,7 @@ def test_no_warning_without_cause():
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
         (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "9", "alpha = 179", "z1 = 5", "moves the piece by"]),
         (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "9", "moves the piece by"]),
-        (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "200", "573 times"]),
+        (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "150", "573 times"]),
         (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.37 pixels", "1.2 pixels", "noise"]),
     ],
 )
