@@ -14,7 +14,7 @@ SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
 # root or sudo can install
 MAY := $(filter 0,$(shell id -u))$(SUDO)
 
-.PHONY: movies frame test verify bench clean help
+.PHONY: movies frame test verify chart bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -31,6 +31,10 @@ test: $(VENV)/test-ready  ## all tests
 verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
 	$(POVGEN) verify
 	$(POVGEN) verify --stability
+
+chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
+	$(POVGEN) chart --peers benchmarks -o docs/chart
+	cp docs/chart/frames.csv povgen/measured.csv
 
 bench: | $(READY)  ## the figures of speed in the README
 	$(VENV)/bin/python benchmarks/speed.py

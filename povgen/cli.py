@@ -5,18 +5,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
 from povgen import __version__
 from povgen.errors import InputError, PovrayError, validated
-from povgen.limits import warnings
-from povgen.rendering import Rendering
-from povgen.scenes import PIECES, SCENES, Scene
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
+    from povgen.rendering import Rendering
+    from povgen.scenes import Scene
 
 app = typer.Typer(
     name="povgen",
@@ -26,39 +26,29 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-SceneName = Annotated[str, typer.Argument(metavar="SCENE", help=" or ".join(SCENES))]
+SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
 Output = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")]
 Workers = Annotated[
     str | None,
     typer.Option(metavar="N", help="POV-Ray processes at once, 1 to 256", show_default="enough to keep the cores busy"),
 ]
+Tolerance = Annotated[
+    str | None,
+    typer.Option(metavar="ERROR", help="for --sheet auto: 1px (of position), 0.2flip (of the picture), or 1px,0.2flip"),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
 
-def _takes(*models: type[BaseModel]) -> Callable:
+def _takes(*models: str) -> Callable:
     """Give a command, in place of its **values, an option for every field of the models, as text or flag.
 
-    The command gets a dictionary of those that were given.
+    'scenes' stands for all scenes, 'rendering' for Rendering. The command gets a dictionary of what was given. Only the
+    command that is named on the command line gets its options: the models are slow to load.
     """
-    fields: dict[str, list[tuple[str, FieldInfo]]] = {}
-    for model in models:
-        for name, field in model.model_fields.items():
-            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
-
-    def option(name: str, owners: list[tuple[str, FieldInfo]]) -> inspect.Parameter:
-        texts = {_about(field): owner for owner, field in owners}
-        about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
-        if owners[0][1].annotation is bool:
-            kind, default, info = bool, False, typer.Option(f"--{name}", help=about)
-        else:
-            # the spheres' scene takes several z1
-            kind, default = (list[str] if name == "z1" else str) | None, None
-            info = typer.Option(f"--{name}", help=about, metavar=name.upper())
-        annotation = Annotated[kind, info]
-        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
     def decorate(command: Callable) -> Callable:
         own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        fields = _fields(models) if command.__name__ in sys.argv else {}
 
         def called(**arguments):
             given = {name: arguments.pop(name) for name in fields}
@@ -67,7 +57,7 @@ def _takes(*models: type[BaseModel]) -> Callable:
             given = {name: value for name, value in given.items() if value not in (None, [], False)}
             return command(**arguments, **given)
 
-        parameters = [*own, *(option(name, owners) for name, owners in fields.items())]
+        parameters = [*own, *(_option(name, owners) for name, owners in fields.items())]
         parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
         called.__signature__ = inspect.Signature(parameters)
         called.__annotations__ = {p.name: p.annotation for p in parameters}
@@ -77,7 +67,33 @@ def _takes(*models: type[BaseModel]) -> Callable:
     return decorate
 
 
-def _about(field: FieldInfo) -> str:
+def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
+    """Every field's name, with the names of the scenes that have it ('' for Rendering) and what it is in each."""
+    from povgen.rendering import Rendering
+    from povgen.scenes import SCENES
+
+    fields: dict[str, list] = {}
+    for model in [*SCENES.values(), *([Rendering] if "rendering" in models else [])]:
+        for name, field in model.model_fields.items():
+            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
+    return fields
+
+
+def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
+    texts = {_about(field): owner for owner, field in owners}
+    about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
+    if owners[0][1].annotation is bool:
+        kind, default, info = bool, False, typer.Option(f"--{name}", help=about)
+    else:
+        # the spheres' scene takes several z1
+        kind, default = (list[str] if name == "z1" else str) | None, None
+        info = typer.Option(f"--{name}", help=about, metavar=name.upper())
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
+
+
+def _about(field: "FieldInfo") -> str:
+    from pydantic_core import PydanticUndefined
+
     default = field.default
     if isinstance(default, tuple):
         default = ",".join(f"{x:g}" for x in default)
@@ -86,7 +102,9 @@ def _about(field: FieldInfo) -> str:
     )
 
 
-def _scene(name: str, values: dict[str, Any]) -> Scene:
+def _scene(name: str, values: dict[str, Any]) -> "Scene":
+    from povgen.scenes import SCENES
+
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
     return validated(SCENES[name], values)
@@ -94,6 +112,8 @@ def _scene(name: str, values: dict[str, Any]) -> Scene:
 
 def _split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The values of the scene and those of the rendering."""
+    from povgen.rendering import Rendering
+
     rendering = {name: values.pop(name) for name in Rendering.model_fields if name in values}
     return values, rendering
 
@@ -101,6 +121,7 @@ def _split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 @app.command("list")
 def list_() -> None:
     """List scenes with their parameters, chess pieces, and the movies that come with povgen."""
+    from povgen.scenes import PIECES, SCENES
     from povgen.spec import MOVIES, MovieSpec
 
     for name, scene in SCENES.items():
@@ -113,7 +134,7 @@ def list_() -> None:
 
 
 @app.command()
-@_takes(*SCENES.values())
+@_takes("scenes")
 def pov(scene: SceneName, output: Output = None, **values) -> None:
     """Write a scene's POV-Ray source, to standard output unless -o says where."""
     from povgen.output import checked_output, save
@@ -129,14 +150,22 @@ def pov(scene: SceneName, output: Output = None, **values) -> None:
 
 
 @app.command()
-@_takes(*SCENES.values(), Rendering)
-def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = False, **values) -> None:
-    """Render a scene to a PNG file."""
+@_takes("scenes", "rendering")
+def frame(
+    scene: SceneName,
+    output: Output = Path("frame.png"),
+    tolerance: Tolerance = None,
+    quiet: Quiet = False,
+    **values,
+) -> None:
+    """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
     from povgen.frames import render_png
     from povgen.output import checked_output, save
+    from povgen.rendering import Rendering
 
     values, options = _split(values)
-    made = _scene(scene, values)
+    chosen = _auto(values, options, tolerance, quiet, lambda values, quality: [_scene(scene, values)])
+    made = _scene(scene, values | chosen)
     rendering = validated(Rendering, options)
     output = checked_output(output, [".png"])
     if not quiet:
@@ -147,7 +176,7 @@ def frame(scene: SceneName, output: Output = Path("frame.png"), quiet: Quiet = F
 
 
 @app.command()
-@_takes(*SCENES.values(), Rendering)
+@_takes("scenes", "rendering")
 def movie(
     spec: Annotated[
         str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
@@ -162,6 +191,7 @@ def movie(
         ),
     ] = None,
     workers: Workers = None,
+    tolerance: Tolerance = None,
     quiet: Quiet = False,
     **values,
 ) -> None:
@@ -169,10 +199,13 @@ def movie(
     from povgen.assemble import movie as make
     from povgen.encode import FORMATS
     from povgen.output import checked_output
+    from povgen.rendering import Rendering
     from povgen.spec import MovieSpec
 
     values, options = _split(values)
-    made = MovieSpec.load(spec).with_fixed(values)
+    loaded = MovieSpec.load(spec)
+    chosen = _auto(values, options, tolerance, quiet, lambda values, q: loaded.with_fixed(values).scenes(q))
+    made = loaded.with_fixed(values | chosen)
     output = checked_output(output or Path(Path(spec).stem + ".mp4"), FORMATS)
     rendering = validated(Rendering, options)
     scenes = made.scenes(rendering.quality)
@@ -251,6 +284,28 @@ def verify(
         raise typer.Exit(1)
 
 
+@app.command()
+def chart(
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="for charts and tables")] = Path(
+        "chart"
+    ),
+    peers: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="of other ways to write the prisms, as .inc files")
+    ] = None,
+) -> None:
+    """Measure CPU seconds against error, for every model and sampling; charts and tables, in some 20 minutes."""
+    from povgen import charts, speed
+    from povgen.output import checked_folder
+
+    folder = checked_folder(output)
+    by_hand = speed.rewrites(peers) if peers else {}
+    done = lambda what: print(what, file=sys.stderr, flush=True)  # noqa: E731
+    charts.save_frames(speed.frames(by_hand, done), folder)
+    charts.save_counts(list(speed.prism_counts(done)), folder)
+    charts.save_movies(list(speed.movies((1, 2, 4, 8, 16), done)), folder)
+    (folder / "machine.txt").write_text(speed.machine() + "\n")
+
+
 @app.callback(invoke_without_command=True)
 def _version(version: Annotated[bool, typer.Option("--version", help="print povgen's version")] = False) -> None:
     if version:
@@ -258,8 +313,35 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
         raise typer.Exit
 
 
-def _warn(scenes: list[Scene], rendering: Rendering | None = None) -> None:
+def _auto(
+    values: dict[str, Any],
+    options: dict[str, Any],
+    tolerance: str | None,
+    quiet: bool,
+    scenes: Callable[[dict[str, Any], str], list["Scene"]],
+) -> dict[str, str]:
+    """The sheet in place of 'auto', if that is what was given; puts the antialiasing chosen into the options."""
+    if (values.get("sheet") == "auto") != (tolerance is not None):
+        raise InputError("sheet = 'auto' and tolerance go together; allowed: both, as --sheet auto --tolerance 1px")
+    if tolerance is None:
+        return {}
+    from povgen import choice
+    from povgen.rendering import Rendering
+
+    limit = choice.Tolerance.parse(tolerance)
+    rendering = validated(Rendering, options)
+    through = scenes(values | {"sheet": "detailed"}, rendering.quality)
+    chosen, why = choice.choose(through, rendering, limit, options.get("antialias"))
+    if not quiet:
+        print(f"povgen: {why}", file=sys.stderr)
+    options["antialias"] = chosen.antialias
+    return {"sheet": chosen.sheet}
+
+
+def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Say once, of each limit that frames cross, what it is and how many do."""
+    from povgen.limits import warnings
+
     said: dict[str, list[str]] = {}
     for scene in scenes:
         for name, text in warnings(scene, rendering):

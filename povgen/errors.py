@@ -1,10 +1,11 @@
 """What can go wrong through no fault of the program, and how it is put to the user."""
 
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+if TYPE_CHECKING:  # slow to load
+    from pydantic import BaseModel
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound="BaseModel")
 
 
 class InputError(ValueError):
@@ -20,6 +21,8 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
 
     Raises InputError with one line for the first value that cannot be.
     """
+    from pydantic import ValidationError
+
     for name, value in values.items():
         field = model.model_fields.get(name)
         if isinstance(value, bool) and field and field.annotation is not bool:  # pydantic would take it for 0 or 1
@@ -30,7 +33,7 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
         raise InputError(_line(model, values, error.errors()[0])) from None
 
 
-def _line(model: type[BaseModel], values: dict[str, Any], fault: dict[str, Any]) -> str:
+def _line(model: "type[BaseModel]", values: dict[str, Any], fault: dict[str, Any]) -> str:
     message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     if not fault["loc"]:  # a check of several values together, which names them itself
         return message

@@ -146,6 +146,11 @@ class Chess(Scene):
         return complex(0, self.floor - self.offset[1])
 
     @property
+    def distances(self) -> tuple[float, ...]:
+        """z1 of the piece, tiles."""
+        return (self.z1,)
+
+    @property
     def steps_seen(self) -> tuple[complex, complex]:
         """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
         return tuple(self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))

@@ -7,10 +7,12 @@ Picture errors are inside the window, against a converged picture of the same sc
 """
 
 import os
+import platform
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
@@ -20,6 +22,7 @@ import numpy as np
 
 from povgen import instruments, povray, rotation
 from povgen.assemble import movie
+from povgen.errors import InputError
 from povgen.frames import read
 from povgen.rendering import Rendering
 from povgen.scenes import Chess, Scene
@@ -58,6 +61,31 @@ class Point:
     def cpu(self) -> float:
         """CPU seconds of the frame, median."""
         return median(self.seconds)
+
+
+def machine() -> str:
+    """The machine that measures, in a line."""
+    cores = len(os.sched_getaffinity(0))
+    return f"{platform.machine()}, {cores} cores, POV-Ray {povray.version()}, Python {platform.python_version()}"
+
+
+def rewrites(folder: Path) -> dict[str, Callable[[str], str]]:
+    """From a folder of macros `Sheet` in .inc files, by their names: what puts each in place of povgen's own.
+
+    Raises InputError where there is none.
+    """
+
+    def by_hand(macro: str, text: str) -> str:
+        start, end = text.index("#macro Sheet("), text.index("Sheet(0, (Length")
+        return text[:start] + macro + text[end:]
+
+    try:
+        found = {path.stem: partial(by_hand, path.read_text()) for path in sorted(folder.glob("*.inc"))}
+    except OSError as error:
+        raise InputError(f"peers = {str(folder)!r}: {error.strerror}; allowed: a folder of .inc files") from None
+    if not found:
+        raise InputError(f"peers = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
+    return found
 
 
 def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, np.ndarray]:

@@ -34,6 +34,7 @@ def test_each_trade_has_one_house():
     assert not only("povray", of="subprocess")
     assert not only("encode", "frames", of="imageio")  # frames only reads back the PNG that it hands out as an array
     assert not only("charts", of="matplotlib")
+    assert not only("speed", of="flip_evaluator")
     assert not only("cli", of="typer")
     assert not only("cli", of="rich")
 
