@@ -36,8 +36,9 @@ chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampl
 	$(POVGEN) chart --peers benchmarks -o docs/chart
 	cp docs/chart/frames.csv povgen/measured.csv
 
-bench: | $(READY)  ## the figures of speed in the README
-	$(VENV)/bin/python benchmarks/speed.py
+bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
+	@mkdir -p build
+	$(VENV)/bin/python benchmarks/speed.py $(VENV)/mitsuba/bin/python
 
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
 	rm -rf $(VENV) build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
@@ -64,6 +65,12 @@ endif
 endif
 	python3 -m venv $(VENV)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+# a peer of the benchmark, in an environment of its own
+$(VENV)/mitsuba/ready: | $(READY)
+	python3 -m venv $(VENV)/mitsuba
+	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
 $(VENV)/%-ready: pyproject.toml | $(READY)

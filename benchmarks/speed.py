@@ -1,49 +1,184 @@
-"""The figures of speed in the README: CPU seconds of frames, in turn, medians, and their ratios.
+"""What povgen costs beside others, as a table and as JSON: `make bench`.
 
-Run it with `make bench`. It compares a detailed frame with the same prisms written as a union of bounded CSG
-intersections (intersections.inc), and an ideal frame with the empty scene, at 640x480 without antialiasing.
+CPU seconds are the operating system's account of each finished process; pairs run in turn, medians of each and of their
+ratios. Mitsuba runs in an environment of its own, which `make bench` sets up.
 """
 
+import json
 import os
-import platform
+import subprocess
+import sys
 import tempfile
+import time
+from math import ceil, cos, floor, radians, sin
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
 
-from povgen import Chess, Rendering, povray, to_pov
+import numpy as np
+from rich.console import Console
+from rich.table import Table
 
-RENDERING = Rendering(size=(640, 480), antialias="off")
-HAND_WRITTEN = Path(__file__).with_name("intersections.inc").read_text()
+from povgen import Chess, Rendering, prism, speed, to_pov, trace
 
-
-def by_hand(text: str) -> str:
-    """A scene's text with its sheets as a union of intersections."""
-    start, end = text.index("#macro Sheet("), text.index("Sheet(0, (Length")
-    return text[:start] + HAND_WRITTEN + text[end:]
+HERE = Path(__file__).parent
+PLAIN = Rendering(size=(640, 480), antialias="off")
 
 
-def cpu_seconds(text: str) -> float:
-    """What the finished POV-Ray process used, by the operating system's account."""
-    with tempfile.TemporaryDirectory() as folder:
-        before = getrusage(RUSAGE_CHILDREN)
-        povray.run(text, RENDERING, Path(folder))
-        after = getrusage(RUSAGE_CHILDREN)
+def paired(ours, theirs, rounds: int) -> tuple[float, float, float]:
+    """Medians of what two functions return, called in turn, and of their ratio."""
+    times = [(ours(), theirs()) for _ in range(rounds)]
+    return *(median(column) for column in zip(*times, strict=True)), median(a / b for a, b in times)
+
+
+def cpu(text: str, rendering: Rendering = PLAIN):
+    return lambda: speed.cpu_seconds(text, rendering)[0]
+
+
+def triangles(scene: Chess) -> list[list]:
+    """povgen's mesh, for others: the near sheet and the far one, triangles of three corners."""
+    pitch = scene.window / scene.prisms
+    height = pitch * (1 - prism.AIR_GAP)
+    base = height * prism.aspect() / 2
+    top = base - height
+    found = []
+    for angle, side in ((radians(scene.alpha / 2), -1), (0.0, 1)):
+        reach = scene.window / 2 * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
+        faces = []
+        for k in range(floor(scene.prisms / 2 - reach / pitch), ceil(scene.prisms / 2 + reach / pitch)):
+            low = (k - scene.prisms / 2) * pitch + pitch * prism.AIR_GAP / 2
+            high = low + height
+            for ya, za, yb, zb in (
+                (low, -base, low, base),
+                (low, -base, high, -top),
+                (low, base, high, top),
+                (high, -top, high, top),
+            ):
+                a, b, c, d = (-reach, ya, za), (reach, ya, za), (reach, yb, zb), (-reach, yb, zb)
+                faces += [a, b, c, a, c, d]
+        corners = np.array(faces)
+        x, y = corners[:, 0].copy(), corners[:, 1].copy()
+        corners[:, 0], corners[:, 1] = cos(angle) * x - sin(angle) * y, sin(angle) * x + cos(angle) * y
+        corners[:, 2] += side * (base + pitch * prism.AIR_GAP / 2)
+        found.append(corners.reshape(-1, 9).round(9).tolist())
+    return found
+
+
+def mitsuba(python: str):
+    mesh = json.dumps(triangles(Chess()))
+
+    def run() -> float:
+        command = [python, HERE / "mitsuba_peer.py", str(Chess().max_trace_level)]
+        return float(subprocess.run(command, input=mesh, capture_output=True, text=True, check=True).stdout)
+
+    return run
+
+
+def help_seconds() -> float:
+    before = getrusage(RUSAGE_CHILDREN)
+    subprocess.run([Path(sys.executable).with_name("povgen"), "--help"], check=True, stdout=subprocess.DEVNULL)
+    after = getrusage(RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def main() -> None:
-    detailed = to_pov(Chess())
-    pairs = (
-        ("detailed, 2x100 prisms", detailed, "union of bounded intersections", by_hand(detailed), 5),
-        ("ideal", to_pov(Chess(sheet="ideal")), "no sheet", to_pov(Chess(sheet="none")), 25),
+def traced() -> float:
+    """CPU seconds for a million rays through two sheets."""
+    random = np.random.default_rng(0).uniform(-1.1, 1.1, (1_000_000, 2))
+    direction = np.column_stack((random, np.full(len(random), 6.0)))
+    start = time.process_time()
+    trace.trace([[0, 0, -6]], direction, trace.pair(radians(66), 2.4, 100), 2.4, 100)
+    return time.process_time() - start
+
+
+MOVIE = """
+import resource, sys
+from povgen import MovieSpec, movie
+spec = MovieSpec.load("vary-alpha")
+sweep = spec.sweep.model_copy(update={"frames": int(sys.argv[1])})
+movie(spec.model_copy(update={"sweep": sweep, "fixed": {**spec.fixed, "sheet": sys.argv[2]}}), sys.argv[3],
+      size=(int(sys.argv[4]), int(sys.argv[4]) * 3 // 4))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def movie(frames: int, sheet: str, width: int) -> tuple[float, float]:
+    """The fraction of the cores that was busy while a movie was made in its own process, and its peak memory, MiB."""
+    with tempfile.TemporaryDirectory() as folder:
+        before, start = getrusage(RUSAGE_CHILDREN), time.monotonic()
+        arguments = [sys.executable, "-c", MOVIE, str(frames), sheet, f"{folder}/movie.mp4", str(width)]
+        environment = {**os.environ, "POVGEN_CACHE": folder}
+        done = subprocess.run(arguments, check=True, stdout=subprocess.PIPE, text=True, env=environment)
+        wall, after = time.monotonic() - start, getrusage(RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return used / wall / len(os.sched_getaffinity(0)), float(done.stdout)
+
+
+def lines():
+    """Every line of the table: what, povgen's figure, whose, its figure, the ratio, and what it should be at most."""
+    detailed, peers = to_pov(Chess()), speed.rewrites(HERE)
+    for name, by_hand in peers.items():
+        bound = 0.25 if name == "intersections" else None
+        yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(by_hand(detailed)), 5), bound
+    if len(sys.argv) > 1:
+        yield "detailed, CPU s", "Mitsuba 3, the same mesh", *paired(cpu(detailed), mitsuba(sys.argv[1]), 5), 0.9
+    yield equal_error(detailed, peers["intersections"](detailed))
+    ideal, none = to_pov(Chess(sheet="ideal")), to_pov(Chess(sheet="none"))
+    for sampling in ("off", "1,0.9,2", "1,0.3,3", "2,0.3,2", "2,0.1,3"):
+        rendering = Rendering(size=PLAIN.size, antialias=sampling)
+        rounds = 25 if sampling == "off" else 7
+        yield (
+            f"ideal, antialias {sampling}, CPU s",
+            "no sheet",
+            *paired(cpu(ideal, rendering), cpu(none, rendering), rounds),
+            1.1,
+        )
+    yield "3000 prisms, CPU s", "100 prisms", *paired(cpu(to_pov(Chess(prisms=3000))), cpu(detailed), 5), 1.3
+    busy, _ = movie(61, "detailed", 480)
+    yield "a movie: cores not busy, %", "all", 100 * (1 - busy), 100, 1 - busy, 0.1
+    yield (
+        "a movie of 181 frames, peak MiB",
+        "of 61",
+        *(memory := [movie(frames, "none", 160)[1] for frames in (181, 61)]),
+        memory[0] / memory[1],
+        1.1,
     )
-    print(f"{platform.machine()}, {os.cpu_count()} cores, POV-Ray {povray.version()}; medians, in turn")
-    for name, text, peer, other, rounds in pairs:
-        times = [(cpu_seconds(text), cpu_seconds(other)) for _ in range(rounds)]
-        ours, theirs = (median(column) for column in zip(*times, strict=True))
-        ratio = median(a / b for a, b in times)
-        print(f"{name}: {ours:.2f} CPU s; {peer}: {theirs:.2f} CPU s; ratio {ratio:.2f} ({rounds} rounds)")
+    yield (
+        "povgen --help, CPU s",
+        "a second",
+        median(help_seconds() for _ in range(15)),
+        1,
+        median(help_seconds() for _ in range(15)),
+        0.3,
+    )
+    seconds = traced()
+    yield "ray trace, a million rays, CPU s", "a second", seconds, 1, seconds, 5
+
+
+def equal_error(detailed: str, by_hand: str) -> tuple:
+    """povgen's sampling of least cost whose picture is no worse than the hand-written scene's at POV-Ray's +A0.3."""
+    scene, size = Chess(), speed.MAIN
+    reference = speed.sample(detailed, speed.CONVERGED, size)[1]
+    theirs, picture = speed.sample(by_hand, speed.USUAL, size)
+    wanted = speed.picture_error(picture, reference, scene)[0]
+    found = []
+    for sampling in speed.SAMPLINGS:
+        seconds, picture = speed.sample(detailed, sampling, size)
+        if speed.picture_error(picture, reference, scene)[0] <= 1.01 * wanted:
+            found.append((seconds, sampling))
+    ours, sampling = min(found)
+    return f"detailed, {sampling}, CPU s", "intersections at +A0.3, as good", ours, theirs, ours / theirs, 0.25
+
+
+def main() -> None:
+    table = Table("povgen", "peer", "povgen's", "peer's", "ratio", "bound", title=speed.machine())
+    figures = []
+    for name, peer, ours, theirs, ratio, bound in lines():
+        table.add_row(name, peer, *(f"{x:.3g}" for x in (ours, theirs, ratio)), f"{bound or ''}")
+        figures.append({"povgen": name, "peer": peer, "ours": ours, "theirs": theirs, "ratio": ratio, "bound": bound})
+        print(f"{name}: {ours:.3g}; {peer}: {theirs:.3g}; ratio {ratio:.3g}", file=sys.stderr, flush=True)
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+    text = json.dumps({"machine": speed.machine(), "figures": figures}, indent=2) + "\n"
+    Path("build/bench.json").write_text(text)
 
 
 if __name__ == "__main__":

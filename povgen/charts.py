@@ -10,14 +10,16 @@ import numpy as np
 
 from povgen.errors import InputError
 from povgen.output import save
-from povgen.speed import MAIN, Point, front
+from povgen.speed import Point, front
 from povgen.stability import RENDERED, Map
 from povgen.verify import Measured
 
 try:
     import matplotlib
     from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 except ImportError:
     raise InputError("charts are drawn with matplotlib, which is not installed: pip install 'povgen[charts]'") from None
@@ -27,6 +29,7 @@ STYLE = {
     "axes.spines.top": False,
     "axes.titlelocation": "left",
     "axes.titleweight": "bold",
+    "figure.dpi": 110,
     "font.size": 11,
     "legend.frameon": False,
     "legend.fontsize": 9,
@@ -66,43 +69,48 @@ FRAMES = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLI
 
 
 def save_frames(points: list[Point], folder: Path) -> None:
-    """Write frames.csv, and charts of error against CPU seconds, picture by RMS and by FLIP, with the Pareto front."""
+    """Write frames.csv, and for each size a chart of error against CPU seconds, by RMS and by FLIP, with the front."""
     rows = [(p.method, p.sampling, *p.size, p.cpu, p.rms, p.flip, p.flip_detailed) for p in points]
     _table(folder / "frames.csv", FRAMES, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
-    errors = {"rms": "RMS error (1: white)", "flip": "mean FLIP error"}
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(15, 12), layout="constrained")
-        axes = figure.subplots(2, 2)
-        for row, (methods, what) in zip(
-            axes,
-            (
-                (["detailed", *sorted({p.method for p in points} - {"detailed", "ideal"})], "2 x 100 prisms"),
-                (["ideal"], "ideal sheet"),
-            ),
-            strict=True,
-        ):
-            for ax, (error, label) in zip(row, errors.items(), strict=True):
-                ax.set(xscale="log", yscale="log", xlabel="CPU seconds a frame", ylabel=label)
-                ax.set_title(f"{what}, {MAIN[0]}x{MAIN[1]}: {label.split(' (')[0]}")
-                labels = []
-                for method in methods:
-                    of = [p for p in points if p.method == method and p.size == MAIN]
-                    (line,) = ax.plot([p.cpu for p in of], [getattr(p, error) for p in of], "o", label=method)
-                    labels += [(p.cpu, getattr(p, error), p.sampling, line.get_color()) for p in of]
-                best = front([p for p in points if p.method in methods and p.size == MAIN], error)
-                ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="front")
-                ax.grid(alpha=0.25, which="both")
-                ax.legend()
-                ax.margins(0.12)
+    for size in dict.fromkeys(p.size for p in points):
+        of_size = [p for p in points if p.size == size]
+        by_hand = sorted({p.method for p in of_size} - {"detailed", "ideal"})
+        with matplotlib.rc_context(STYLE):
+            figure = Figure(figsize=(12, 10), layout="constrained")
+            axes, to_label = figure.subplots(2, 2), []
+            for row, methods, what in zip(
+                axes, (["detailed", *by_hand], ["ideal"]), ("2 x 100 prisms", "ideal sheet"), strict=True
+            ):
+                for ax, error, label in zip(row, ("rms", "flip"), ("RMS error (1: white)", "mean FLIP"), strict=True):
+                    to_label.append((ax, _scatter(ax, [p for p in of_size if p.method in methods], error)))
+                    ax.set(xlabel="CPU seconds a frame", ylabel=label, title=f"{what}, {size[0]}x{size[1]}")
+            for ax, labels in to_label:
                 _label(ax, labels)
-        _save(figure, folder / "frames.png", folder / "frames.svg")
+            name = f"frames-{size[0]}x{size[1]}"
+            _save(figure, folder / f"{name}.png", folder / f"{name}.svg")
+
+
+def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, float, str, str]]:
+    """Error against CPU seconds, a colour for each method, and the Pareto front; returns what to label the points."""
+    labels = []
+    for method in dict.fromkeys(p.method for p in points):
+        of = [p for p in points if p.method == method]
+        (line,) = ax.plot([p.cpu for p in of], [getattr(p, error) for p in of], "o", label=method)
+        labels += [(p.cpu, getattr(p, error), p.sampling, line.get_color()) for p in of]
+    best = front(points, error)
+    ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="front")
+    ax.set(xscale="log", yscale="log")
+    ax.grid(alpha=0.25, which="both")
+    ax.margins(0.12)
+    ax.legend()
+    return labels
 
 
 def save_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(12, 4.6), layout="constrained")
+        figure, to_label = Figure(figsize=(12, 4.6), layout="constrained"), []
         for ax, column, label in zip(
             figure.subplots(1, 2), (3, 2), ("position error against eq. 7 (px)", "CPU seconds a frame"), strict=True
         ):
@@ -116,9 +124,11 @@ def save_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None
                 ax.set_yscale("log")
             else:
                 ax.set_ylim(bottom=0)
-            _label(ax, [(row[1], row[column], str(row[1]), "black") for row in detailed])
+            to_label.append((ax, [(row[1], row[column], str(row[1]), "black") for row in detailed]))
             ax.grid(alpha=0.25)
             ax.legend()
+        for ax, labels in to_label:
+            _label(ax, labels)
         _save(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
@@ -144,28 +154,32 @@ def save_movies(rows: list[tuple[int, float, float]], folder: Path) -> None:
 
 def _label(ax: Axes, labels: list[tuple[float, float, str, str]]) -> None:
     """Write beside points (x, y, text, colour) what they are, each where it covers no other, with a line to it."""
-    renderer = ax.figure.canvas.get_renderer()
-    ax.figure.draw_without_rendering()
+    renderer = FigureCanvasAgg(ax.figure).get_renderer()
+    ax.figure.draw_without_rendering()  # which lays it out
+    ax.figure.set_layout_engine("none")
     points = [ax.transData.transform((x, y)) for x, y, _, _ in labels]
     taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in points]
-    for (x, y, text, colour), _ in zip(labels, points, strict=True):
-        for distance, angle in product((9, 20, 32, 45, 60), np.radians(np.arange(0, 360, 30))):
-            offset = distance * np.cos(angle), distance * np.sin(angle)
+    for x, y, text, colour in labels:
+        note = None
+        for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):
+            if note:
+                note.remove()
+            side = np.cos(angle)
             note = ax.annotate(
                 text,
                 (x, y),
-                offset,
+                (distance * side, distance * np.sin(angle)),
                 textcoords="offset points",
                 fontsize=8,
                 color=colour,
-                ha="left" if offset[0] > 1 else "right" if offset[0] < -1 else "center",
+                ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
                 va="center",
                 arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
             )
-            box = note.get_window_extent(renderer).padded(1)
-            if not any(box.overlaps(other) for other in taken):
+            note.update_positions(renderer)
+            box = Text.get_window_extent(note, renderer).padded(1)  # of the text alone, without the line
+            if ax.bbox.containsx(box.x0) and ax.bbox.containsx(box.x1) and not any(map(box.overlaps, taken)):
                 break
-            note.remove()
         taken.append(box)
 
 
@@ -204,5 +218,5 @@ def _table(path: Path, head: tuple[str, ...], rows: Iterable[tuple]) -> None:
 def _save(figure: Figure, *paths: Path) -> None:
     for path in paths:
         image = BytesIO()
-        figure.savefig(image, format=path.suffix[1:], dpi=110)
+        figure.savefig(image, format=path.suffix[1:])
         save(image.getvalue(), path)

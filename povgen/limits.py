@@ -76,7 +76,7 @@ def grid_cells(scene: "Scene") -> int:
 
 def units_per_tile(prisms: int) -> int:
     """POV-Ray's tolerances are fixed in its own units: the finer the prisms, the larger the scene."""
-    return max(1000, prisms)
+    return max(1000, prisms // 2)
 
 
 def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[tuple[str, str]]:

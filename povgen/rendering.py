@@ -4,11 +4,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-# Size, antialiasing (method, threshold, depth) and the share of a movie's frames, for each quality.
+# Size, antialiasing (method, threshold, depth; each on the front of error against cost, docs/speed.md) and the share of
+# a movie's frames, for each quality.
 QUALITIES = {
     "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
     "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
-    "high": {"size": (960, 720), "antialias": "2,0.3,2", "frames": 3},
+    "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
 }
 Quality = Literal["draft", "paper", "high"]
 

@@ -215,7 +215,7 @@ def test_settings_follow_the_maps():
     near, far = (Chess(sheet="ideal", z2=z2, offset=(0, -1)) for z2 in (1, 20))
     assert near.cells > far.cells > 1 == Chess(sheet="ideal").cells
     # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
-    assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 3000, 1000)
-    with pytest.raises(ValueError, match="z1 = 2000.*3000 prisms.*1667"):
-        Chess(prisms=3000, z1=2000)
-    assert max(Spheres(prisms=3000, z2=60).distances) == 960
+    assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 1500, 1000)
+    with pytest.raises(ValueError, match="z1 = 4000.*3000 prisms.*3333"):
+        Chess(prisms=3000, z1=4000)
+    assert max(Spheres(prisms=3000, z2=150).distances) == 2400

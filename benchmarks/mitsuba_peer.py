@@ -1,0 +1,69 @@
+"""CPU seconds that Mitsuba 3 (scalar_rgb, one thread, one ray a pixel) takes for the sheets of povgen's detailed frame.
+
+Run by speed.py in an environment of its own, with the greatest number of faces on a path, and with the mesh on standard
+input: a JSON list of sheets, each a list of triangles of three corners in tiles. Prints the CPU seconds of rendering
+alone, after a first frame that warms up.
+"""
+
+import json
+import sys
+import time
+
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant("scalar_rgb")
+from mitsuba import ScalarTransform4f as T  # noqa: E402, N817
+
+WINDOW, DEPTH, Z2, VIEW_HEIGHT, SIZE = 2.4, 0.24, 6.0, 3.85, (640, 480)
+
+
+def sheet(triangles: list) -> "mi.Mesh":
+    corners = np.array(triangles, np.float32).reshape(-1, 3)
+    properties = mi.Properties()
+    properties["bsdf"] = mi.load_dict({"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0})
+    mesh = mi.Mesh("sheet", len(corners), len(corners) // 3, props=properties)
+    parameters = mi.traverse(mesh)
+    parameters["vertex_positions"] = corners.ravel()
+    parameters["faces"] = np.arange(len(corners), dtype=np.uint32)
+    parameters.update()
+    return mesh
+
+
+def main() -> None:
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": int(sys.argv[1])},
+        "light": {"type": "constant", "radiance": 0.8},
+        "floor": {
+            "type": "rectangle",
+            "to_world": T().translate([0, -1.33, 0]).rotate([1, 0, 0], -90).scale(200),
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "checkerboard", "to_uv": T().scale([200, 200, 1])}},
+        },
+        "sensor": {
+            "type": "perspective",
+            "fov_axis": "y",
+            "fov": float(2 * np.degrees(np.arctan(VIEW_HEIGHT / 2 / Z2))),
+            "to_world": T().look_at(origin=[0, 0, -Z2], target=[0, 0, 0], up=[0, 1, 0]),
+            "film": {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}},
+            "sampler": {"type": "independent", "sample_count": 1},
+        },
+    }
+    # the frame, before and behind: what is not seen through the window ends there
+    side, middle = 3.0, WINDOW / 2 + 3.0 / 2
+    for n, (x, y) in enumerate(((middle, 0), (-middle, 0), (0, middle), (0, -middle))):
+        half = [side / 2, 3.0, 0.13] if x else [WINDOW / 2, side / 2, 0.13]
+        scene[f"frame{n}"] = {"type": "cube", "to_world": T().translate([x, y, 0]).scale(half)}
+    for n, triangles in enumerate(json.load(sys.stdin)):
+        scene[f"sheet{n}"] = sheet(triangles)
+    loaded = mi.load_dict(scene)
+    seconds = []
+    for seed in range(4):
+        start = time.process_time()
+        mi.render(loaded, seed=seed)
+        seconds.append(time.process_time() - start)
+    print(sorted(seconds[1:])[1])
+
+
+if __name__ == "__main__":
+    main()
