@@ -147,7 +147,10 @@ def save_movies(rows: list[tuple[int, float, float]], folder: Path) -> None:
         other = ax.twinx()
         other.plot(workers, [100 * share for share in busy], "s--", color="#d1603d", label="cores busy")
         other.set(ylim=(0, 105), ylabel="cores busy (%)")
-        ax.legend(*(a + b for a, b in zip(*(x.get_legend_handles_labels() for x in (ax, other)), strict=True)))
+        ax.legend(
+            *(a + b for a, b in zip(*(x.get_legend_handles_labels() for x in (ax, other)), strict=True)),
+            loc="center right",
+        )
         ax.grid(alpha=0.25)
         _save(figure, folder / "workers.png", folder / "workers.svg")
 

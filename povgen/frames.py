@@ -17,7 +17,7 @@ from povgen.scenes import Scene
 from povgen.source import to_pov
 
 # A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
-WORKERS_PER_CORE = 4
+WORKERS_PER_CORE = 8
 
 
 def cache_folder() -> Path:
