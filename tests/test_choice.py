@@ -70,7 +70,7 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
 
 
 @pytest.mark.parametrize("scene", [Chess(), Chess(alpha=150, z1=4, piece="rook")], ids=lambda scene: f"{scene.alpha:g}")
-@pytest.mark.parametrize("tolerance", [0.15, 0.09, 0.4])
+@pytest.mark.parametrize("tolerance", [0.15, 0.083, 0.4])
 def test_only_the_choice_keeps_the_picture(scene, tolerance):
     chosen, _ = choose([scene], PAPER, Tolerance(flip=tolerance))
     assert picture_error(scene, chosen) <= tolerance
