@@ -302,7 +302,7 @@ def chart(
     done = lambda what: print(what, file=sys.stderr, flush=True)  # noqa: E731
     charts.save_frames(speed.frames(by_hand, done), folder)
     charts.save_counts(list(speed.prism_counts(done)), folder)
-    charts.save_movies(list(speed.movies((1, 2, 4, 8, 16), done)), folder)
+    charts.save_movies(list(speed.movies(speed.WORKERS, done)), folder)
     (folder / "machine.txt").write_text(speed.machine() + "\n")
 
 

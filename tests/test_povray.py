@@ -137,7 +137,14 @@ def test_an_interrupted_movie_goes_on(tmp_path):
     )
     arguments = [povgen, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
     environment = {**os.environ, "POVGEN_CACHE": str(cache)}
-    process = subprocess.Popen(arguments, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        arguments,
+        cwd=tmp_path,
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # what runs in the background ignores it
+    )
 
     def finished():
         return {path: path.stat().st_mtime_ns for path in cache.rglob("*.png") if path.name != Rendering.file}
