@@ -13,8 +13,6 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
-from mitsuba import ScalarTransform4f as T  # noqa: E402, N817
-
 WINDOW, DEPTH, Z2, VIEW_HEIGHT, SIZE = 2.4, 0.24, 6.0, 3.85, (640, 480)
 
 
@@ -37,14 +35,17 @@ def main() -> None:
         "light": {"type": "constant", "radiance": 0.8},
         "floor": {
             "type": "rectangle",
-            "to_world": T().translate([0, -1.33, 0]).rotate([1, 0, 0], -90).scale(200),
-            "bsdf": {"type": "diffuse", "reflectance": {"type": "checkerboard", "to_uv": T().scale([200, 200, 1])}},
+            "to_world": mi.ScalarTransform4f().translate([0, -1.33, 0]).rotate([1, 0, 0], -90).scale(200),
+            "bsdf": {
+                "type": "diffuse",
+                "reflectance": {"type": "checkerboard", "to_uv": mi.ScalarTransform4f().scale([200, 200, 1])},
+            },
         },
         "sensor": {
             "type": "perspective",
             "fov_axis": "y",
             "fov": float(2 * np.degrees(np.arctan(VIEW_HEIGHT / 2 / Z2))),
-            "to_world": T().look_at(origin=[0, 0, -Z2], target=[0, 0, 0], up=[0, 1, 0]),
+            "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, -Z2], target=[0, 0, 0], up=[0, 1, 0]),
             "film": {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}},
             "sampler": {"type": "independent", "sample_count": 1},
         },
@@ -53,7 +54,7 @@ def main() -> None:
     side, middle = 3.0, WINDOW / 2 + 3.0 / 2
     for n, (x, y) in enumerate(((middle, 0), (-middle, 0), (0, middle), (0, -middle))):
         half = [side / 2, 3.0, 0.13] if x else [WINDOW / 2, side / 2, 0.13]
-        scene[f"frame{n}"] = {"type": "cube", "to_world": T().translate([x, y, 0]).scale(half)}
+        scene[f"frame{n}"] = {"type": "cube", "to_world": mi.ScalarTransform4f().translate([x, y, 0]).scale(half)}
     for n, triangles in enumerate(json.load(sys.stdin)):
         scene[f"sheet{n}"] = sheet(triangles)
     loaded = mi.load_dict(scene)

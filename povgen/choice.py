@@ -72,17 +72,20 @@ def candidates(scenes: Sequence[Scene], rendering: Rendering, antialias: str | N
     samplings = dict.fromkeys(sampling for _, sampling in measured)
     if antialias is not None and antialias not in samplings:
         raise InputError(f"antialias = {antialias!r}: not measured; allowed with sheet auto: {' '.join(samplings)}")
+    off = {
+        sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
+        for sheet in ("none", "ideal", "detailed")
+    }
+    ghost = any(getattr(scene, "ghost", False) for scene in scenes)
+    unturned = all(scene.alpha % 360 == 0 for scene in scenes)
     found = []
     for (sheet, sampling), table in measured.items():
         if antialias in (None, sampling):
-            off = max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
             cpu, flip = (float(np.max(np.interp(np.log(pixels), np.log(table[0]), y))) for y in table[1:])
-            found.append(Candidate(sheet, sampling, cpu, off, flip))
-            if sheet == "ideal" and not any(getattr(scene, "ghost", False) for scene in scenes):
-                # costs a little less than the ideal sheet, whose camera is all that it lacks, and is nowhere near
-                off = max(_position_error(scene, "none") * rendering.size[1] / scene.view_height for scene in scenes)
-                same = all(scene.alpha % 360 == 0 for scene in scenes)
-                found.append(Candidate("none", sampling, 0.99 * cpu, off, flip if same else 1.0))
+            found.append(Candidate(sheet, sampling, cpu, off[sheet], flip))
+            if sheet == "ideal" and not ghost:
+                # no sheet: saves the ideal one's camera alone, and the picture is another unless alpha is 0
+                found.append(Candidate("none", sampling, 0.99 * cpu, off["none"], flip if unturned else 1.0))
     return sorted(found, key=lambda candidate: candidate.cpu)
 
 

@@ -4,6 +4,7 @@ import inspect
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -295,15 +296,15 @@ def chart(
 ) -> None:
     """Measure CPU seconds against error, for every model and sampling; charts and tables, in some 20 minutes."""
     from povgen import charts, speed
-    from povgen.output import checked_folder
+    from povgen.output import checked_folder, save
 
     folder = checked_folder(output)
     by_hand = speed.rewrites(peers) if peers else {}
-    done = lambda what: print(what, file=sys.stderr, flush=True)  # noqa: E731
+    done = partial(print, file=sys.stderr, flush=True)
     charts.save_frames(speed.frames(by_hand, done), folder)
     charts.save_counts(list(speed.prism_counts(done)), folder)
     charts.save_movies(list(speed.movies(speed.WORKERS, done)), folder)
-    (folder / "machine.txt").write_text(speed.machine() + "\n")
+    save(f"{speed.machine()}\n".encode(), folder / "machine.txt")
 
 
 @app.callback(invoke_without_command=True)
