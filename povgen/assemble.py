@@ -7,7 +7,7 @@ from pathlib import Path
 
 from povgen import __version__, encode, povray
 from povgen.errors import InputError, validated
-from povgen.frames import render_all
+from povgen.frames import picture, render_all
 from povgen.output import checked_output
 from povgen.rendering import Rendering
 from povgen.spec import MovieSpec
@@ -23,7 +23,7 @@ def movie(
 ) -> Path:
     """Render a movie to .mp4, .webm or .gif; returns its path, which names it only when it is whole.
 
-    Options: quality, size, antialias and timeout, as of `Rendering`. `done` is called after each frame.
+    Options: those of `Rendering`. `done` is called after each frame.
     Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
     """
     if not isinstance(spec, MovieSpec):
@@ -45,6 +45,7 @@ def movie(
     frames = render_all(scenes, rendering, workers, done)
     with tempfile.TemporaryDirectory(prefix=".povgen-", dir=output.parent) as folder, closing(frames):
         part = Path(folder) / f"movie{output.suffix.lower()}"
-        encode.encode(frames, part, rate, tags)
+        pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
+        encode.encode(pictures, part, rate, tags)
         part.replace(output)
     return output

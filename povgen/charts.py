@@ -1,42 +1,18 @@
-"""Charts of what was measured, with matplotlib, and the same as CSV: the one place that draws."""
+"""Charts of what was measured, with matplotlib, and the same as CSV: the one place that draws them."""
 
 import csv
 from collections.abc import Callable, Iterable
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 
-from povgen.errors import InputError
+from povgen.drawing import Axes, Bbox, Figure, FigureCanvasAgg, Text, save_drawing, style
 from povgen.output import save
 from povgen.speed import Point, front
 from povgen.stability import RENDERED, Map
 from povgen.verify import Measured
-
-try:
-    import matplotlib
-    from matplotlib.axes import Axes
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.text import Text
-    from matplotlib.transforms import Bbox
-except ImportError:
-    raise InputError("charts are drawn with matplotlib, which is not installed: pip install 'povgen[charts]'") from None
-
-STYLE = {
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "bold",
-    "figure.dpi": 110,
-    "font.size": 11,
-    "legend.frameon": False,
-    "legend.fontsize": 9,
-    "axes.prop_cycle": matplotlib.cycler(
-        color=["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
-    ),
-}
 
 
 def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], object]) -> None:
@@ -47,14 +23,14 @@ def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], obje
     drawn = []
     for map in maps:
         _table(folder / f"{map.name}.csv", ("series", map.x, map.y), map.rows)
-        with matplotlib.rc_context(STYLE):
+        with style():
             figure = Figure(figsize=(8, 5), layout="constrained")
             _draw(figure.subplots(), map)
-            _save(figure, folder / f"{map.name}.png")
+            save_drawing(figure, folder / f"{map.name}.png")
         drawn.append(map)
         for limit in map.limits:
             done(limit)
-    with matplotlib.rc_context(STYLE):
+    with style():
         columns = 3
         figure = Figure(figsize=(6 * columns, 4.4 * -(-len(drawn) // columns)), layout="constrained")
         axes = figure.subplots(-(-len(drawn) // columns), columns, squeeze=False).ravel()
@@ -62,7 +38,7 @@ def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], obje
             _draw(ax, map)
         for ax in axes[len(drawn) :]:
             ax.axis("off")
-        _save(figure, folder / "stability.png")
+        save_drawing(figure, folder / "stability.png")
 
 
 FRAMES = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
@@ -75,7 +51,7 @@ def save_frames(points: list[Point], folder: Path) -> None:
     for size in dict.fromkeys(p.size for p in points):
         of_size = [p for p in points if p.size == size]
         by_hand = sorted({p.method for p in of_size} - {"detailed", "ideal"})
-        with matplotlib.rc_context(STYLE):
+        with style():
             figure = Figure(figsize=(12, 10), layout="constrained")
             axes, to_label = figure.subplots(2, 2), []
             for row, methods, what in zip(
@@ -87,7 +63,7 @@ def save_frames(points: list[Point], folder: Path) -> None:
             for ax, labels in to_label:
                 _label(ax, labels)
             name = f"frames-{size[0]}x{size[1]}"
-            _save(figure, folder / f"{name}.png", folder / f"{name}.svg")
+            save_drawing(figure, folder / f"{name}.png", folder / f"{name}.svg")
 
 
 def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, float, str, str]]:
@@ -109,7 +85,7 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, flo
 def save_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
-    with matplotlib.rc_context(STYLE):
+    with style():
         figure, to_label = Figure(figsize=(12, 4.6), layout="constrained"), []
         for ax, column, label in zip(
             figure.subplots(1, 2), (3, 2), ("position error against eq. 7 (px)", "CPU seconds a frame"), strict=True
@@ -129,13 +105,13 @@ def save_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None
             ax.legend()
         for ax, labels in to_label:
             _label(ax, labels)
-        _save(figure, folder / "prisms.png", folder / "prisms.svg")
+        save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
 def save_movies(rows: list[tuple[int, float, float]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds and of the cores' use against workers."""
     _table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy"), rows)
-    with matplotlib.rc_context(STYLE):
+    with style():
         figure = Figure(figsize=(8, 4.6), layout="constrained")
         ax = figure.subplots()
         workers, wall, busy = zip(*rows, strict=True)
@@ -152,7 +128,7 @@ def save_movies(rows: list[tuple[int, float, float]], folder: Path) -> None:
             loc="center right",
         )
         ax.grid(alpha=0.25)
-        _save(figure, folder / "workers.png", folder / "workers.svg")
+        save_drawing(figure, folder / "workers.png", folder / "workers.svg")
 
 
 def _label(ax: Axes, labels: list[tuple[float, float, str, str]]) -> None:
@@ -216,10 +192,3 @@ def _table(path: Path, head: tuple[str, ...], rows: Iterable[tuple]) -> None:
     table = StringIO()
     csv.writer(table, lineterminator="\n").writerows([head, *rows])
     save(table.getvalue().encode(), path)
-
-
-def _save(figure: Figure, *paths: Path) -> None:
-    for path in paths:
-        image = BytesIO()
-        figure.savefig(image, format=path.suffix[1:])
-        save(image.getvalue(), path)

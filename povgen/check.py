@@ -50,5 +50,5 @@ def _frame(frame: Path) -> str:
 def _encode(frame: Path) -> str:
     import imageio_ffmpeg
 
-    encode.encode([frame] * 3, frame.with_name("movie.mp4"), 10, {})
+    encode.encode([frames.read(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
     return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import imageio.v2
 import imageio.v3 as iio
+import numpy as np
 
 # Untagged video is shown with the wrong colours by some players.
 BT709 = (
@@ -21,11 +22,10 @@ FORMATS = {
 }
 
 
-def encode(frames: Iterable[Path], output: Path, rate: float, tags: dict[str, str]) -> None:
-    """Write frames (PNG files of one size) as H.264 (.mp4), VP9 (.webm) or GIF, `rate` of them a second."""
-    images = (iio.imread(frame)[..., :3] for frame in frames)
+def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict[str, str]) -> None:
+    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, `rate` of them a second."""
     if output.suffix == ".gif":
-        pictures = list(images)
+        pictures = list(pictures)
         # times in a GIF are whole hundredths of a second
         times = [round(100 * n / rate) for n in range(len(pictures) + 1)]
         pauses = [10 * (end - start) for start, end in pairwise(times)]
@@ -44,7 +44,12 @@ def encode(frames: Iterable[Path], output: Path, rate: float, tags: dict[str, st
         output_params=[*options.split(), *metadata],
     )
     try:
-        for image in images:
-            writer.append_data(image)
+        for picture in pictures:
+            writer.append_data(picture)
     finally:
         writer.close()  # which waits for ffmpeg, as its `with` does not after an error
+
+
+def png(picture: np.ndarray) -> bytes:
+    """A picture, (height, width, 3) bytes, as a PNG file's."""
+    return iio.imwrite("<bytes>", picture, extension=".png")

@@ -74,9 +74,29 @@ def render_all(
 def render(scene: Scene, **options) -> np.ndarray:
     """The scene's picture, (height, width, 3) bytes of red, green and blue.
 
-    Options: quality, size, antialias and timeout, as of `Rendering`.
+    Options: those of `Rendering`.
     """
-    return read(render_png(scene, validated(Rendering, options)))
+    rendering = validated(Rendering, options)
+    return picture(render_png(scene, rendering), scene, rendering)
+
+
+def png(scene: Scene, rendering: Rendering) -> bytes:
+    """The scene's picture as a PNG file's bytes."""
+    frame = render_png(scene, rendering)
+    if not rendering.annotated:
+        return frame.read_bytes()
+    from povgen import encode
+
+    return encode.png(picture(frame, scene, rendering))
+
+
+def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
+    """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
+    if not rendering.annotated:
+        return read(frame)
+    from povgen.annotate import annotated
+
+    return annotated(read(frame), scene, rendering)
 
 
 def read(frame: Path) -> np.ndarray:

@@ -37,3 +37,13 @@ def apparent_position(L, E, z1, z2, alpha, pitch):
     a, b = image(z1, z2, alpha, pitch)
     D = np.subtract(L, E)
     return E + a * D + b * np.conj(D)
+
+
+def mirrored_position(L, E, z1, z2, pitch):
+    """Where light from L crosses z = 0, the middle of one sheet whose prisms lie along x: a line along z is seen as a
+    hyperbola. For z1 = z2 light from L meets the eye's plane in a line or not at all: infinite or NaN there.
+    """
+    D = np.subtract(L, E)
+    g = prism.slab_shift() * pitch * (1 - prism.AIR_GAP)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return E + z2 * (D.real / (z2 + z1 - g) + 1j * np.divide(D.imag, np.subtract(z2, z1)))

@@ -34,7 +34,7 @@ Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
 
 
 class Rendering(BaseModel):
-    """What POV-Ray is asked for, beside the scene. What is not given follows from the quality."""
+    """What is asked for beside the scene. What is not given follows from the quality."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -58,8 +58,16 @@ class Rendering(BaseModel):
         1800, description="the longest a frame may take, above 0 to 1e6 seconds"
     )
 
+    caption: bool = Field(False, description="burn alpha, z1, z2, r, nu and M into the picture's lower edge")
+    overlay: bool = Field(False, description="mark where objects are predicted, and the curves that they move on")
+
     @model_validator(mode="before")
     @classmethod
     def _follow_quality(cls, values: Any) -> Any:
         preset = QUALITIES.get(values.get("quality", "paper"), QUALITIES["paper"])
         return {"size": preset["size"], "antialias": preset["antialias"], **values}
+
+    @property
+    def annotated(self) -> bool:
+        """Whether something is drawn over POV-Ray's picture."""
+        return self.caption or self.overlay

@@ -4,7 +4,6 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. Points of th
 x + iy from the window's centre, x to the right and y up for the eye.
 """
 
-from math import radians
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -63,13 +62,25 @@ class Scene(BaseModel):
         """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
         return max(0.24, 1.02 * self.sheets_depth)
 
-    def seen(self, L: complex, z1: float) -> complex:
-        """Where two sheets show a point, in the plane z = 0: eq. 7, and for prisms the paraxial prediction."""
-        from povgen import paraxial, rotation  # numpy is slow to load, and few scenes need a prediction
+    def seen(self, L: complex, z1: float, alpha: float | None = None) -> complex:
+        """Where a point is seen, in the plane z = 0: eq. 7, and for prisms the paraxial prediction. Arrays broadcast.
 
-        if self.sheet == "ideal":
-            return rotation.apparent_position(L, self.E, z1, self.z2, radians(self.alpha))
-        return paraxial.apparent_position(L, self.E, z1, self.z2, radians(self.alpha), self.window / self.prisms)
+        alpha, degrees, takes the place of the scene's own.
+        """
+        import numpy  # slow to load, and few scenes need a prediction
+
+        from povgen import paraxial, rotation
+
+        pitch = self.window / self.prisms
+        alpha = numpy.radians(self.alpha if alpha is None else alpha)
+        match self.sheet:
+            case "detailed":
+                return paraxial.apparent_position(L, self.E, z1, self.z2, alpha, pitch)
+            case "single":
+                return paraxial.mirrored_position(L, self.E, z1, self.z2, pitch)
+            case "none":
+                alpha = 0
+        return rotation.apparent_position(L, self.E, z1, self.z2, alpha)
 
     @property
     def cells(self) -> int:

@@ -1,0 +1,50 @@
+"""Drawing with matplotlib: how povgen's charts and figures look, and how they become files."""
+
+from contextlib import AbstractContextManager
+from io import BytesIO
+from pathlib import Path
+
+from povgen.errors import InputError
+from povgen.output import save
+
+try:
+    import matplotlib
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
+except ImportError:
+    raise InputError(
+        "charts and figures are drawn with matplotlib, which is not installed: pip install 'povgen[charts]'"
+    ) from None
+
+# matplotlib's names, for the modules that draw
+__all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "Text", "save_drawing", "style"]
+COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
+STYLE = {
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "figure.dpi": 110,
+    "font.size": 11,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
+    "svg.hashsalt": "povgen",  # the same figure is the same file
+}
+
+
+def style(**other) -> AbstractContextManager:
+    """While it is entered, povgen's style holds, with other settings of matplotlib in place of its own."""
+    return matplotlib.rc_context(STYLE | other)
+
+
+def save_drawing(figure: Figure, *paths: Path) -> None:
+    """Write a figure, each file of the kind that its name ends with."""
+    for path in paths:
+        image = BytesIO()
+        undated = {"metadata": {"Date": None}} if path.suffix == ".svg" else {}
+        figure.savefig(image, format=path.suffix[1:], **undated)
+        save(image.getvalue(), path)
