@@ -40,10 +40,10 @@ def test_every_sphere_has_its_mark_on_the_circle():
     for place in annotate.positions(scene):
         assert abs(marks - place).min() < scene.view_height / 480 * 4
         assert abs(line - place).min() < 0.01
-    ideal = Spheres(alpha=90, sheet="ideal", z1=[6])
+    ideal = Spheres(alpha=60, sheet="ideal", z1=[6])
     (line, _), (turned, _) = annotate.loci(ideal)
     # constant alpha: L and E are seen at one angle from everywhere; constant r: distances to them are in one ratio
-    assert np.allclose(np.angle((line - ideal.E) / (ideal.L - line)), -(np.pi - np.pi / 2), atol=1e-9)
+    assert np.allclose(np.angle((line - ideal.E) / (ideal.L - line)), radians(60), atol=1e-9)
     turned = turned[np.isfinite(turned)]
     assert np.allclose(abs(turned - ideal.E) / abs(turned - ideal.L), 1)
 
@@ -94,7 +94,7 @@ def test_the_caption_is_legible_and_whole(size):
         rows = np.flatnonzero((picture != 120).any((1, 2)))
         assert rows[-1] == size[1] - 1 and len(rows) == rows[-1] - rows[0] + 1  # a strip at the lower edge
         strip = picture[rows[0] :]
-        assert strip.max() > 150 and np.median(strip) < 40  # light on dark
+        assert strip.max() > 100 and np.median(strip) < 40  # light on dark
         if size[0] > 64:
             assert strip.max() == 255
             assert (strip[:, [0, -1]] < 40).all()  # no letter touches the edge
