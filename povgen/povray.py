@@ -25,6 +25,7 @@ read* = %INSTALLDIR%/include
 read+write = .
 """
 OLDEST = (3, 7)
+TRIES = 2
 
 _running: set[subprocess.Popen] = set()
 _lock = Lock()
@@ -72,13 +73,28 @@ def version() -> str:
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
     """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
 
-    Raises PovrayError if POV-Ray is missing, refuses the scene, is killed or takes longer than rendering.timeout.
+    Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises PovrayError
+    if POV-Ray is missing, refuses the scene, or fails so each time.
     """
-    folder = folder.resolve()  # for HOME, where POV-Ray looks for its configuration
+    for attempt in range(1, TRIES + 1):
+        try:
+            return _run(source, rendering, folder.resolve() / str(attempt))
+        except _Chance as fault:
+            if attempt == TRIES:
+                raise PovrayError(f"{fault}, {TRIES} times") from None
+    raise AssertionError
+
+
+class _Chance(PovrayError):
+    """A fault that may not come again."""
+
+
+def _run(source: str, rendering: Rendering, folder: Path) -> Path:
     config = folder / ".povray" / "3.7" / "povray.conf"
     config.parent.mkdir(parents=True)
     config.write_text(CONFIG)
     (folder / SCENE).write_text(source)
+    # POV-Ray looks for its configuration in HOME
     environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C"}
     with _lock:
         process = subprocess.Popen(
@@ -93,16 +109,21 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
     try:
         _, messages = process.communicate(timeout=rendering.timeout)
     except subprocess.TimeoutExpired:
-        raise PovrayError(f"POV-Ray took longer than {rendering.timeout:g} s (--timeout) and was stopped") from None
+        raise _Chance(f"POV-Ray took longer than {rendering.timeout:g} s (--timeout) and was stopped") from None
     finally:
         process.kill()
         process.wait()
         with _lock:
+            stopped = process not in _running
             _running.discard(process)
+    if stopped:
+        raise PovrayError("POV-Ray was stopped")
     if process.returncode < 0:
-        raise PovrayError(f"POV-Ray was killed by signal {-process.returncode}")
+        raise _Chance(f"POV-Ray was killed by signal {-process.returncode}")
     if process.returncode or not (folder / rendering.file).is_file():
-        raise PovrayError(_failure(source, folder, messages.decode(errors="replace")))
+        failure = _failure(source, folder, messages.decode(errors="replace"))
+        # said on a machine that is overloaded
+        raise (_Chance if "Timed out waiting for worker thread" in failure else PovrayError)(failure)
     return folder / rendering.file
 
 
@@ -111,6 +132,7 @@ def stop() -> None:
     with _lock:
         for process in _running:
             process.kill()
+        _running.clear()
 
 
 def _failure(source: str, folder: Path, messages: str) -> str:
