@@ -73,8 +73,8 @@ def version() -> str:
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
     """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
 
-    Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises PovrayError
-    if POV-Ray is missing, refuses the scene, or fails so each time.
+    Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises
+    PovrayError if POV-Ray is missing, refuses the scene, or fails so each time.
     """
     for attempt in range(1, TRIES + 1):
         try:
