@@ -41,7 +41,7 @@ BY_HAND = ("off", "1,0.9,2", USUAL)
 CONVERGED = "1,0.001,9"
 COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
 WORKERS = (1, 2, 4, 8, 16)
-ROUNDS = 3
+ROUNDS = 5
 
 
 @dataclass
