@@ -12,7 +12,7 @@ from povgen import limits, prism
 
 # Radius of each piece's foot, tiles: it must stand clear of the sheets.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-Piece = Literal["pawn", "rook", "knight", "bishop", "queen", "king"]
+Piece = Literal[*PIECES]
 Sheet = Literal["detailed", "ideal", "single", "none"]
 FARTHEST = 5e6  # POV-Ray sees 10 million of its units far
 Z1 = Annotated[float, Field(gt=0, le=5000)]
@@ -143,7 +143,7 @@ class Chess(Scene):
     offset: Annotated[tuple[Offset, Annotated[float, Field(ge=-10, lt=0)]], BeforeValidator(_pair)] = Field(
         (0, floor), description="L - E, X,Y from the eye to where the piece stands, -10 to 10 tiles, Y below 0"
     )
-    piece: Piece = Field("knight", description="pawn, rook, knight, bishop, queen or king")
+    piece: Piece = Field("knight", description=", ".join(PIECES))
     ghost: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
 
     @property

@@ -1,0 +1,163 @@
+"""The documentation: links lead somewhere, commands are povgen's, blocks run, pictures can be made again."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from povgen.cli import app
+
+PROJECT = Path(__file__).parents[1]
+PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md")), PROJECT / "docs" / "figures" / "README.md"]
+POVGEN = Path(sys.executable).with_name("povgen")
+COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands}
+MAKEFILE = (PROJECT / "Makefile").read_text()
+sys.path.insert(0, str(PROJECT / "docs"))
+import notebook  # noqa: E402
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """povgen's programs on the path, as after `. .venv/bin/activate`."""
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    return {**os.environ, "PATH": path, "IPYTHONDIR": str(tmp_path)}
+
+
+def name(path):
+    return path.relative_to(PROJECT).as_posix()
+
+
+def headings(page):
+    """The anchors of a page's headings, as GitHub makes them."""
+    found = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in found}
+
+
+def blocks(page):
+    return re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.M | re.S)
+
+
+def commands(page):
+    """Lines of shell in a page: indented ones, those of bash blocks, and those in `code`."""
+    text = page.read_text()
+    indented = re.findall(r"^ {4}((?:povgen|make|time make) .*)$", text, re.M)
+    written = [line for kind, block in blocks(page) if kind == "bash" for line in block.splitlines()]
+    prose = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    inline = re.findall(r"`((?:povgen|make|time make) [^`]*)`", prose)
+    for line in [*indented, *(line for line in written if re.match(r"(povgen|make) ", line)), *inline]:
+        yield shlex.split(line.partition(" | ")[0], comments=True)
+
+
+def links(page):
+    return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_lead_somewhere(page):
+    for link in links(page):
+        target, _, anchor = link.partition("#")
+        path = (page.parent / target).resolve() if target else page
+        assert "://" not in link and path.exists() and path.is_relative_to(PROJECT), link
+        assert not anchor or anchor in headings(path), link
+
+
+def test_every_page_can_be_reached_from_the_readme():
+    reached, to_read = set(), [PAGES[0]]
+    while to_read:
+        page = to_read.pop()
+        reached.add(page)
+        found = {(page.parent / link.partition("#")[0]).resolve() for link in links(page)}
+        to_read += [path for path in found - reached if path.suffix == ".md"]
+    assert reached == set(PAGES)
+
+
+def test_every_picture_is_shown_and_made_by_a_target():
+    shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
+    for path in (PROJECT / "docs").rglob("*"):
+        if path.suffix in (".png", ".gif"):
+            assert path in shown, f"{name(path)} is shown nowhere"
+            made = re.search(rf"-o {re.escape(name(path))}$", MAKEFILE, re.M)  # alone, or with others in its folder
+            with_others = re.search(rf"-o {re.escape(name(path.parent))}$", MAKEFILE, re.M)
+            copied = re.search(rf"^\tcp \S*{re.escape(path.name)} {re.escape(name(path.parent))}$", MAKEFILE, re.M)
+            assert made or with_others or copied, f"no target makes {name(path)}"
+
+
+@cache
+def options(command):
+    """The options that a command of povgen's has, by its own help."""
+    environment = {**os.environ, "COLUMNS": "200"}
+    told = subprocess.run(
+        [POVGEN, command, "--help"], env=environment, capture_output=True, text=True, check=True
+    ).stdout
+    return set(re.findall(r"(?<![\w-])--?[a-z][\w-]*", told))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_commands_exist(page):
+    for first, *rest in commands(page):
+        if first == "povgen":
+            used = {word.partition("=")[0] for word in rest if re.match("--?[a-z]", word)}
+            assert used <= (options(rest[0]) if rest[0] in COMMANDS else {"--help", "--version"}), rest
+        else:
+            target = rest[1:] if first == "time" else rest
+            subprocess.run(["make", "--dry-run", *target], cwd=PROJECT, check=True, capture_output=True)
+
+
+def test_every_command_is_documented():
+    assert {rest[0] for page in PAGES for first, *rest in commands(page) if first == "povgen"} >= COMMANDS
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "python" in dict(blocks(page))], ids=name)
+def test_a_pages_blocks_run(page, tmp_path, environment):
+    """In their order, in one Python session and one folder."""
+    script = tmp_path / "session.py"
+    script.write_text("".join(_as_python(kind, block) for kind, block in blocks(page) if kind in ("python", "bash")))
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr and "nan" not in done.stdout
+
+
+def _as_python(kind, block):
+    if kind == "python":
+        return block
+    return f"import subprocess\nsubprocess.run(['bash', '-euo', 'pipefail', '-c', {block!r}], check=True)\n"
+
+
+def test_adding_adds(tmp_path, environment):
+    """docs/adding.md, in a copy of the project."""
+    unwanted = shutil.ignore_patterns(
+        ".git", ".venv", "build", "chart", "figures", "*.mp4", "*.png", "__pycache__", ".*_cache"
+    )
+    shutil.copytree(PROJECT, tmp_path / "povgen", symlinks=True, ignore=unwanted)
+    environment["PYTHONPATH"] = str(tmp_path / "povgen")
+    for kind, block in blocks(PROJECT / "docs" / "adding.md"):
+        assert kind == "bash"
+        done = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", block],
+            cwd=tmp_path / "povgen", env=environment, capture_output=True, text=True,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+    listed = subprocess.run(["povgen", "list"], env=environment, capture_output=True, text=True).stdout
+    assert "obelisk" in listed and "arrow:" in listed and "near-and-far" in listed
+
+
+def test_the_notebook_is_the_lesson_and_runs(tmp_path, environment, monkeypatch):
+    kept = nbformat.read(PROJECT / "docs" / "lesson.ipynb", 4)
+    nbformat.validate(kept)
+    made = notebook.notebook(notebook.LESSON.read_text())
+    assert kept == made, "make docs/lesson.ipynb"
+    monkeypatch.setenv("PATH", environment["PATH"])
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
+    NotebookClient(made, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [out for cell in made.cells for out in cell.get("outputs", []) if out.output_type == "display_data"]
+    assert len(shown) == sum(cell.source.count('Image("') + cell.source.count('Video("') for cell in made.cells)
+    assert sum("image/png" in out.data for out in shown) > 10
