@@ -1,9 +1,10 @@
-"""From a scene to the text that POV-Ray reads: the one place where templates are rendered."""
+"""From a scene to the text that POV-Ray reads, from movies to a page: the one place where templates are rendered."""
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__, prism
 from povgen.scenes import Scene
@@ -16,6 +17,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
+        autoescape=select_autoescape(["html.j2"]),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
@@ -29,6 +31,11 @@ def to_pov(scene: Scene) -> str:
     """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone."""
     template = _environment().get_template(f"{scene.name}.pov.j2")
     return template.render(scene=scene, solid="merge" if getattr(scene, "ghost", False) else "union")
+
+
+def to_html(page: dict[str, Any]) -> str:
+    """The teaching page, which holds its own styles and script. `page` is what the script reads (`demo`)."""
+    return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
 def template_of(source: str, line: int) -> str:

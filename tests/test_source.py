@@ -77,7 +77,7 @@ def test_a_line_is_traced_to_its_template():
 
 
 def test_every_part_begins_with_its_name():
-    for path in TEMPLATES.rglob("*.j2"):
+    for path in TEMPLATES.rglob("*.pov.j2"):
         name = path.relative_to(TEMPLATES).as_posix()
         if name not in ("header.pov.j2",):
             assert re.search(rf"^// ---- .* \({re.escape(name)}\) ----$", path.read_text(), flags=re.M), name

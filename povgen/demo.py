@@ -1,0 +1,115 @@
+"""The teaching page: movies, frame by frame, beside the diagram of figure 5, in a folder that needs no network."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from povgen import encode, limits, prism
+from povgen.errors import InputError, validated
+from povgen.frames import picture, render_all
+from povgen.output import checked_folder, checked_output, save
+from povgen.rendering import Rendering
+from povgen.scenes import Scene
+from povgen.source import to_html
+from povgen.spec import MovieSpec
+
+OWN = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
+SHEETS = ("detailed", "ideal")
+SWEPT = {"alpha": "α from {} to {}°", "z1": "z₁ from {} to {}", "z2": "z₂ from {} to {}"}
+GENERATOR = b'<meta name="generator" content="povgen'
+
+
+def demo(
+    specs: Sequence[MovieSpec | str | Path],
+    folder: str | Path,
+    *,
+    workers: int | None = None,
+    done: Callable[[], object] = lambda: None,
+    **options,
+) -> Path:
+    """Render movies through prisms and through the ideal sheet, and write a page of them into a folder.
+
+    Returns the page, index.html. It is written last, and frames that differ have names that differ: the page always
+    shows its own frames, all of them. What else is in the folder stays.
+    Options: those of `Rendering`. `done` is called after each frame.
+    Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
+    """
+    rendering = validated(Rendering, options)
+    specs = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
+    movies = [scenes(spec, rendering.quality) for spec in specs]
+    if not movies:
+        raise InputError("no movies; allowed: one or more")
+    page, frames = checked_page(Path(folder))
+    told = [_told(spec, movie, rendering) for spec, movie in zip(specs, movies, strict=True)]
+    wanted = [
+        (f"{number}-{scene.name}-{sheet}-{n:03}", scene, told[number - 1]["frames"][sheet][n])
+        for number, movie in enumerate(movies, 1)
+        for sheet in SHEETS
+        for n, scene in enumerate(movie[sheet])
+    ]
+    with closing(render_all([scene for _, scene, _ in wanted], rendering, workers, done)) as rendered:
+        for (name, scene, told_frame), frame in zip(wanted, rendered, strict=True):
+            data = encode.webp(picture(frame, scene, rendering))
+            file = f"{name}-{sha256(data).hexdigest()[:8]}.webp"
+            save(data, frames / file)
+            told_frame["file"] = f"{frames.name}/{file}"
+    save(to_html(_data(told)).encode(), page)
+    return page
+
+
+def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
+    """The scenes of all frames, for each model of the sheets that the page shows. Raises InputError."""
+    try:
+        return {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
+    except InputError as error:
+        raise InputError(f"{spec.title!r}: {error}") from None
+
+
+def checked_page(folder: Path) -> tuple[Path, Path]:
+    """The page's path in a folder and that of its frames, if povgen may write both. Raises InputError."""
+    page = checked_output(checked_folder(folder) / "index.html", [".html"])
+    if page.exists() and GENERATOR not in page.read_bytes():
+        raise InputError(f"output = {str(folder)!r}: index.html there is not povgen's; allowed: a folder without one")
+    return page, checked_folder(folder / "frames")
+
+
+def _data(movies: list[dict[str, Any]]) -> dict[str, Any]:
+    """What the page's equations need beside the movies; lengths in tiles."""
+    return {
+        "movies": movies,
+        "view_height": Scene.view_height,
+        "prism": {"air_gap": prism.AIR_GAP, "aspect": prism.aspect(), "slab_shift": prism.slab_shift()},
+        "limits": {"condition": limits.CONDITION, "correction": limits.CORRECTION},
+    }
+
+
+def _told(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) -> dict[str, Any]:
+    """A movie as the page has it: angles in degrees, lengths in tiles, complex numbers as pairs."""
+    scene, sweep = movie["detailed"][0], spec.sweep
+    thing = getattr(scene, "piece", scene.name.removesuffix("s"))
+    things = thing + "s" * (len(scene.distances) > 1)
+    ends = (f"{end:g}".replace("-", "−") for end in (sweep.start, sweep.stop))
+    return {
+        "title": spec.title,
+        "label": f"{things.capitalize()}, {SWEPT[sweep.parameter].format(*ends)}",
+        "thing": thing,
+        "marked": f"{thing}'s foot" if hasattr(scene, "piece") else thing,
+        "sweep": sweep.parameter,
+        "start": sweep.start,
+        "stop": sweep.stop,
+        "rate": spec.rate(rendering.quality),
+        "ratio": rendering.size[0] / rendering.size[1],
+        "prisms": scene.prisms,
+        "pitch": scene.window / scene.prisms,
+        "L": [scene.L.real, scene.L.imag],
+        "E": [scene.E.real, scene.E.imag],
+        "powers": scene.z1 is None,  # every z1 is 2^n z2
+        "frames": {sheet: [_told_frame(scene) for scene in movie[sheet]] for sheet in SHEETS},
+    }
+
+
+def _told_frame(scene: Scene) -> dict[str, Any]:
+    radii = [scene.radius(z1) for z1 in scene.distances] if hasattr(scene, "radius") else None
+    return {"alpha": scene.alpha, "z2": scene.z2, "z1": scene.distances, "radius": radii}
