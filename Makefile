@@ -13,8 +13,11 @@ NEEDED := $(if $(shell command -v povray),,povray) \
 SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
 # root or sudo can install
 MAY := $(filter 0,$(shell id -u))$(SUDO)
+# installs packages of Debian's, or says who has to
+install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
+  > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame test verify chart bench clean help
+.PHONY: movies frame demo test browser verify chart bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -25,7 +28,11 @@ movies/%.mp4: movies/%.toml $(SOURCES) build/quality | $(READY)
 frame: | $(READY)  ## one frame, frame.png: the chess piece and its predicted place
 	$(POVGEN) frame chess --ghost --quality $(QUALITY) -o frame.png
 
-test: $(VENV)/test-ready  ## all tests
+demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies beside the equations, no network needed
+	@mkdir -p build
+	$(POVGEN) demo -o build/demo --quality $(QUALITY)
+
+test: $(VENV)/test-ready browser  ## all tests
 	$(VENV)/bin/python -m pytest
 
 verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
@@ -55,17 +62,14 @@ build/quality: FORCE
 FORCE:
 
 $(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
-ifneq ($(strip $(NEEDED)),)
-ifeq ($(strip $(MAY)),)
-	@echo "povgen needs Debian's packages: $(strip $(NEEDED)). Have them installed: apt-get install $(strip $(NEEDED))" >&2; exit 1
-else
-	$(SUDO) apt-get update -qq
-	$(SUDO) apt-get install -y -qq --no-install-recommends $(NEEDED) > /dev/null
-endif
-endif
+	$(if $(strip $(NEEDED)),$(call install,$(strip $(NEEDED))))
 	python3 -m venv $(VENV)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
+
+# the tests drive the page of demo
+browser:
+	$(if $(shell command -v chromium),,$(call install,chromium))
 
 # a peer of the benchmark, in an environment of its own
 $(VENV)/mitsuba/ready: | $(READY)

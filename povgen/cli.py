@@ -74,7 +74,8 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
     from povgen.scenes import SCENES
 
     fields: dict[str, list] = {}
-    for model in [*SCENES.values(), *([Rendering] if "rendering" in models else [])]:
+    named = {"scenes": SCENES.values(), "rendering": [Rendering]}
+    for model in [model for name in models for model in named[name]]:
         for name, field in model.model_fields.items():
             fields.setdefault(name, []).append((getattr(model, "name", ""), field))
     return fields
@@ -216,6 +217,40 @@ def movie(
         make(made, output, workers=_workers(workers), done=done, **options)
     if not quiet:
         print(f"wrote {output}")
+
+
+@app.command()
+@_takes("rendering")
+def demo(
+    specs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SPEC]...", help="movies' TOML files, or names of povgen's own", show_default="the paper's three"
+        ),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="for index.html and its frames")
+    ] = Path("demo"),
+    workers: Workers = None,
+    quiet: Quiet = False,
+    **options,
+) -> None:
+    """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
+    from povgen.demo import OWN, checked_page, scenes
+    from povgen.demo import demo as make
+    from povgen.rendering import Rendering
+    from povgen.spec import MovieSpec
+
+    loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], _workers(workers)
+    rendering = validated(Rendering, options)
+    shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
+    checked_page(output)
+    if not quiet:
+        _warn(shown, rendering)
+    with _progress(output.name, len(shown), quiet) as done:
+        page = make(loaded, output, workers=count, done=done, **options)
+    if not quiet:
+        print(f"wrote {page}")
 
 
 @app.command()
