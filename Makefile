@@ -17,7 +17,7 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame demo test browser verify chart bench clean help
+.PHONY: movies frame demo figures pictures test browser verify chart bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -35,9 +35,27 @@ demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies bes
 test: $(VENV)/test-ready browser  ## all tests
 	$(VENV)/bin/python -m pytest
 
+figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
+	@mkdir -p docs/figures
+	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
+	cat docs/figures/figure?.md > docs/figures/README.md
+
+pictures: | $(READY)  ## the pictures in README.md
+	$(POVGEN) movie vary-alpha --sheet ideal --size 400x300 --antialias 1,0.1,3 --caption --overlay -o docs/alpha.gif
+	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 -o docs/prisms.png
+	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 --sheet ideal -o docs/ideal.png
+	$(POVGEN) frame spheres --alpha 150 --quality high --antialias 2,0.1,3 --overlay --caption -o docs/spheres.png
+	$(POVGEN) frame chess --alpha 180 --quality high --antialias 2,0.1,3 --caption -o docs/real-image.png
+	$(POVGEN) frame chess --alpha 90 --z1 15 --quality high --antialias 2,0.1,3 --overlay --caption -o docs/far.png
+	$(POVGEN) frame chess --sheet single --quality high --antialias 2,0.1,3 --caption -o docs/single.png
+
+docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
+	$(VENV)/bin/python docs/notebook.py
+
 verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
 	$(POVGEN) verify
 	$(POVGEN) verify --stability
+	cp stability/stability.png docs
 
 chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --peers benchmarks -o docs/chart

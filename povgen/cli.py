@@ -161,7 +161,7 @@ def frame(
     **values,
 ) -> None:
     """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
-    from povgen.frames import render_png
+    from povgen.frames import png
     from povgen.output import checked_output, save
     from povgen.rendering import Rendering
 
@@ -172,7 +172,7 @@ def frame(
     output = checked_output(output, [".png"])
     if not quiet:
         _warn([made], rendering)
-    save(render_png(made, rendering).read_bytes(), output)
+    save(png(made, rendering), output)
     if not quiet:
         print(f"wrote {output}")
 
@@ -340,6 +340,30 @@ def chart(
     charts.save_counts(list(speed.prism_counts(done)), folder)
     charts.save_movies(list(speed.movies(speed.WORKERS, done)), folder)
     save(f"{speed.machine()}\n".encode(), folder / "machine.txt")
+
+
+@app.command()
+def figure(
+    numbers: Annotated[list[str], typer.Argument(metavar="NUMBER...", help="of figures in the paper, 1 to 6")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="for pictures and captions")] = Path(
+        "figures"
+    ),
+    quality: Annotated[str, typer.Option(metavar="QUALITY", help="of frames: draft, paper or high")] = "high",
+) -> None:
+    """Make figures of the paper: PNG, drawings also as SVG, and a caption with the measured agreement."""
+    from povgen.output import checked_folder
+    from povgen.rendering import Rendering
+
+    rendering = validated(Rendering, {"quality": quality})
+    for number in numbers:
+        if number not in list("123456"):
+            raise InputError(f"number = {number!r}: no figure of the paper; allowed: 1 to 6")
+    from povgen.figures import save_figure
+
+    folder = checked_folder(output)
+    for number in numbers:
+        for path in save_figure(int(number), folder, rendering):
+            print(f"wrote {path}")
 
 
 @app.callback(invoke_without_command=True)
