@@ -1,6 +1,5 @@
 """From a spec to its movie."""
 
-import tempfile
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 from povgen import __version__, encode, povray
 from povgen.errors import InputError, validated
 from povgen.frames import picture, render_all
-from povgen.output import checked_output
+from povgen.output import checked_output, work_folder
 from povgen.rendering import Rendering
 from povgen.spec import MovieSpec
 
@@ -43,9 +42,10 @@ def movie(
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}",
     }
     frames = render_all(scenes, rendering, workers, done)
-    with tempfile.TemporaryDirectory(prefix=".povgen-", dir=output.parent) as folder, closing(frames):
-        part = Path(folder) / f"movie{output.suffix.lower()}"
+    target = output.resolve()
+    with work_folder(target.parent) as folder, closing(frames):
+        part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
-        part.replace(output)
+        part.replace(target)
     return output

@@ -4,7 +4,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from povgen import encode, frames, povray
+from povgen import cache, encode, fence, frames, povray
 from povgen.errors import PovrayError
 from povgen.rendering import Rendering
 from povgen.scenes import Chess
@@ -20,6 +20,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
+            ("fence", _fence, "report it: povgen's issues"),
             (
                 "frame",
                 lambda: _frame(frame),
@@ -35,10 +36,16 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
 
 
 def _cache() -> str:
-    folder = frames.cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=folder):
-        return str(folder)
+    with cache.work():
+        return str(cache.folder())
+
+
+def _fence() -> str:
+    """What POV-Ray can read and write; a kernel without Landlock is no fault, but worth knowing."""
+    version = fence.version()
+    return (
+        f"Landlock {version}" if version else "none, for this kernel has no Landlock: render only scenes that you trust"
+    )
 
 
 def _frame(frame: Path) -> str:

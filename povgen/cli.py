@@ -1,9 +1,11 @@
 """The command line: reads options, calls the package, reports. All checking is done by the models it calls."""
 
 import inspect
+import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -263,6 +265,24 @@ def check() -> None:
 
 
 @app.command()
+def cache(
+    what: Annotated[str, typer.Argument(metavar="info|clear", help="tell of the frames that are kept, or remove them")],
+) -> None:
+    """The frames that are kept, up to POVGEN_CACHE_SIZE GiB (2) in POVGEN_CACHE: the least recently used go first."""
+    from povgen import cache
+
+    if what not in ("info", "clear"):
+        raise InputError(f"{what!r}: allowed: info or clear")
+    limit = cache.limit()
+    if what == "clear":
+        print(f"removed {cache.trim(-1)} frames from {cache.folder()}")
+    else:
+        frames = cache.frames()
+        size = sum(size for _, size, _ in frames) / 2**30
+        print(f"{len(frames)} frames, {size:.3f} of {limit / 2**30:g} GiB, in {cache.folder()}")
+
+
+@app.command()
 def verify(
     sheet: Annotated[str | None, typer.Option(metavar="ideal|detailed", help="one sheet model (default both)")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="write the figures to a .json file as well")] = None,
@@ -445,18 +465,46 @@ def _progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]
 
 
 def main() -> None:
-    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails."""
+    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails.
+
+    130 and 143 after SIGINT and SIGTERM, which leave no process and no part of a file behind.
+    """
     usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
+    stopped: list[int] = []
+
+    def stop(number: int, frame: object) -> None:
+        stopped.append(number)
+        _kill_children()
+        raise KeyboardInterrupt
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup, or a shell's & has it
+            signal.signal(number, stop)
     try:
         status = app(standalone_mode=False)
-    except (InputError, usage_error) as error:
-        message = error.format_message() if isinstance(error, usage_error) else error
-        _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
-    except (PovrayError, OSError) as error:
-        _fail(f"povgen: {error}", 1)
-    if status == 130:  # typer's, for an interrupt
-        _fail("povgen: stopped; the same command goes on from the frames that are finished", 130)
+    except BaseException as error:
+        if stopped:
+            status = None
+        elif isinstance(error, (InputError, usage_error)):
+            message = error.format_message() if isinstance(error, usage_error) else error
+            _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
+        elif isinstance(error, (PovrayError, OSError)):
+            _fail(f"povgen: {error}", 1)
+        else:
+            raise
+    if stopped:
+        _fail("povgen: stopped; the same command goes on from the frames that are finished", 128 + stopped[0])
     sys.exit(status)
+
+
+def _kill_children() -> None:
+    """End what runs for povgen, POV-Rays and the encoder, so that nothing is waited for."""
+    if povray := sys.modules.get("povgen.povray"):  # not loaded: nothing runs
+        povray.stop()
+    for thread in Path("/proc/self/task").glob("*/children"):
+        for child in thread.read_text().split():
+            with suppress(ProcessLookupError):
+                os.kill(int(child), signal.SIGKILL)
 
 
 def _fail(message: str, status: int) -> None:

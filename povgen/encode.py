@@ -6,6 +6,7 @@ from pathlib import Path
 
 import imageio.v2
 import imageio.v3 as iio
+import imageio_ffmpeg
 import numpy as np
 
 # Untagged video is shown with the wrong colours by some players.
@@ -23,7 +24,10 @@ FORMATS = {
 
 
 def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict[str, str]) -> None:
-    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, `rate` of them a second."""
+    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, `rate` of them a second.
+
+    Raises OSError where the file does not come out whole.
+    """
     if output.suffix == ".gif":
         pictures = list(pictures)
         # times in a GIF are whole hundredths of a second
@@ -43,11 +47,29 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         macro_block_size=2,
         output_params=[*options.split(), *metadata],
     )
+    written = 0
     try:
         for picture in pictures:
-            writer.append_data(picture)
+            try:
+                writer.append_data(picture)
+            except OSError as error:
+                raise OSError(_failure(error)) from None
+            written += 1
     finally:
         writer.close()  # which waits for ffmpeg, as its `with` does not after an error
+    # ffmpeg's exit status is not to be had
+    try:
+        found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
+    except RuntimeError as error:
+        raise OSError(_failure(error)) from None
+    if found != written:
+        raise OSError(f"the encoder wrote {found} of {written} frames (is the disk full?)")
+
+
+def _failure(error: Exception) -> str:
+    """What the encoder said last, of the log in an error of imageio's."""
+    said = [line.strip() for line in str(error).splitlines() if "rror" in line or "No space" in line]
+    return f"the encoder failed: {said[-1] if said else 'it left no message'}"
 
 
 def png(picture: np.ndarray) -> bytes:

@@ -16,6 +16,10 @@ class PovrayError(RuntimeError):
     """POV-Ray is missing, failed, was killed or took too long: the message tells which, and where."""
 
 
+class ChanceError(PovrayError):
+    """POV-Ray was killed or took too long: a fault that another frame, or another try, need not have."""
+
+
 def validated(model: type[Model], values: dict[str, Any]) -> Model:
     """The model made of values that a user gave, which may be text.
 

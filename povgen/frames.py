@@ -1,17 +1,15 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
 import os
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from hashlib import sha256
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
-import platformdirs
 
-from povgen import povray
-from povgen.errors import PovrayError, validated
+from povgen import cache, povray
+from povgen.errors import ChanceError, PovrayError, validated
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
 from povgen.source import to_pov
@@ -19,10 +17,7 @@ from povgen.source import to_pov
 # A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
 WORKERS_PER_CORE = 8
 
-
-def cache_folder() -> Path:
-    """Where frames are kept: the folder POVGEN_CACHE or else the user's cache folder."""
-    return Path(os.environ.get("POVGEN_CACHE") or platformdirs.user_cache_path("povgen"))
+Run = Callable[[str, Rendering, Path], Path]  # as povray.run
 
 
 def default_workers() -> int:
@@ -30,45 +25,60 @@ def default_workers() -> int:
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
-def render_png(scene: Scene, rendering: Rendering | None = None) -> Path:
-    """The scene's frame, a PNG in the cache, rendered unless it is there already.
+def render_png(scene: Scene, rendering: Rendering | None = None, run: Run | None = None) -> Path:
+    """The scene's frame, a PNG in the cache, rendered (by `run`, or povray.run) unless it is there already.
 
     Raises PovrayError, which names the scene's parameters.
     """
     rendering = rendering or Rendering()
     source = to_pov(scene)
-    key = "\0".join([povray.version(), *povray.command("povray", rendering), source])
-    name = sha256(key.encode()).hexdigest()
-    frame = cache_folder() / name[:2] / f"{name}.png"
-    if not frame.is_file():
-        frame.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="work-", dir=cache_folder()) as folder:
+    frame = cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]))
+    if not cache.find(frame):
+        with cache.work() as folder:
             try:
-                os.replace(povray.run(source, rendering, Path(folder)), frame)
+                rendered = (run or povray.run)(source, rendering, folder)
+                if not cache.whole(rendered):
+                    raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
+                cache.keep(rendered, frame)
             except PovrayError as error:
                 values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
-                raise PovrayError(f"{error}\n  in the frame with {values}") from None
+                raise type(error)(f"{error}\n  in the frame with {values}") from None
     return frame
 
 
 def render_all(
-    scenes: Sequence[Scene], rendering: Rendering, workers: int | None = None, done: Callable[[], object] = lambda: None
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    workers: int | None = None,
+    done: Callable[[], object] = lambda: None,
+    run: Run | None = None,
 ) -> Iterator[Path]:
     """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
 
-    Raises PovrayError at the first frame that fails; the frames finished by then stay in the cache.
+    Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
+    ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
     """
-    workers = workers or default_workers()
-
-    pool = ThreadPoolExecutor(workers)
+    most = cache.limit()
+    pool = ThreadPoolExecutor(workers or default_workers())
+    failures = []
     try:
-        for path in pool.map(lambda scene: render_png(scene, rendering), scenes):
-            done()
-            yield path
+        for number, frame in enumerate([pool.submit(render_png, scene, rendering, run) for scene in scenes]):
+            try:
+                path = frame.result()
+            except ChanceError as fault:
+                failures.append(f"frame {number}: {fault}")
+            else:
+                done()
+                if not failures:
+                    yield path
+        if failures:
+            others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
+            raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         povray.stop()
         pool.shutdown()
+        cache.trim(most)
 
 
 def render(scene: Scene, **options) -> np.ndarray:
@@ -82,7 +92,8 @@ def render(scene: Scene, **options) -> np.ndarray:
 
 def png(scene: Scene, rendering: Rendering) -> bytes:
     """The scene's picture as a PNG file's bytes."""
-    frame = render_png(scene, rendering)
+    with closing(render_all([scene], rendering)) as frames:
+        frame = next(frames)
     if not rendering.annotated:
         return frame.read_bytes()
     from povgen import encode
@@ -92,11 +103,15 @@ def png(scene: Scene, rendering: Rendering) -> bytes:
 
 def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
     """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
+    try:
+        plain = read(frame)
+    except FileNotFoundError:  # another povgen has cleared the cache
+        plain = read(render_png(scene, rendering))
     if not rendering.annotated:
-        return read(frame)
+        return plain
     from povgen.annotate import annotated
 
-    return annotated(read(frame), scene, rendering)
+    return annotated(plain, scene, rendering)
 
 
 def read(frame: Path) -> np.ndarray:

@@ -1,20 +1,22 @@
 """The one place where POV-Ray is started."""
 
+import os
 import re
 import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
-from threading import Lock
+from threading import RLock
 
-from povgen.errors import PovrayError
+from povgen import fence
+from povgen.errors import ChanceError, PovrayError
 from povgen.rendering import Rendering
 from povgen.source import template_of
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
 # POV-Ray takes the stricter of this and the system's own. (Its release 3.7.0.10 obeys the ban on shell-outs but not
-# always the one on files: what keeps a scene harmless is that only checked numbers and names get into it.)
+# always the one on files: the fence does not depend on it.)
 CONFIG = """\
 [File I/O Security]
 restricted
@@ -26,9 +28,15 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
+MEMORY = 8 << 30  # bytes that a POV-Ray may address
+LARGEST = 1 << 30  # bytes of a file that it may write
+# What POV-Ray may read and run, beside its own program, where a system has them.
+READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
+READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
+RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
 
 _running: set[subprocess.Popen] = set()
-_lock = Lock()
+_lock = RLock()  # a signal's handler may call stop() anywhere
 
 
 def command(binary: str, rendering: Rendering) -> list[str]:
@@ -47,12 +55,20 @@ def command(binary: str, rendering: Rendering) -> list[str]:
 
 
 @cache
-def binary() -> str:
-    """POV-Ray's executable. Raises PovrayError where there is none."""
-    found = shutil.which("povray")
+def binary(name: str = "povray") -> str:
+    """An executable, by default POV-Ray's. Raises PovrayError where there is none."""
+    found = shutil.which(name)
     if found is None:
-        raise PovrayError("POV-Ray is not installed: no 'povray' on the PATH. On Debian: apt-get install povray")
+        package = "povray" if name == "povray" else "util-linux"
+        what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
+        raise PovrayError(f"{what}: no {name!r} on the PATH. On Debian: apt-get install {package}")
     return found
+
+
+def _limits() -> list[str]:
+    """What runs a command so that it ends with the thread that started it, and takes no more than its share."""
+    limits = [f"--as={MEMORY}", f"--fsize={LARGEST}", "--core=0"]
+    return [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), *limits, "--"]
 
 
 @cache
@@ -79,14 +95,10 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
     for attempt in range(1, TRIES + 1):
         try:
             return _run(source, rendering, folder.resolve() / str(attempt))
-        except _Chance as fault:
+        except ChanceError as fault:
             if attempt == TRIES:
-                raise PovrayError(f"{fault}, {TRIES} times") from None
-    raise AssertionError
-
-
-class _Chance(PovrayError):
-    """A fault that may not come again."""
+                raise ChanceError(f"{fault}, {TRIES} times") from None
+    raise AssertionError("no tries")
 
 
 def _run(source: str, rendering: Rendering, folder: Path) -> Path:
@@ -94,11 +106,30 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
     config.parent.mkdir(parents=True)
     config.write_text(CONFIG)
     (folder / SCENE).write_text(source)
+    limits = _limits()
+    programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
+    status, messages = fence.within(
+        lambda: _process([*limits, *command(binary(), rendering)], folder, rendering.timeout),
+        read=READ,
+        run=[*programs, *RUN],
+        write=[folder, Path(os.devnull)],
+    )
+    if status < 0:
+        raise ChanceError(f"POV-Ray was killed by signal {-status}")
+    if status or not (folder / rendering.file).is_file():
+        failure = _failure(source, folder, messages.decode(errors="replace"))
+        # said on a machine that is overloaded
+        raise (ChanceError if "Timed out waiting for worker thread" in failure else PovrayError)(failure)
+    return folder / rendering.file
+
+
+def _process(arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
+    """POV-Ray's exit status, below 0 the signal that killed it, and its messages."""
     # POV-Ray looks for its configuration in HOME
-    environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C"}
+    environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
     with _lock:
         process = subprocess.Popen(
-            command(binary(), rendering),
+            arguments,
             cwd=folder,
             env=environment,
             stdin=subprocess.DEVNULL,
@@ -107,9 +138,9 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
         )
         _running.add(process)
     try:
-        _, messages = process.communicate(timeout=rendering.timeout)
+        _, messages = process.communicate(timeout=timeout)
     except subprocess.TimeoutExpired:
-        raise _Chance(f"POV-Ray took longer than {rendering.timeout:g} s (--timeout) and was stopped") from None
+        raise ChanceError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
     finally:
         process.kill()
         process.wait()
@@ -118,13 +149,7 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
             _running.discard(process)
     if stopped:
         raise PovrayError("POV-Ray was stopped")
-    if process.returncode < 0:
-        raise _Chance(f"POV-Ray was killed by signal {-process.returncode}")
-    if process.returncode or not (folder / rendering.file).is_file():
-        failure = _failure(source, folder, messages.decode(errors="replace"))
-        # said on a machine that is overloaded
-        raise (_Chance if "Timed out waiting for worker thread" in failure else PovrayError)(failure)
-    return folder / rendering.file
+    return process.returncode, messages
 
 
 def stop() -> None:

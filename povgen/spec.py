@@ -1,5 +1,6 @@
 """A movie as its TOML file describes it: a scene, what is fixed in it and what is swept."""
 
+import sys
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -60,18 +61,20 @@ class MovieSpec(BaseModel):
 
     @classmethod
     def load(cls, path: str | Path) -> "MovieSpec":
-        """The movie described by a TOML file, or by one of povgen's own if a name such as vary-alpha is given.
+        """The movie described by a TOML file, by one of povgen's own (vary-alpha), or by standard input (-).
 
         Raises InputError, which names the file, the key, its value and what is allowed.
         """
+        if str(path) == "-":
+            return cls.parse(sys.stdin.buffer.read().decode(errors="replace"), "standard input")
         file = Path(path)
         if file.suffix != ".toml" and not file.exists():
             file = MOVIES / f"{path}.toml"
         try:
             text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
+        except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a NUL in the name
             own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
-            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+            reason = error.strerror if isinstance(error, OSError) else "not a name of a file of UTF-8 text"
             raise InputError(f"{path}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
         return cls.parse(text, str(path))
 

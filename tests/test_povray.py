@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from povgen import Chess, PovrayError, Rendering, frames, povray, to_pov
+from povgen import Chess, PovrayError, Rendering, cache, frames, povray, to_pov
 
 TINY = Rendering(size=(32, 32), antialias="off")
 EMPTY = Chess(sheet="none")
@@ -45,9 +45,9 @@ def test_a_frame_is_rendered_once(monkeypatch):
 
 def test_the_cache_holds_whole_frames_only():
     frames.render_png(Chess(sheet="none", z1=4), TINY)
-    files = [path for path in frames.cache_folder().rglob("*") if path.is_file()]
+    files = [path for path in cache.folder().rglob("*") if path.is_file()]
     assert files and all(path.suffix == ".png" for path in files)
-    assert not list(frames.cache_folder().glob("work-*"))
+    assert not list(cache.folder().glob(".povgen-*"))
 
 
 def test_a_fault_in_the_scene(monkeypatch):
@@ -125,9 +125,10 @@ def test_what_povgen_stops_is_not_tried_again(tmp_path):
 
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     """What POV-Ray 3.7 says and does then is not the scene's fault."""
-    fake = 'test -e ../late && cp scene.pov frame.png || { touch ../late; echo "$0" >&2; exit 1; }'
+    fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'
     message = "Timed out waiting for worker thread startup"
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", fake, message])
+    monkeypatch.setattr(povray, "RUN", [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     assert povray.run("scene", TINY, tmp_path).read_text() == "scene"
 
 
@@ -150,6 +151,7 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     show = 'cp "$HOME/.povray/3.7/povray.conf" seen && cp seen frame.png'
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", show])
+    monkeypatch.setattr(povray, "RUN", [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     for folder in (tmp_path / "absolute", Path("relative")):
         folder.mkdir()
         povray.run("", TINY, folder)
