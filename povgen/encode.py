@@ -1,6 +1,8 @@
 """The one place where frames are encoded."""
 
+import logging
 from collections.abc import Iterable
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 
+logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen says what went wrong
 # Untagged video is shown with the wrong colours by some players.
 BT709 = (
     "-vf scale=out_color_matrix=bt709:out_range=tv,"
@@ -34,7 +37,8 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         times = [round(100 * n / rate) for n in range(len(pictures) + 1)]
         pauses = [10 * (end - start) for start, end in pairwise(times)]
         comment = " ".join(tags.values()).encode()
-        iio.imwrite(output, pictures, plugin="pillow", duration=pauses, loop=0, comment=comment)
+        options = {"extension": ".gif", "plugin": "pillow", "duration": pauses, "loop": 0, "comment": comment}
+        output.write_bytes(iio.imwrite("<bytes>", pictures, **options))
         return
     codec, options = FORMATS[output.suffix]
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
@@ -45,31 +49,23 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         quality=None,
         pixelformat="yuv420p",
         macro_block_size=2,
+        ffmpeg_log_level="quiet",
         output_params=[*options.split(), *metadata],
     )
-    written = 0
+    written = found = 0
     try:
         for picture in pictures:
+            written += 1
             try:
                 writer.append_data(picture)
-            except OSError as error:
-                raise OSError(_failure(error)) from None
-            written += 1
+            except OSError:  # the encoder has gone
+                break
     finally:
         writer.close()  # which waits for ffmpeg, as its `with` does not after an error
-    # ffmpeg's exit status is not to be had
-    try:
+    with suppress(RuntimeError):  # ffmpeg's exit status is not to be had; this is raised for what is no movie
         found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
-    except RuntimeError as error:
-        raise OSError(_failure(error)) from None
-    if found != written:
+    if found != written or not written:
         raise OSError(f"the encoder wrote {found} of {written} frames (is the disk full?)")
-
-
-def _failure(error: Exception) -> str:
-    """What the encoder said last, of the log in an error of imageio's."""
-    said = [line.strip() for line in str(error).splitlines() if "rror" in line or "No space" in line]
-    return f"the encoder failed: {said[-1] if said else 'it left no message'}"
 
 
 def png(picture: np.ndarray) -> bytes:

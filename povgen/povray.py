@@ -1,5 +1,6 @@
 """The one place where POV-Ray is started."""
 
+import errno
 import os
 import re
 import shutil
@@ -117,6 +118,8 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
     if status < 0:
         raise ChanceError(f"POV-Ray was killed by signal {-status}")
     if status or not (folder / rendering.file).is_file():
+        if shutil.disk_usage(folder).free < 2**16:  # POV-Ray does not say so
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
         failure = _failure(source, folder, messages.decode(errors="replace"))
         # said on a machine that is overloaded
         raise (ChanceError if "Timed out waiting for worker thread" in failure else PovrayError)(failure)

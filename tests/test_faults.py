@@ -1,0 +1,258 @@
+"""Faults that really happen, with real POV-Ray: killed, hung, no room, damaged, crowded. Nothing is lost."""
+
+import os
+import random
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, povray
+
+POVGEN = Path(sys.executable).with_name("povgen")
+COUNT = 12
+SPEC = (
+    'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
+    f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
+)
+SMALL = Rendering(size=(64, 48))
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder with a spec, and a cache of its own."""
+    (tmp_path / "z2.toml").write_text(SPEC)
+    return tmp_path
+
+
+def start(place, *arguments, **environment):
+    return subprocess.Popen(
+        [POVGEN, "movie", "z2.toml", "--size", "64x48", "-o", "a.mp4", *arguments],
+        cwd=place,
+        env={**os.environ, "POVGEN_CACHE": str(place / "cache"), **environment},
+        stderr=subprocess.PIPE,
+        text=True,
+        # what runs in the background ignores it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+
+
+def finished(place):
+    return {path: path.stat().st_mtime_ns for path in place.glob("cache/??/*.png")}
+
+
+def processes(place):
+    """What runs in the folder, by its process number, except for what is dead and only waits to be noticed."""
+    found = {}
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            dead = process.joinpath("stat").read_text().rpartition(")")[2].split()[0] == "Z"
+            if Path(os.readlink(process / "cwd")).is_relative_to(place) and not dead:
+                found[int(process.name)] = process.joinpath("cmdline").read_bytes()
+        except OSError:
+            continue
+    return found
+
+
+def wait_for(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def test_killed_at_twenty_moments(place):
+    moments = random.Random(20)
+    for _ in range(20):
+        before = finished(place)
+        process = start(place)
+        time.sleep(moments.uniform(0.2, 1.7))
+        process.kill()
+        process.communicate()
+        wait_for(lambda: not processes(place), 3)  # POV-Ray ends with povgen
+        assert before.items() <= finished(place).items()  # nothing was rendered again
+    left = finished(place)
+    assert start(place).wait() == 0
+    assert left.items() <= finished(place).items() and len(finished(place)) == COUNT
+    assert {path.name for path in place.iterdir()} == {"a.mp4", "cache", "z2.toml"}
+    assert not list(place.glob("cache/.povgen-*")), "folders of the killed are left"
+
+    undisturbed = MovieSpec.parse(SPEC, "x").scenes("paper")
+    for scene in undisturbed:
+        own = frames.render_png(scene, SMALL)
+        (killed,) = (path for path in finished(place) if path.name == own.name)
+        assert np.array_equal(frames.read(own), frames.read(killed))
+
+
+@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize("while_", ["rendering", "encoding"])
+def test_stopped(place, number, status, while_):
+    if while_ == "encoding":  # of frames that are there, slowly
+        assert start(place, "--size", "1600x1200").wait() == 0
+        (place / "a.mp4").unlink()
+        process = start(place, "--size", "1600x1200", "-o", "a.webm")
+        wait_for(lambda: any(b"ffmpeg" in command and b"webm" in command for command in processes(place).values()))
+        time.sleep(0.3)
+    else:
+        process = start(place, "--workers", "1")
+        wait_for(lambda: len(finished(place)) >= 3)
+    at = time.monotonic()
+    process.send_signal(number)
+    message = process.communicate(timeout=20)[1]
+    assert time.monotonic() - at < 2
+    assert process.returncode == status, message
+    assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
+    assert "Traceback" not in message
+    assert not processes(place)
+    assert {path.name for path in place.iterdir()} == {"cache", "z2.toml"}
+    assert not list(place.glob("cache/.povgen-*"))
+
+
+@pytest.mark.parametrize("fault, said", [(signal.SIGKILL, "killed by signal 9"), (signal.SIGSTOP, "longer than 5 s")])
+def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
+    """One frame's POV-Ray is killed, or hangs, each time that it is tried."""
+    monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
+    scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
+    doomed = f"#declare Z2         = {scenes[4].z2:.15g};"
+    over, met = threading.Event(), set()
+
+    def strike():
+        while not over.is_set():
+            for process in processes(place):
+                try:
+                    if process not in met and doomed in Path(f"/proc/{process}/cwd/scene.pov").read_text():
+                        os.kill(process, fault)
+                        met.add(process)
+                except OSError:
+                    continue
+
+    striker = threading.Thread(target=strike)
+    striker.start()
+    output = place / "a.mp4"
+    output.write_bytes(b"kept")
+    try:
+        with pytest.raises(PovrayError) as failure:
+            movie(place / "z2.toml", output, size=(64, 48), timeout=5)
+    finally:
+        over.set()
+        striker.join()
+    message = str(failure.value)
+    assert len(met) == povray.TRIES and f"{said}" in message and f"{povray.TRIES} times" in message
+    assert f"1 of {COUNT} frames failed" in message and "frame 4: " in message and f"z2 = {scenes[4].z2}" in message
+    assert len(finished(place)) == COUNT - 1
+    assert output.read_bytes() == b"kept" and not processes(place)
+
+
+def test_a_killed_povray_is_tried_again(place, monkeypatch):
+    monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
+    over, met = threading.Event(), []
+
+    def strike():
+        while not over.is_set():
+            for process in set(povray._running) - set(met):
+                if len(met) in (0, 2, 4):  # the first try of three frames
+                    os.kill(process.pid, signal.SIGKILL)
+                met.append(process)
+
+    striker = threading.Thread(target=strike)
+    striker.start()
+    try:
+        movie(place / "z2.toml", place / "a.mp4", size=(64, 48), workers=1)
+    finally:
+        over.set()
+        striker.join()
+    assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT and len(met) == COUNT + 3
+
+
+def crowded(place, size, script):
+    """Run a shell script in which `small` is a file system of so many KiB, which `grow` makes larger."""
+    (place / "small").mkdir()
+    mount = f'mount -t tmpfs -o size={size}k tmpfs small; grow() {{ mount -o remount,size=100m "$PWD/small"; }}; '
+    whole = ["unshare", "--mount", "--map-root-user", "sh", "-c", f'{mount} povgen() {{ {POVGEN} "$@"; }}; {script}']
+    return subprocess.run(whole, cwd=place, capture_output=True, text=True, timeout=200, env=os.environ)
+
+
+@pytest.mark.parametrize("what", ["rendering", "encoding", "encoding a GIF"])
+def test_no_room(place, what):
+    kind = "gif" if "GIF" in what else "mp4"
+    store, output = ("small/cache", f"a.{kind}") if what == "rendering" else ("cache", f"small/a.{kind}")
+    command = f"povgen movie z2.toml --size 320x240 --antialias off --quiet -o {output}"
+    environment = f"export POVGEN_CACHE={shlex.quote(str(place / store))}"
+    done = crowded(
+        place,
+        200 if what == "rendering" else 40,
+        f"{environment}; echo kept > {output}; {command}; echo status $?; "
+        f'echo "is: $(head -c 4 {output})"; '
+        f"grow; {command}; echo status $?; cp {output} whole.{kind}; ls -A small; ls {store}/..",
+    )
+    first, _, second = done.stdout.partition("status 1\n")
+    assert first == "" and second.startswith("is: kept") and "status 0" in second, done.stdout + done.stderr
+    message = done.stderr.splitlines()
+    assert message[0].startswith("povgen: ") and len(message) <= 3, done.stderr
+    assert "No space left" in done.stderr or "disk full" in done.stderr
+    if kind == "mp4":
+        assert imageio_ffmpeg.count_frames_and_secs(str(place / "whole.mp4"))[0] == COUNT
+    # what was kept when there was no room was whole: it is there still, as it was
+    assert "Traceback" not in done.stderr and ".povgen-" not in second
+
+
+@pytest.mark.parametrize("damage", ["truncated", "a bit turned", "empty", "another file"])
+def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
+    (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("paper")
+    frame = frames.render_png(scene, SMALL)
+    data = frame.read_bytes()
+    middle = len(data) // 2
+    frame.write_bytes(
+        {
+            "truncated": data[:-20],
+            "a bit turned": data[:middle] + bytes([data[middle] ^ 16]) + data[middle + 1 :],
+            "empty": b"",
+            "another file": b"GIF89a" + data,
+        }[damage]
+    )
+    assert frames.render_png(scene, SMALL) == frame
+    assert cache.whole(frame) and len(frame.read_bytes()) == len(data)
+
+
+def test_two_at_once(place):
+    """On one cache and one output, while a third clears the cache again and again."""
+    both = [start(place) for _ in range(2)]
+    environment = {**os.environ, "POVGEN_CACHE": str(place / "cache")}
+    while any(process.poll() is None for process in both):
+        subprocess.run([POVGEN, "cache", "clear"], env=environment, check=True, capture_output=True)
+    for process in both:
+        assert process.wait() == 0, process.stderr.read()
+    assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT
+    assert not list(place.glob("cache/.povgen-*")) and not list(place.glob(".povgen-*"))
+
+
+def test_the_cache_keeps_to_its_size(place, monkeypatch):
+    monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
+    scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
+    *first, last = list(frames.render_all(scenes, SMALL))
+    for path in first[:4]:
+        assert cache.find(path)  # used again
+    size = sum(path.stat().st_size for path in first[:5])
+    monkeypatch.setenv("POVGEN_CACHE_SIZE", str(size / 2**30))
+    list(frames.render_all(scenes[:1], SMALL))
+    kept = set(finished(place))
+    assert set(first[:4]) <= kept and len(kept) <= 6 and sum(path.stat().st_size for path in kept) <= size
+    environment = dict(os.environ)
+
+    def povgen(*arguments):
+        return subprocess.run([POVGEN, *arguments], env=environment, capture_output=True, text=True)
+
+    assert povgen("cache", "info").stdout.startswith(f"{len(kept)} frames, 0.000 of ")
+    assert povgen("cache", "clear").stdout.startswith(f"removed {len(kept)} frames")
+    assert not finished(place)
+    environment["POVGEN_CACHE_SIZE"] = "much"
+    done = povgen("movie", str(place / "z2.toml"), "-o", str(place / "a.mp4"))
+    assert done.returncode == 2 and "POVGEN_CACHE_SIZE = 'much': allowed" in done.stderr and not finished(place)
