@@ -1,9 +1,11 @@
 """The frames that are kept: each a PNG file under the name of what it was rendered from."""
 
+import errno
 import os
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from hashlib import sha256
 from pathlib import Path
 
@@ -59,10 +61,17 @@ def keep(rendered: Path, frame: Path) -> None:
     os.replace(rendered, frame)
 
 
-def work():
-    """A folder to render in, on the cache's file system, to be entered with `with`."""
-    folder().mkdir(parents=True, exist_ok=True)
-    return work_folder(folder())
+def work() -> AbstractContextManager[Path]:
+    """A folder to render in, on the cache's file system. Raises OSError where it cannot be."""
+    kept = folder()
+    try:
+        kept.mkdir(parents=True, exist_ok=True)
+        if not os.access(kept, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        hint = f"{error.strerror} (the folder for frames; POVGEN_CACHE names another)"
+        raise OSError(error.errno, hint, str(kept)) from None
+    return work_folder(kept)
 
 
 def whole(png: Path) -> bool:

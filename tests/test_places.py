@@ -1,0 +1,178 @@
+"""Odd places to work in: names, links, folders that cannot be written to, users and machines that lack something."""
+
+import os
+import pty
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio_ffmpeg
+import pytest
+
+POVGEN = Path(sys.executable).with_name("povgen")
+TINY = ["--size", "64x48", "--sheet", "none"]
+SPEC = """
+title = "A film"
+scene = "chess"
+frame_rate = 10
+[sweep]
+parameter = "z1"
+start = 2
+stop = 4
+frames = 3
+"""
+
+
+def povgen(*arguments, cwd, status=0, **options):
+    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+@pytest.mark.parametrize(
+    "name", ["with a space", 'o\'clock "quoted" `$HOME`', "-dash", "--help", "Größe-回転-🎬", "a%03d\n"]
+)
+def test_names(name, tmp_path):
+    """As the folder, the cache, the spec and the output."""
+    folder = tmp_path / name
+    folder.mkdir()
+    (folder / f"{name}.toml").write_text(SPEC)
+    cache = {**os.environ, "POVGEN_CACHE": f"{name}/{name}"}
+    for kind in (".mp4", ".webm", ".gif"):
+        arguments = ["movie", "-o", f"{name}/{name}{kind}", *TINY, "--", f"{name}/{name}.toml"]
+        told = povgen(*arguments, cwd=tmp_path, env=cache).stdout
+        assert told == f"wrote {name}/{name}{kind}\n"
+    povgen("frame", "chess", *TINY, "-o", f"{name}/{name}.png", cwd=tmp_path, env=cache)
+    povgen("pov", "chess", "-o", f"{name}/{name}.pov", cwd=tmp_path, env=cache)
+    assert imageio_ffmpeg.count_frames_and_secs(str(folder / f"{name}.mp4"))[0] == 3
+    kinds = (".gif", ".mp4", ".png", ".pov", ".toml", ".webm", "")
+    assert {path.name for path in folder.iterdir()} == {f"{name}{kind}" for kind in kinds}
+    assert os.listdir(tmp_path) == [name]
+
+
+def test_a_link_as_output(tmp_path):
+    """What it leads to is written; the link stays. One that leads nowhere is refused."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link.png").symlink_to("there/frame.png")
+    (tmp_path / "movie.gif").symlink_to(tmp_path / "there" / "real.gif")
+    povgen("frame", "chess", *TINY, "-o", "link.png", cwd=tmp_path)
+    povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
+    assert (tmp_path / "link.png").is_symlink() and (tmp_path / "movie.gif").is_symlink()
+    assert (tmp_path / "there" / "frame.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "there" / "real.gif").read_bytes().startswith(b"GIF89a")
+    for name, target in (("lost.png", "nowhere/frame.png"), ("circle.png", "circle.png")):
+        (tmp_path / name).symlink_to(target)
+        told = povgen("frame", "chess", *TINY, "-o", name, cwd=tmp_path, status=2).stderr
+        assert f"output = '{name}'" in told and "allowed" in told
+    assert sorted(os.listdir(tmp_path / "there")) == ["frame.png", "real.gif"]
+
+
+def test_a_spec_from_standard_input(tmp_path):
+    povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
+    for text, word in (("title = 1", "standard input"), ("[", "not TOML"), ("\udc80".join("ab"), "TOML")):
+        told = povgen("movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape").stderr
+        assert told.startswith("povgen: standard input: ") and word in told
+    povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
+    assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"TMPDIR": "/nowhere"},
+        {"LC_ALL": "C", "LANG": "C", "PYTHONUTF8": None, "PYTHONIOENCODING": None},
+        {"HOME": None, "XDG_CACHE_HOME": None},
+        {"HOME": "/nowhere/at/all", "POVGEN_CACHE": "own"},
+        {"TERM": None, "COLUMNS": "20"},
+        {"PATH": "/usr/bin:/bin"},
+    ],
+    ids=lambda change: " ".join(change),
+)
+def test_surroundings_that_lack_something(change, tmp_path):
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), **change}
+    environment = {key: value for key, value in environment.items() if value is not None}
+    if "HOME" in change and not change["HOME"]:
+        del environment["POVGEN_CACHE"]
+    for path in ("é.toml", "ä.mp4"):
+        (tmp_path / path).write_text(SPEC)
+    told = povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
+    assert "wrote ä.mp4" in told.stdout
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "ä.mp4"))[0] == 3
+    assert "wrong.toml" in povgen("movie", "wrong.toml", cwd=tmp_path, env=environment, status=2).stderr
+
+
+def as_nobody(folder, *arguments, status=0, **environment):
+    """Run povgen as a user who owns nothing, if the tests run as root; else as themselves."""
+    user = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] if os.getuid() == 0 else []
+    environment = {"PATH": os.environ["PATH"], **environment}
+    done = subprocess.run([*user, POVGEN, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+@pytest.fixture
+def open_folder():
+    """A folder where anybody may reach and write."""
+    folder = Path("/var/tmp" if os.access("/var/tmp", os.W_OK) else "/tmp") / f"povgen-test-{os.getpid()}"
+    folder.mkdir()
+    folder.chmod(0o777)
+    yield folder
+    shutil.rmtree(folder)
+
+
+def test_an_ordinary_user(open_folder):
+    own = str(open_folder / "cache")
+    as_nobody(open_folder, "frame", "chess", *TINY, HOME="/nonexistent", POVGEN_CACHE=own)
+    as_nobody(open_folder, "movie", "vary-z1", *TINY, "--quality", "draft", "-o", "a.mp4", POVGEN_CACHE=own)
+    assert {"a.mp4", "frame.png"} <= set(os.listdir(open_folder))
+    told = as_nobody(open_folder, "check", POVGEN_CACHE=own).stdout
+    assert told.count("ok ") == len(told.splitlines())
+
+
+def test_folders_that_cannot_be_written_to(open_folder):
+    (open_folder / "shut").mkdir(mode=0o555)
+    (open_folder / "shut" / "there.png").write_bytes(b"kept")
+    (open_folder / "shut" / "there.png").chmod(0o444)
+    own = {"POVGEN_CACHE": str(open_folder / "cache")}
+    for arguments in (
+        ["frame", "chess", *TINY, "-o", "shut/a.png"],
+        ["frame", "chess", *TINY, "-o", "shut/there.png"],
+        ["movie", "vary-z1", "-o", "shut/a.mp4"],
+        ["demo", "-o", "shut/page"],
+        ["figure", "1", "-o", "shut/figures"],
+        ["pov", "chess", "-o", "shut/a.pov"],
+    ):
+        told = as_nobody(open_folder, *arguments, status=2, **own).stderr
+        assert "shut/" in told and "allowed" in told and len(told.splitlines()) <= 2
+    told = as_nobody(
+        open_folder, "frame", "chess", *TINY, status=1, POVGEN_CACHE=str(open_folder / "shut" / "c")
+    ).stderr
+    assert "Permission denied" in told and "shut/c" in told and "POVGEN_CACHE" in told
+    assert os.listdir(open_folder / "shut") == ["there.png"]
+    assert not (open_folder / "frame.png").exists()
+
+
+def test_on_a_terminal_and_without(tmp_path):
+    """A bar on a terminal, a line now and then elsewhere, nothing but errors with --quiet."""
+    (tmp_path / "a.toml").write_text(SPEC)
+    arguments = ["movie", "a.toml", *TINY, "-o", "a.mp4"]
+    assert "a.mp4: 3/3 frames" in povgen(*arguments, cwd=tmp_path).stderr
+    assert povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen([POVGEN, *arguments], cwd=tmp_path, stderr=theirs, stdout=theirs, stdin=theirs)
+    os.close(theirs)
+    shown = b""
+    while True:
+        try:
+            more = os.read(ours, 4096)
+        except OSError:
+            break
+        if not more:
+            break
+        shown += more
+    os.close(ours)
+    assert process.wait() == 0 and b"3/3" in shown and b"\x1b[" in shown
