@@ -210,7 +210,7 @@ def movie(
     loaded = MovieSpec.load(spec)
     chosen = _auto(values, options, tolerance, quiet, lambda values, q: loaded.with_fixed(values).scenes(q))
     made = loaded.with_fixed(values | chosen)
-    output = checked_output(output or Path(Path(spec).stem + ".mp4"), FORMATS)
+    output = checked_output(output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4"), FORMATS)
     rendering = validated(Rendering, options)
     scenes = made.scenes(rendering.quality)
     if not quiet:
@@ -378,9 +378,9 @@ def figure(
     for number in numbers:
         if number not in list("123456"):
             raise InputError(f"number = {number!r}: no figure of the paper; allowed: 1 to 6")
-    from povgen.figures import save_figure
-
     folder = checked_folder(output)
+    from povgen.figures import save_figure  # after what can be refused, for matplotlib is slow to load
+
     for number in numbers:
         for path in save_figure(int(number), folder, rendering):
             print(f"wrote {path}")
