@@ -17,7 +17,7 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame demo figures pictures test browser verify chart bench clean help
+.PHONY: movies frame demo figures pictures test lint browser verify chart bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -51,6 +51,11 @@ pictures: | $(READY)  ## the pictures in README.md
 
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py
+
+lint: $(VENV)/test-ready  ## what ruff and mypy say of the code
+	$(VENV)/bin/ruff format --quiet --check .
+	$(VENV)/bin/ruff check --quiet .
+	$(VENV)/bin/mypy
 
 verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
 	$(POVGEN) verify

@@ -121,7 +121,7 @@ def loci(scene: Scene) -> list[tuple[np.ndarray, tuple[int, ...]]]:
     """Curves that apparent positions move on, in tiles, and their colours: as z1 changes (alpha constant), and, for a
     single object, as alpha changes (r constant)."""
     z1 = np.geomspace(scene.depth / 2, 1e4 * scene.z2, 721)
-    curves = [(scene.seen(scene.L, z1), ALPHA_COLOUR)]
+    curves: list[tuple[np.ndarray, tuple[int, ...]]] = [(scene.seen(scene.L, z1), ALPHA_COLOUR)]
     if len(scene.distances) == 1 and scene.sheet in ("detailed", "ideal"):
         curves.append((scene.seen(scene.L, scene.distances[0], np.arange(-180, 180.5, 0.5)), R_COLOUR))
     return curves

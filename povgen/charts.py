@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from io import StringIO
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -68,11 +69,11 @@ def save_frames(points: list[Point], folder: Path) -> None:
 
 def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, float, str, str]]:
     """Error against CPU seconds, a colour for each method, and the Pareto front; returns what to label the points."""
-    labels = []
+    labels: list[tuple[float, float, str, str]] = []
     for method in dict.fromkeys(p.method for p in points):
         of = [p for p in points if p.method == method]
         (line,) = ax.plot([p.cpu for p in of], [getattr(p, error) for p in of], "o", label=method)
-        labels += [(p.cpu, getattr(p, error), p.sampling, line.get_color()) for p in of]
+        labels += [(p.cpu, getattr(p, error), p.sampling, str(line.get_color())) for p in of]
     best = front(points, error)
     ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="front")
     ax.set(xscale="log", yscale="log")
@@ -82,7 +83,7 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, flo
     return labels
 
 
-def save_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
+def save_counts(rows: list[tuple[Any, ...]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
     with style():
@@ -133,9 +134,11 @@ def save_movies(rows: list[tuple[int, float, float]], folder: Path) -> None:
 
 def _label(ax: Axes, labels: list[tuple[float, float, str, str]]) -> None:
     """Write beside points (x, y, text, colour) what they are, each where it covers no other, with a line to it."""
-    renderer = FigureCanvasAgg(ax.figure).get_renderer()
-    ax.figure.draw_without_rendering()  # which lays it out
-    ax.figure.set_layout_engine("none")
+    figure = ax.figure.figure
+    assert figure
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw_without_rendering()  # which lays it out
+    figure.set_layout_engine("none")
     points = [ax.transData.transform((x, y)) for x, y, _, _ in labels]
     taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in points]
     for x, y, text, colour in labels:

@@ -10,7 +10,7 @@ from povgen.rendering import Rendering
 from povgen.scenes import Chess
 from povgen.source import to_pov
 
-TINY = Rendering(quality="draft", size=(64, 48))
+TINY = Rendering(size=(64, 48), antialias=None)
 
 
 def faults(report: Callable[[str], object]) -> Iterator[str]:

@@ -62,7 +62,7 @@ def _takes(*models: str) -> Callable:
 
         parameters = [*own, *(_option(name, owners) for name, owners in fields.items())]
         parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
-        called.__signature__ = inspect.Signature(parameters)
+        called.__dict__["__signature__"] = inspect.Signature(parameters)
         called.__annotations__ = {p.name: p.annotation for p in parameters}
         called.__name__, called.__doc__ = command.__name__, command.__doc__
         return called
@@ -86,9 +86,10 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
 def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
     texts = {_about(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
-    if owners[0][1].annotation is bool:
-        kind, default, info = bool, False, typer.Option(f"--{name}", help=about)
-    else:
+    kind: Any = bool
+    default: Any = False
+    info = typer.Option(f"--{name}", help=about)
+    if owners[0][1].annotation is not bool:
         # the spheres' scene takes several z1
         kind, default = (list[str] if name == "z1" else str) | None, None
         info = typer.Option(f"--{name}", help=about, metavar=name.upper())
@@ -101,9 +102,8 @@ def _about(field: "FieldInfo") -> str:
     default = field.default
     if isinstance(default, tuple):
         default = ",".join(f"{x:g}" for x in default)
-    return (
-        field.description if default in (None, False, PydanticUndefined) else f"{field.description} (default {default})"
-    )
+    about = field.description or ""
+    return about if default in (None, False, PydanticUndefined) else f"{about} (default {default})"
 
 
 def _scene(name: str, values: dict[str, Any]) -> "Scene":
@@ -157,7 +157,9 @@ def pov(scene: SceneName, output: Output = None, **values) -> None:
 @_takes("scenes", "rendering")
 def frame(
     scene: SceneName,
-    output: Output = Path("frame.png"),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = Path(
+        "frame.png"
+    ),
     tolerance: Tolerance = None,
     quiet: Quiet = False,
     **values,
@@ -195,6 +197,14 @@ def movie(
         ),
     ] = None,
     workers: Workers = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
+    ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option("--shard", metavar="I/N", help="render every N-th frame, from the I-th on, and no movie yet"),
+    ] = None,
     tolerance: Tolerance = None,
     quiet: Quiet = False,
     **values,
@@ -202,6 +212,7 @@ def movie(
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
     from povgen.assemble import movie as make
     from povgen.encode import FORMATS
+    from povgen.frames import render_all, shard
     from povgen.output import checked_output
     from povgen.rendering import Rendering
     from povgen.spec import MovieSpec
@@ -212,11 +223,22 @@ def movie(
     made = loaded.with_fixed(values | chosen)
     output = checked_output(output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4"), FORMATS)
     rendering = validated(Rendering, options)
-    scenes = made.scenes(rendering.quality)
+    scenes, count = made.scenes(rendering.quality), _workers(workers)
+    if part is not None:
+        if scheduler is not None:
+            raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
+        scenes = shard(scenes, part)
     if not quiet:
         _warn(scenes, rendering)
+    if part is not None:
+        with _progress(f"shard {part}", len(scenes), quiet) as done:
+            for _ in render_all(scenes, rendering, count, done):
+                pass
+        if not quiet:
+            print(f"rendered shard {part}: {len(scenes)} frames")
+        return
     with _progress(output.name, len(scenes), quiet) as done:
-        make(made, output, workers=_workers(workers), done=done, **options)
+        make(made, output, workers=count, done=done, scheduler=scheduler, **options)
     if not quiet:
         print(f"wrote {output}")
 
@@ -486,7 +508,7 @@ def main() -> None:
         if stopped:
             status = None
         elif isinstance(error, (InputError, usage_error)):
-            message = error.format_message() if isinstance(error, usage_error) else error
+            message = getattr(error, "format_message", error.__str__)()
             _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
         elif isinstance(error, (PovrayError, OSError)):
             _fail(f"povgen: {error}", 1)

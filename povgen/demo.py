@@ -37,12 +37,12 @@ def demo(
     Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
     """
     rendering = validated(Rendering, options)
-    specs = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
-    movies = [scenes(spec, rendering.quality) for spec in specs]
+    loaded = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
+    movies = [scenes(spec, rendering.quality) for spec in loaded]
     if not movies:
         raise InputError("no movies; allowed: one or more")
     page, frames = checked_page(Path(folder))
-    told = [_told(spec, movie, rendering) for spec, movie in zip(specs, movies, strict=True)]
+    told = [_told(spec, movie, rendering) for spec, movie in zip(loaded, movies, strict=True)]
     wanted = [
         (f"{number}-{scene.name}-{sheet}-{n:03}", scene, told[number - 1]["frames"][sheet][n])
         for number, movie in enumerate(movies, 1)
@@ -105,7 +105,7 @@ def _told(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) 
         "pitch": scene.window / scene.prisms,
         "L": [scene.L.real, scene.L.imag],
         "E": [scene.E.real, scene.E.imag],
-        "powers": scene.z1 is None,  # every z1 is 2^n z2
+        "powers": getattr(scene, "z1", ()) is None,  # every z1 is 2^n z2
         "frames": {sheet: [_told_frame(scene) for scene in movie[sheet]] for sheet in SHEETS},
     }
 

@@ -3,12 +3,14 @@
 from contextlib import AbstractContextManager
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from povgen.errors import InputError
 from povgen.output import save
 
 try:
     import matplotlib
+    from cycler import cycler
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ except ImportError:
 # matplotlib's names, for the modules that draw
 __all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "Text", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
-STYLE = {
+STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlelocation": "left",
@@ -31,7 +33,7 @@ STYLE = {
     "font.size": 11,
     "legend.frameon": False,
     "legend.fontsize": 9,
-    "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
+    "axes.prop_cycle": cycler(color=COLOURS),
     "svg.hashsalt": "povgen",  # the same figure is the same file
 }
 
@@ -45,6 +47,6 @@ def save_drawing(figure: Figure, *paths: Path) -> None:
     """Write a figure, each file of the kind that its name ends with."""
     for path in paths:
         image = BytesIO()
-        undated = {"metadata": {"Date": None}} if path.suffix == ".svg" else {}
-        figure.savefig(image, format=path.suffix[1:], **undated)
+        undated = {"Date": None} if path.suffix == ".svg" else None
+        figure.savefig(image, format=path.suffix[1:], metadata=undated)
         save(image.getvalue(), path)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import imageio.v2
 import imageio.v3 as iio
@@ -22,7 +23,7 @@ FASTEST_GIF = 50  # frames a second; faster ones are shown slower
 FORMATS = {
     ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
-    ".gif": None,
+    ".gif": ("gif", ""),
 }
 
 
@@ -37,10 +38,10 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         times = [round(100 * n / rate) for n in range(len(pictures) + 1)]
         pauses = [10 * (end - start) for start, end in pairwise(times)]
         comment = " ".join(tags.values()).encode()
-        options = {"extension": ".gif", "plugin": "pillow", "duration": pauses, "loop": 0, "comment": comment}
-        output.write_bytes(iio.imwrite("<bytes>", pictures, **options))
+        options: dict[str, Any] = {"extension": ".gif", "duration": pauses, "loop": 0, "comment": comment}
+        output.write_bytes(iio.imwrite("<bytes>", pictures, plugin="pillow", **options))
         return
-    codec, options = FORMATS[output.suffix]
+    codec, settings = FORMATS[output.suffix]
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
     writer = imageio.v2.get_writer(
         output,
@@ -50,7 +51,7 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         pixelformat="yuv420p",
         macro_block_size=2,
         ffmpeg_log_level="quiet",
-        output_params=[*options.split(), *metadata],
+        output_params=[*settings.split(), *metadata],
     )
     written = found = 0
     try:

@@ -1,5 +1,6 @@
 """What can go wrong through no fault of the program, and how it is put to the user."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:  # slow to load
@@ -37,7 +38,7 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
         raise InputError(_line(model, values, error.errors()[0])) from None
 
 
-def _line(model: "type[BaseModel]", values: dict[str, Any], fault: dict[str, Any]) -> str:
+def _line(model: "type[BaseModel]", values: dict[str, Any], fault: Mapping[str, Any]) -> str:
     message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     if not fault["loc"]:  # a check of several values together, which names them itself
         return message

@@ -4,7 +4,7 @@ Coordinates are those of the scenes: x right, y up, z away from the eye. Drawing
 left, so that light runs to the right.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, degrees, pi, radians, sin
 from pathlib import Path
@@ -85,7 +85,7 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
         (crossing + far * mirrored, "mirrored", 0.36),
         (crossing + far * slope, "without the sheet", 0.2),
     ):
-        ax.text(*(_seen(end) + (0.1, up)), text, ha="right", va="center", fontsize=9)
+        _write(ax, _seen(end) + (0.1, up), text, ha="right", fontsize=9)
     return Drawn(
         figure,
         f"""Ray-optics of a Dove-prism sheet, drawn with prisms as large as these. Red: a ray's real path,
@@ -249,7 +249,7 @@ FIGURES: dict[int, tuple[str, Callable[[Rendering], Drawn]]] = {
 
 
 def _montage(
-    scenes: list[Scene], rendering: Rendering, labels: list[str], reach: float = 1.45
+    scenes: Sequence[Scene], rendering: Rendering, labels: list[str], reach: float = 1.45
 ) -> tuple[Figure, Iterable]:
     """The scenes' frames as far as `reach` from the middle, two rows of three, in the plane z = 0, tiles."""
     figure = Figure(figsize=(WIDTH, 5.05))
@@ -317,11 +317,11 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
         (at(E, -z2), "$E$", 0.12, 0),
         (at(L, z1 / 2), "$z_1$", 0, 0.1),
         (at(E, -z2 / 2), "$z_2$", 0, 0.1),
-        (at((L + place) / 2, 0), "$p_1$", -0.14, -0.02),
+        (at((L + place) / 2, 0), "$p_1$", -0.02, 0.13),
         (at((E + place) / 2, 0), "$p_2$", 0.09, -0.06),
         (at(-0.1 + 0.6j, 0), "sheet", 0, 0),
     ):
-        ax.text(*(_seen(point) + (dx, dy)), text, fontsize=11, ha="center", va="center")
+        _write(ax, _seen(point) + (dx, dy), text, fontsize=11)
     for z, sense in ((z1, 1), (-z2, -1)):  # theta, between the normal and the ray, at P
         normal, ray = (_seen(at(point, z)) - _seen(at(place, 0)) for point in (place, L if sense > 0 else E))
         start, end = (np.arctan2(*vector[::-1]) for vector in (normal, ray))
@@ -345,9 +345,9 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
         (place, "$P$", -0.05 - 0.08j),
     ):
         ax.plot(*_xy(point), "o", color="black", markersize=4)
-        ax.text(*_xy(point + offset), text, ha="center", va="center", fontsize=11)
-    ax.text(*_xy(place / 2 - 0.06 - 0.06j), "$p_1$", ha="center", va="center", color=RAY)
-    ax.text(*_xy((1 + place) / 2 + 0.1 - 0.09j), "$p_2 = r\\,p_1$", ha="center", va="center", color=RAY)
+        _write(ax, _xy(point + offset), text, fontsize=11)
+    _write(ax, _xy(place / 2 - 0.06 - 0.06j), "$p_1$", color=RAY)
+    _write(ax, _xy((1 + place) / 2 + 0.1 - 0.09j), "$p_2 = r\\,p_1$", color=RAY)
 
 
 def _circles(ax: Axes) -> None:
@@ -366,7 +366,7 @@ def _circles(ax: Axes) -> None:
             _label(ax, rotation.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
     for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
         ax.plot(*_xy(point), "o", color="black", markersize=4, zorder=5)
-        ax.text(*_xy(point + offset), text, ha="center", va="center", fontsize=11, zorder=5)
+        _write(ax, _xy(point + offset), text, fontsize=11, zorder=5)
 
 
 def _plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
@@ -383,13 +383,18 @@ def _plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
 
 def _label(ax: Axes, place: complex, text: str, colour: str) -> None:
     box = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
-    ax.text(*_xy(place), text, color=colour, fontsize=7.5, ha="center", va="center", bbox=box)
+    _write(ax, _xy(place), text, color=colour, fontsize=7.5, bbox=box)
 
 
 def _arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name: str, room: float) -> None:
     """An angle from start to end, radians, and its name that far outside."""
     ax.plot(*_xy(centre + radius * np.exp(1j * np.linspace(start, end, 60))), color="black", linewidth=1)
-    ax.text(*_xy(centre + (radius + room) * np.exp(0.5j * (start + end))), name, ha="center", va="center")
+    _write(ax, _xy(centre + (radius + room) * np.exp(0.5j * (start + end))), name)
+
+
+def _write(ax: Axes, place: Iterable[float], text: str, **look) -> None:
+    x, y = place
+    ax.text(x, y, text, **{"ha": "center", "va": "center"} | look)
 
 
 def _xy(place) -> tuple:
@@ -452,7 +457,7 @@ def _axes(ax: Axes, origin: tuple[float, float, float], size: float = 0.9) -> No
         end[n] += size
         _line(ax, [origin, end], "black", 1, arrow=True)
         end[n] += 0.28 * size
-        ax.text(*_seen(end), f"${name}$", ha="center", va="center", fontsize=11)
+        _write(ax, _seen(end), f"${name}$", fontsize=11)
 
 
 def _angle(a: np.ndarray, b: np.ndarray) -> float:

@@ -1,7 +1,8 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from povgen import cache, povray
-from povgen.errors import ChanceError, PovrayError, validated
+from povgen.errors import ChanceError, InputError, PovrayError, validated
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
 from povgen.source import to_pov
@@ -30,7 +31,7 @@ def render_png(scene: Scene, rendering: Rendering | None = None, run: Run | None
 
     Raises PovrayError, which names the scene's parameters.
     """
-    rendering = rendering or Rendering()
+    rendering = rendering or validated(Rendering, {})
     source = to_pov(scene)
     frame = cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]))
     if not cache.find(frame):
@@ -52,8 +53,11 @@ def render_all(
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
     run: Run | None = None,
-) -> Iterator[Path]:
+    stop: Callable[[], None] = povray.stop,
+) -> Generator[Path, None, None]:
     """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
+
+    `run` renders in place of povray.run, and `stop` ends, at once, all that it began.
 
     Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
     ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
@@ -76,9 +80,17 @@ def render_all(
             raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        povray.stop()
+        stop()
         pool.shutdown()
         cache.trim(most)
+
+
+def shard(scenes: Sequence[Scene], part: str) -> Sequence[Scene]:
+    """Every n-th of a movie's scenes, from the i-th on; the part is "i/n". Raises InputError."""
+    found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)
+    if found is None or not 1 <= int(found[1]) <= int(found[2]):
+        raise InputError(f"shard = {part!r}: allowed: i/n, whole numbers, i from 1 to n")
+    return scenes[int(found[1]) - 1 :: int(found[2])]
 
 
 def render(scene: Scene, **options) -> np.ndarray:

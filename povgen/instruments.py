@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from povgen import povray, prism, trace
+from povgen.errors import PovrayError
 from povgen.frames import default_workers
 from povgen.rendering import Rendering
 from povgen.scenes import Chess, Scene
@@ -103,6 +104,8 @@ def _read(path: Path) -> np.ndarray:
     """A 16-bit PPM's colours, 0 to 1."""
     data = path.read_bytes()
     header = re.match(rb"P6\s(?:#.*\n)*(\d+) (\d+)\s(?:#.*\n)*65535\n", data)
+    if header is None:
+        raise PovrayError("POV-Ray's picture is not whole (is the disk full?)")
     width, height = int(header[1]), int(header[2])
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 

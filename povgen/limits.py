@@ -55,7 +55,7 @@ def survey(scene: "Scene", side: int = 60) -> Survey:
     x, y = (places.reshape(2, -1) / side - 0.5) * scene.window
     direction = np.column_stack((x - scene.E.real, y - scene.E.imag, np.full(len(x), scene.z2)))
     sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
-    eye = [[scene.E.real, scene.E.imag, -scene.z2]]
+    eye = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
     found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap)
     faces = np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))
     # 0.9: what a picture loses may be a little more than the sample
@@ -90,7 +90,7 @@ def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[t
         text = f"alpha = {scene.alpha:.3g}: within {PARALLEL} degrees of 0 the prisms of the two sheets"
         yield "alpha", f"{text} lie so nearly parallel that they make dark bands"
     if getattr(scene, "ghost", False):
-        yield from _ghost(scene)
+        yield from _ghost(scene, *scene.distances)
     if glass and rendering and rendering.antialias is None:
         pixels = scene.window / scene.view_height * rendering.size[1] / scene.prisms
         if pixels < PIXELS_PER_PRISM:
@@ -98,19 +98,19 @@ def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[t
             yield "prisms", f"{text} without antialiasing, the picture is noise"
 
 
-def _ghost(scene: "Scene") -> Iterator[tuple[str, str]]:
+def _ghost(scene: "Scene", z1: float) -> Iterator[tuple[str, str]]:
     """The limit of what predicts the ghost."""
     from povgen import rotation
 
-    where = f"ghost = true: at alpha = {scene.alpha:g} and z1 = {scene.z1:g}"
+    where = f"ghost = true: at alpha = {scene.alpha:g} and z1 = {z1:g}"
     if scene.sheet == "ideal":
-        condition = rotation.condition(scene.z2 / scene.z1, radians(scene.alpha))
+        condition = rotation.condition(scene.z2 / z1, radians(scene.alpha))
         if condition > CONDITION:
             text = f"{where} the piece is magnified {condition:.3g} times"
             yield "ghost", f"{text}; beyond {CONDITION} its prediction is off by pixels"
     else:
-        thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-        pixels = abs(scene.seen(scene.L, scene.z1) - thin) / scene.view_height * 960
+        thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, radians(scene.alpha))
+        pixels = abs(scene.seen(scene.L, z1) - thin) / scene.view_height * 960
         if pixels > CORRECTION:
             text = f"{where} the prisms' size moves the piece by {pixels:.3g} pixels of 1280x960"
             yield "ghost", f"{text}; beyond {CORRECTION} its prediction is off by pixels"

@@ -6,7 +6,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 # Size, antialiasing (method, threshold, depth; each on the front of error against cost, docs/speed.md) and the share of
 # a movie's frames, for each quality.
-QUALITIES = {
+QUALITIES: dict[str, dict[str, Any]] = {
     "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
     "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
     "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},

@@ -4,7 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. Points of th
 x + iy from the window's centre, x to the right and y up for the eye.
 """
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -12,7 +12,7 @@ from povgen import limits, prism
 
 # Radius of each piece's foot, tiles: it must stand clear of the sheets.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-Piece = Literal[*PIECES]
+Piece = Literal[*PIECES]  # type: ignore[valid-type]
 Sheet = Literal["detailed", "ideal", "single", "none"]
 FARTHEST = 5e6  # POV-Ray sees 10 million of its units far
 Z1 = Annotated[float, Field(gt=0, le=5000)]
@@ -51,6 +51,17 @@ class Scene(BaseModel):
     rim: ClassVar[float] = 0.13  # width of its frame
     view_height: ClassVar[float] = 3.85  # of the picture, in the plane z = 0
 
+    if TYPE_CHECKING:  # what each scene has in its own way: the object L and the eye E in the plane z = 0, and every z1
+
+        @property
+        def L(self) -> complex: ...
+
+        @property
+        def E(self) -> complex: ...
+
+        @property
+        def distances(self) -> tuple[float, ...]: ...
+
     @property
     def sheets_depth(self) -> float:
         """Extent of the sheets along z; they are centred on z = 0."""
@@ -62,10 +73,10 @@ class Scene(BaseModel):
         """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
         return max(0.24, 1.02 * self.sheets_depth)
 
-    def seen(self, L: complex, z1: float, alpha: float | None = None) -> complex:
+    def seen(self, L, z1, alpha=None):
         """Where a point is seen, in the plane z = 0: eq. 7, and for prisms the paraxial prediction. Arrays broadcast.
 
-        alpha, degrees, takes the place of the scene's own.
+        L complex and z1 in tiles; alpha, degrees, takes the place of the scene's own.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
@@ -164,7 +175,8 @@ class Chess(Scene):
     @property
     def steps_seen(self) -> tuple[complex, complex]:
         """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
-        return tuple(self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))
+        right, up = (self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))
+        return right, up
 
     @model_validator(mode="after")
     def _check_piece(self):

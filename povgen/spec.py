@@ -52,7 +52,7 @@ class MovieSpec(BaseModel):
     title: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]{1,200}$")] = Field(
         description="the movie's title, one line of up to 200 characters"
     )
-    scene: Literal[*SCENES] = Field(description="the scene")
+    scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
     frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(
         description="frames a second at quality paper, 0.1 to 120"
     )

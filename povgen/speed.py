@@ -53,7 +53,7 @@ class Point:
     size: tuple[int, int]
     text: str = field(repr=False)
     seconds: list[float] = field(default_factory=list, repr=False)
-    picture: np.ndarray | None = field(default=None, repr=False)
+    picture: np.ndarray = field(init=False, repr=False)
     rms: float = np.nan
     flip: float = np.nan
     flip_detailed: float = np.nan  # against the prisms' picture, whatever the method
@@ -81,7 +81,9 @@ def rewrites(folder: Path) -> dict[str, Callable[[str], str]]:
         return text[:start] + macro + text[end:]
 
     try:
-        found = {path.stem: partial(by_hand, path.read_text()) for path in sorted(folder.glob("*.inc"))}
+        found: dict[str, Callable[[str], str]] = {
+            path.stem: partial(by_hand, path.read_text()) for path in sorted(folder.glob("*.inc"))
+        }
     except OSError as error:
         raise InputError(f"peers = {str(folder)!r}: {error.strerror}; allowed: a folder of .inc files") from None
     if not found:

@@ -125,7 +125,7 @@ def prism_count(counts=(300, 1000, 3000, 10000, 30000), size=SMALL) -> Iterator[
     map = Map("prisms", "(b) prism count", "prisms N", "proper pixels that are wrong (%)", 0.01, "xy")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
-        map.add("leak", count, 100 * np.mean(wrong))
+        map.add("leak", count, 100 * float(np.mean(wrong)))
     map.limit("detailed", "leak", PRISMS)
     yield map
 
@@ -176,7 +176,7 @@ def trace_level(size=TINY) -> Iterator[Map]:
         found = instruments.traced(scene, direction)
         leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
         for level in levels:
-            map.add(series, level, 100 * (leaves & (found.count >= level)).mean())
+            map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
         scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, scene.max_trace_level)]
         for other, told in zip(scenes, instruments.frames(scenes, size), strict=True):
             black = np.isnan(told[inside][:, 0]) & leaves

@@ -224,10 +224,10 @@ def _follow(rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
         square = 1 - eta**2 * (1 - along**2)
         total = square < 0
         change = np.where(total, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
-        eta = np.where(total, 1, eta)
-        dx[i] *= eta
-        dy[i] = eta * vy + change * nu
-        dz[i] = eta * vz + change * nz
+        scale = np.where(total, 1, eta)
+        dx[i] *= scale
+        dy[i] = scale * vy + change * nu
+        dz[i] = scale * vz + change * nz
         return total
 
     def unfinished(i: np.ndarray) -> np.ndarray:

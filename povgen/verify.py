@@ -310,7 +310,7 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
 def targets(sheet: str, count: int, seed: int, E: complex, **values) -> list[Positions]:
     """Objects at random distances that are seen at random places of the window, far from the pole."""
     random = np.random.default_rng(seed)
-    scenes = []
+    scenes: list[Positions] = []
     while len(scenes) < count:
         alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(1), np.log(30))), random.uniform(3, 8)
         place = complex(*random.uniform(-0.8, 0.8, 2))
