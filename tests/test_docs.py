@@ -16,7 +16,11 @@ from nbclient import NotebookClient
 from povgen.cli import app
 
 PROJECT = Path(__file__).parents[1]
-PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md")), PROJECT / "docs" / "figures" / "README.md"]
+PAGES = [
+    *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG")),
+    *sorted((PROJECT / "docs").glob("*.md")),
+    PROJECT / "docs" / "figures" / "README.md",
+]
 POVGEN = Path(sys.executable).with_name("povgen")
 COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands}
 MAKEFILE = (PROJECT / "Makefile").read_text()

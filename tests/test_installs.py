@@ -1,0 +1,64 @@
+"""povgen where it is installed: on every Python that can be had, and with the oldest packages that it allows."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from uv import find_uv_bin
+
+PROJECT = Path(__file__).parents[1]
+
+
+def pythons():
+    """Interpreters that povgen is for: on the PATH, and pyenv's. At least the one that runs this."""
+    found = {sys.version_info[:2]: sys.executable}
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
+    for minor in (11, 12, 13, 14):
+        candidates = [shutil.which(f"python3.{minor}"), *pyenv.glob(f"versions/3.{minor}*/bin/python3.{minor}")]
+        for path in filter(None, candidates):
+            works = subprocess.run([path, "-c", "import ssl, venv"], capture_output=True).returncode == 0
+            if works:
+                found.setdefault((3, minor), str(path))
+    return found
+
+
+PYTHONS = pythons()
+
+
+def installed(folder, python, *how):
+    """povgen's program in a new environment."""
+    uv = find_uv_bin()
+    subprocess.run([uv, "venv", "--quiet", "--python", python, folder], check=True, timeout=100)
+    install = [uv, "pip", "install", "--quiet", "--python", folder / "bin" / "python"]
+    done = subprocess.run([*install, *how], capture_output=True, text=True, timeout=400)
+    assert done.returncode == 0, done.stderr
+    return folder / "bin" / "povgen"
+
+
+def works(povgen, folder, *more):
+    for arguments in (
+        ["check"],
+        ["list"],
+        ["frame", "spheres", "--size", "64x48", "--caption", "--overlay"],
+        ["movie", "vary-z1", "--size", "64x48", "--sheet", "none", "--quality", "draft", "-o", "a.webm"],
+        ["movie", "vary-z1", "--size", "64x48", "--sheet", "none", "--quality", "draft", "-o", "a.gif"],
+        *more,
+    ):
+        done = subprocess.run([povgen, *arguments], cwd=folder, capture_output=True, text=True, timeout=200)
+        assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
+        assert "Warning" not in done.stderr
+    refused = subprocess.run([povgen, "frame", "chess", "--alpha", "nan"], cwd=folder, capture_output=True, text=True)
+    assert refused.returncode == 2 and refused.stderr.startswith("povgen: alpha = 'nan'")
+
+
+@pytest.mark.parametrize("python", PYTHONS.values(), ids=[f"{major}.{minor}" for major, minor in PYTHONS])
+def test_every_python(python, tmp_path):
+    works(installed(tmp_path / "venv", python, PROJECT), tmp_path)
+
+
+def test_the_oldest_packages(tmp_path):
+    povgen = installed(tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", f"{PROJECT}[charts]")
+    works(povgen, tmp_path, ["figure", "5"], ["frame", "chess", "--help"])
