@@ -2,10 +2,11 @@
 
 from math import radians
 
+import imageio.v3 as iio
 import numpy as np
 import pytest
 
-from povgen import Chess, Spheres, annotate, instruments, povray, render, rotation, verify
+from povgen import Chess, MovieSpec, Spheres, annotate, instruments, movie, povray, render, rotation, verify
 from povgen.instruments import Positions
 from povgen.rendering import Rendering
 
@@ -117,3 +118,13 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     both = render(scene, size=size, antialias="off", caption=True, overlay=True)
     assert both.shape == plain.shape and (both != plain).any()
     assert (both == plain).all(-1).mean() > 0.5
+
+
+def test_a_movie_has_them_too(tmp_path):
+    spec = MovieSpec.load("spheres").model_copy(update={"fixed": {"sheet": "ideal"}})
+    drawn_over = {"caption": True, "overlay": True}
+    made = movie(spec, tmp_path / "a.mp4", quality="draft", size=(320, 240), **drawn_over)
+    scene = spec.scenes("draft")[7]
+    decoded = iio.imread(made, plugin="FFMPEG", index=7).astype(float)
+    with_, without = (render(scene, quality="draft", size=(320, 240), **over) for over in (drawn_over, {}))
+    assert np.sqrt(((decoded - with_) ** 2).mean()) < 8 < np.sqrt(((decoded - without) ** 2).mean())
