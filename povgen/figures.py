@@ -366,7 +366,8 @@ def _circles(ax: Axes) -> None:
             _label(ax, rotation.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
     for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
         ax.plot(*_xy(point), "o", color="black", markersize=4, zorder=5)
-        _write(ax, _xy(point + offset), text, fontsize=11, zorder=5)
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+        _write(ax, _xy(point + offset), text, fontsize=11, zorder=5, bbox=box)
 
 
 def _plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
