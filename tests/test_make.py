@@ -50,9 +50,12 @@ def test_targets_at_draft_quality(project):
     assert "vary-z1" in make(project, "movies/vary-z1.mp4", "QUALITY=draft")
     assert "vary-z1" in make(project, "--dry-run", "movies/vary-z1.mp4", "QUALITY=high")
 
+    assert "wrote build/demo/index.html" in make(project, "demo", "QUALITY=draft")
+    assert len(list((project / "build" / "demo" / "frames").glob("*.webp"))) == 96
+
     make(project, "frame", "QUALITY=draft")
     assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
-    assert all(word in make(project, "help") for word in ("movies", "frame", "test", "clean", "QUALITY"))
+    assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test", "clean", "QUALITY"))
     make(project, "clean")
     assert not list(project.rglob("*.mp4")) and not (project / ".venv").exists()
 
@@ -73,9 +76,10 @@ def test_the_wheel_works_from_any_folder(project, tmp_path):
         ["check"],
         ["frame", "spheres", "--z1", "2", "--z1", "4", "--size", "64x48", "-o", "é.png"],
         ["movie", "vary-z1", "--sheet", "none", "--quality", "draft", "--size", "64x48", "--quiet"],
+        ["demo", "vary-z1", "--quality", "draft", "--size", "64x48", "--quiet"],
     ):
         done = subprocess.run([povgen, *arguments], cwd=elsewhere, capture_output=True, text=True, timeout=200)
         assert done.returncode == 0, done.stdout + done.stderr
-    assert sorted(path.name for path in elsewhere.iterdir()) == ["vary-z1.mp4", "é.png"]
+    assert sorted(path.name for path in elsewhere.iterdir()) == ["demo", "vary-z1.mp4", "é.png"]
     listed = subprocess.run([povgen, "list"], cwd=elsewhere, capture_output=True, text=True).stdout
     assert "vary-alpha" in listed and "knight" in listed

@@ -221,7 +221,7 @@ function drawDiagram(now) {
   const { lean } = state.movie;
   const { width, height } = diagram.getBoundingClientRect();
   const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
-  const unit = Math.min(width / 2.2, height / 1.44);
+  const unit = Math.min(width / 2.4, height / 1.44);
   const at = ([xi, psi]) => [unit * (xi - 0.5), unit * (-0.14 * lean - psi)];
   const [L, E, P] = [at([0, 0]), at([1, 0]), at(scaled(Math.min(1, 40 / abs(now.P)), now.P))];
   const beside = (place) => Math.min(apart(place, P, L), apart(place, P, E)) > 1.5 * rem;
@@ -299,7 +299,7 @@ function triangle(now, at, rem, width, height) {
     parts.push(words("of-nu", step(E, where, radius + (beside ? 0 : 0.8 * rem)), "ν"));
   }
   if (length > 7.5 * rem) {
-    const along = step(E, toE + Math.PI, Math.min(length / 2, 6 * rem));
+    const along = step(E, toE + Math.PI, Math.min(0.42 * length, 6 * rem));
     const room = 0.9 + 0.9 * Math.abs(Math.sin(toE)); // the text is wider than high
     parts.push(words("of-nu", step(along, toE + Math.PI + (side * Math.PI) / 2, room * rem), "1 − P"));
   }
