@@ -1,7 +1,7 @@
 """From a spec to its movie."""
 
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from povgen import __version__, encode, povray
@@ -18,11 +18,13 @@ def movie(
     *,
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
+    scheduler: str | None = None,
     **options,
 ) -> Path:
     """Render a movie to .mp4, .webm or .gif; returns its path, which names it only when it is whole.
 
-    Options: those of `Rendering`. `done` is called after each frame.
+    Options: those of `Rendering`. `done` is called after each frame. `scheduler` is the address of a Dask
+    scheduler, whose workers render in place of this machine.
     Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
     """
     if not isinstance(spec, MovieSpec):
@@ -41,9 +43,17 @@ def movie(
         "comment": spec.model_dump_json(exclude_none=True),
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}",
     }
-    frames = render_all(scenes, rendering, workers, done)
     target = output.resolve()
-    with work_folder(target.parent) as folder, closing(frames):
+    with ExitStack() as opened:
+        run, stop = povray.run, povray.stop
+        if scheduler is not None:
+            from povgen.cluster import Cluster
+
+            cluster = opened.enter_context(Cluster(scheduler))
+            workers, run, stop = workers or cluster.frames, cluster.run, cluster.stop
+        frames = render_all(scenes, rendering, workers, done, run, stop)
+        folder = opened.enter_context(work_folder(target.parent))
+        opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)

@@ -85,7 +85,7 @@ def render_all(
         cache.trim(most)
 
 
-def shard(scenes: Sequence[Scene], part: str) -> Sequence[Scene]:
+def shard(scenes: list[Scene], part: str) -> list[Scene]:
     """Every n-th of a movie's scenes, from the i-th on; the part is "i/n". Raises InputError."""
     found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):

@@ -38,6 +38,7 @@ def test_each_trade_has_one_house():
     assert not only("speed", of="flip_evaluator")
     assert not only("cli", of="typer")
     assert not only("cli", of="rich")
+    assert not only("cluster", of="distributed") and not only(of="dask")
 
 
 def test_the_mathematics_is_numpy_alone():

@@ -1,0 +1,359 @@
+"""Other machines: a real scheduler and real workers, killed, cut off, unfit or absent, and shards without any."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import distributed
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from povgen import InputError, MovieSpec, PovrayError, Rendering, cluster, frames, to_pov
+from povgen.cluster import Cluster
+from povgen.errors import ChanceError
+
+BIN = Path(sys.executable).parent
+COUNT = 16
+SPEC = (
+    'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
+    f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
+)
+SCENES = MovieSpec.parse(SPEC, "x").scenes("paper")
+SMALL = Rendering(size=(64, 48))
+MOVIE = [BIN / "povgen", "movie", "z2.toml", "--size", "64x48"]
+# root may make networks, unless it is a container's
+MAY = os.geteuid() == 0 and shutil.which("ip") and not subprocess.run(["unshare", "--net", "true"]).returncode
+NETWORKS = ["loopback", "namespaces"] if MAY else ["loopback"]
+
+
+class Machines:
+    """Processes, each in a folder of its own; here, or each in a network namespace that is wired to the client's."""
+
+    def __init__(self, folder: Path, network: str = "loopback"):
+        self.folder, self.network, self.processes = folder, network, {}
+        self.client = folder / "client"
+        self.client.mkdir(parents=True)
+        (self.client / "z2.toml").write_text(SPEC)
+        if network == "namespaces":
+            self.ip("netns", "add", self.space("client"))
+            self.ip("-n", self.space("client"), "link", "set", "lo", "up")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.processes.values():
+            process.kill()
+            process.wait()
+        if self.network == "namespaces":
+            for path in Path("/run/netns").glob(self.space("*")):
+                self.ip("netns", "delete", path.name)
+
+    def ip(self, *arguments):
+        subprocess.run(["ip", *arguments], check=True)
+
+    def space(self, name):
+        return f"povgen-{os.getpid()}-{name}"
+
+    def command(self, name, command):
+        return ["ip", "netns", "exec", self.space(name), *command] if self.network == "namespaces" else command
+
+    def start(self, name, command, **environment):
+        folder = self.folder / name
+        folder.mkdir(exist_ok=True)
+        own = {"HOME": folder, "TMPDIR": folder, "POVGEN_CACHE": folder / "cache"}
+        with open(folder / "log", "w") as log:
+            self.processes[name] = subprocess.Popen(
+                command, cwd=folder, env={**os.environ, **own, **environment}, stdout=log, stderr=log
+            )
+
+    def scheduler(self, **environment):
+        place = "0.0.0.0" if self.network == "namespaces" else "127.0.0.1"
+        file = self.folder / "scheduler" / "file"
+        command = [
+            BIN / "dask",
+            "scheduler",
+            "--host",
+            place,
+            "--port",
+            "0",
+            "--no-dashboard",
+            "--scheduler-file",
+            file,
+        ]
+        self.start("scheduler", self.command("client", command), **environment)
+        wait_for(lambda: file.exists() and file.read_text())
+        self.port = json.loads(file.read_text())["address"].rpartition(":")[2]
+        self.address = f"tcp://127.0.0.1:{self.port}"
+
+    def worker(self, name, threads=2, **environment):
+        theirs, own, hide = self.address, "127.0.0.1", []
+        if self.network == "namespaces":
+            number, client, space = len(self.processes), self.space("client"), self.space(name)
+            theirs, own = f"tcp://10.77.{number}.1:{self.port}", f"10.77.{number}.2"
+            self.ip("netns", "add", space)
+            self.ip("-n", client, "link", "add", name, "type", "veth", "peer", "name", "cable", "netns", space)
+            for of, link, address in ((client, name, f"10.77.{number}.1"), (space, "cable", own)):
+                self.ip("-n", of, "address", "add", f"{address}/24", "dev", link)
+                self.ip("-n", of, "link", "set", link, "up")
+            # the client's folder is not there for the worker
+            hide = ["sh", "-c", 'mount -t tmpfs none "$0" && exec "$@"', self.client]
+        options = ["--host", own, "--name", name, "--nthreads", str(threads), "--no-nanny", "--no-dashboard"]
+        self.start(name, self.command(name, [*hide, BIN / "dask", "worker", theirs, *options]), **environment)
+
+    def cut(self, name):
+        """The worker is gone, and nothing says so."""
+        self.ip("-n", self.space(name), "link", "set", "cable", "down")
+
+    def kill(self, name):
+        self.processes[name].kill()
+
+    def addresses(self, *names):
+        """The workers' addresses, as soon as they are at work."""
+        logs = [self.folder / name / "log" for name in names]
+        wait_for(lambda: all("Registered to:" in log.read_text() for log in logs))
+        return [re.search(r"Start worker at: +(\S+)", log.read_text())[1] for log in logs]
+
+    def movie(self, *arguments, run=subprocess.Popen, **options):
+        return run(
+            self.command("client", [*MOVIE, "--scheduler", self.address, *arguments]),
+            cwd=self.client,
+            env={**os.environ, "POVGEN_CACHE": str(self.client / "cache")},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+            **options,
+        )
+
+    def finished(self):
+        return {path: path.stat().st_mtime_ns for path in self.client.glob("cache/??/*.png")}
+
+
+def wait_for(condition, seconds=40):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory):
+    """A scheduler, and a worker that is fit."""
+    with Machines(tmp_path_factory.mktemp("shared")) as machines:
+        machines.scheduler()
+        machines.worker("fit", threads=4)
+        machines.addresses("fit")
+        yield machines
+
+
+def same_as_here(machines):
+    """Whether the frames there are those that are rendered here."""
+    kept = {path.name: path for path in machines.finished()}
+    own = list(frames.render_all(SCENES, SMALL))
+    return all(np.array_equal(frames.read(path), frames.read(kept[path.name])) for path in own) and len(kept) == COUNT
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+def test_a_worker_lost_in_mid_movie(network, tmp_path):
+    """Killed, or on a machine that is cut off: its frames alone are rendered again."""
+    with Machines(tmp_path, network) as machines:
+        machines.scheduler(DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL="4s")
+        machines.worker("one")
+        machines.worker("two")
+        machines.addresses("one", "two")
+        process = machines.movie("--quiet")
+        wait_for(lambda: len(machines.finished()) >= 4)
+        before = machines.finished()
+        machines.kill("one") if network == "loopback" else machines.cut("one")
+        told = process.communicate(timeout=60)
+        assert process.returncode == 0 and told == ("", ""), told
+        assert before.items() <= machines.finished().items()
+        assert imageio_ffmpeg.count_frames_and_secs(str(machines.client / "z2.mp4"))[0] == COUNT
+        assert same_as_here(machines)
+        assert not (machines.folder / "two" / "cache").exists() and not list(machines.folder.glob("two/povgen-*"))
+
+
+UNFIT = {
+    "no-povray": ({"PATH": "/nowhere"}, "POV-Ray is not installed"),
+    "other-povray": ({"PATH": "."}, "it has povgen 0.1.0, POV-Ray 3.8.0; wanted, as here: povgen"),
+    "other-povgen": ({"PYTHONPATH": "."}, "it has povgen 0.0.9, POV-Ray"),
+    "no-povgen": ({"PYTHONPATH": "."}, "No module named 'povgen'"),
+}
+
+
+def start_unfit(machines, name):
+    folder = machines.folder / name
+    folder.mkdir()
+    (folder / "povray").write_text("#!/bin/sh\necho POV-Ray 3.8.0\n")
+    (folder / "povray").chmod(0o755)
+    if name == "other-povgen":
+        (folder / "sitecustomize.py").write_text("import povgen\npovgen.__version__ = '0.0.9'\n")
+    if name == "no-povgen":
+        (folder / "povgen.py").write_text("raise ModuleNotFoundError(\"No module named 'povgen'\")\n")
+    machines.worker(name, **UNFIT[name][0])
+
+
+def test_unfit_workers_are_named(shared):
+    """Before anything is rendered, though another worker is fit."""
+    for name in UNFIT:
+        start_unfit(shared, name)
+    addresses = dict(zip(UNFIT, shared.addresses(*UNFIT), strict=True))
+    for left in range(len(UNFIT), 0, -1):
+        done = shared.movie("--quiet", run=subprocess.run)
+        assert done.returncode == 1 and done.stdout == "" and not shared.finished()
+        (named,) = (name for name, address in addresses.items() if f"worker {address}: " in done.stderr)
+        assert UNFIT[named][1] in done.stderr and len(done.stderr.splitlines()) == 1
+        assert left == 1 or f"({left} of {left + 1} workers cannot be used)" in done.stderr
+        shared.kill(named)
+
+
+def test_unfit_workers_that_come_late(tmp_path):
+    """Dask ends one that cannot read what it is sent; one that can is named, and renders nothing."""
+    with Machines(tmp_path) as machines:
+        machines.scheduler()
+        machines.worker("fit")
+        machines.addresses("fit")
+        with Cluster(machines.address) as there:
+            start_unfit(machines, "no-povgen")
+            machines.addresses("no-povgen")
+            with ThreadPoolExecutor(8) as pool:  # more than the one that is fit takes at once
+                for folder in [tmp_path / str(number) for number in range(8)]:
+                    folder.mkdir()
+                    pool.submit(there.run, to_pov(SCENES[0]), SMALL, folder)
+            assert len(list(tmp_path.glob("*/frame.png"))) == 8
+            assert machines.processes["no-povgen"].wait(20) is not None
+            start_unfit(machines, "other-povray")
+            (address,) = machines.addresses("other-povray")
+            machines.kill("fit")
+            with pytest.raises(PovrayError, match=f"worker {address}: {UNFIT['other-povray'][1]}"):
+                there.run(to_pov(SCENES[0]), SMALL, tmp_path)
+
+
+@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_stopped(shared, number, status):
+    shutil.rmtree(shared.client / "cache", ignore_errors=True)
+    process = shared.movie("--workers", "4")
+    wait_for(lambda: len(shared.finished()) >= 2)
+    at = time.monotonic()
+    process.send_signal(number)
+    message = process.communicate(timeout=20)[1]
+    assert time.monotonic() - at < 2
+    assert process.returncode == status, message
+    assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
+    assert "Traceback" not in message and "distributed" not in message
+    assert {path.name for path in shared.client.iterdir()} == {"cache", "z2.toml"}
+    assert not list(shared.client.glob("cache/.povgen-*"))
+    with distributed.Client(shared.address, set_as_default=False) as client:
+        wait_for(lambda: not client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)))
+
+
+def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, monkeypatch, tmp_path):
+    """POV-Ray refuses one, and takes too long for another: messages are POV-Ray's own."""
+    (address,) = shared.addresses("fit")
+    with Cluster(shared.address) as there:
+        with pytest.raises(PovrayError, match=f"worker {address}: POV-Ray: scene.pov, line .*") as fault:
+            there.run(to_pov(SCENES[0]).replace("camera {", "camera { nonsense", 1), SMALL, tmp_path)
+        assert not isinstance(fault.value, ChanceError)
+        with pytest.raises(ChanceError, match=f"worker {address}: POV-Ray took longer than 0.1 s .* 2 times"):
+            there.run(to_pov(SCENES[0]), Rendering(size=(64, 48), timeout=0.1), tmp_path)
+        assert frames.cache.whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path))
+
+
+def test_workers_or_the_scheduler_lost(monkeypatch, tmp_path):
+    monkeypatch.setattr(cluster, "LOST", 1)
+    source = to_pov(SCENES[0].model_copy(update={"sheet": "detailed"}))
+    large = Rendering(size=(2400, 1800))  # takes long
+    with Machines(tmp_path) as machines:
+        machines.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
+        for name, said in (("one", "lost while they rendered"), ("two", "has no workers"), ("three", "connection was")):
+            machines.worker(name)
+            machines.addresses(name)
+            with Cluster(machines.address) as there:
+                lost = "scheduler" if name == "three" else name
+                if name == "two":  # before it has begun
+                    machines.kill(name)
+                    machines.processes[name].wait()
+                else:
+                    threading.Timer(1.5, lambda name=lost: machines.kill(name)).start()
+                with pytest.raises(PovrayError, match=said) as fault:
+                    there.run(source, large, tmp_path)
+                assert isinstance(fault.value, ChanceError) == (name == "one") and "\n" not in str(fault.value)
+
+
+def test_no_scheduler(monkeypatch, tmp_path):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    for address in ("", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:123456"):
+        with pytest.raises(InputError, match=f"scheduler = '{address}': allowed: its address, such as tcp://"):
+            Cluster(address)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        at = time.monotonic()
+        for port in (1, silent.getsockname()[1]):  # where nobody listens, and where nobody speaks
+            with pytest.raises(PovrayError, match=f"scheduler tcp://127.0.0.1:{port}: no Dask scheduler answers"):
+                Cluster(f"tcp://127.0.0.1:{port}")
+        assert time.monotonic() - at < 5
+
+
+def test_no_workers_and_no_address(tmp_path):
+    with Machines(tmp_path) as machines:
+        machines.scheduler()
+        done = machines.movie(run=subprocess.run)
+        assert (done.returncode, done.stderr) == (1, f"povgen: scheduler {machines.address}: it has no workers\n")
+        machines.address = "127.0.0.1"
+        done = machines.movie(run=subprocess.run)
+        assert done.returncode == 2 and "scheduler = '127.0.0.1': allowed: " in done.stderr
+        assert len(done.stderr.splitlines()) == 1 and not (machines.client / "cache").exists()
+
+
+def test_without_dask(tmp_path):
+    (tmp_path / "z2.toml").write_text(SPEC)
+    program = "import sys; sys.modules['distributed'] = None; from povgen.cli import main; main()"
+    command = [sys.executable, "-c", program, *MOVIE[1:], "--scheduler", "tcp://127.0.0.1:1"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.startswith("povgen: ") and "povgen[cluster]" in done.stderr
+
+
+def test_shards(tmp_path):
+    """Each with a cache of its own, which are then put together; the last run renders nothing more."""
+    (tmp_path / "z2.toml").write_text(SPEC)
+
+    def run(cache, *arguments):
+        environment = {**os.environ, "POVGEN_CACHE": str(tmp_path / cache)}
+        return subprocess.run(
+            [*MOVIE, "--quiet", *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+
+    for part in ("0/3", "4/3", "1/0", "-1/3", "1", "a/b", "1/3/5", "1.5/3", "²/3", ""):
+        done = run("all", "--shard", part)
+        assert done.returncode == 2 and f"shard = {part!r}: allowed: i/n" in done.stderr, part
+    done = run("all", "--shard", "1/2", "--scheduler", "tcp://127.0.0.1:1")
+    assert done.returncode == 2 and "one of them" in done.stderr
+    assert frames.shard(SCENES, "2/3") == SCENES[1::3]
+    told = subprocess.run(
+        [*MOVIE, "--shard", "1/3"],
+        cwd=tmp_path,
+        env={**os.environ, "POVGEN_CACHE": str(tmp_path / "one")},
+        capture_output=True,
+        text=True,
+    )
+    assert told.stdout == "rendered shard 1/3: 6 frames\n" and "shard 1/3: 6/6 frames" in told.stderr
+    assert run("two", "--shard", "2/3").returncode == run("three", "--shard", "3/3").returncode == 0
+    assert [len(list(tmp_path.glob(f"{name}/??/*.png"))) for name in ("one", "two", "three")] == [6, 5, 5]
+    assert not (tmp_path / "z2.mp4").exists()
+    for name in ("one", "two", "three"):
+        shutil.copytree(tmp_path / name, tmp_path / "all", dirs_exist_ok=True)
+    kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("all/??/*.png")}
+    assert len(kept) == COUNT and run("all").returncode == 0
+    assert kept == {path: path.stat().st_mtime_ns for path in tmp_path.glob("all/??/*.png")}
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "z2.mp4"))[0] == COUNT
+    assert run("one", "--shard", "20/20").returncode == 0  # more shards than frames
