@@ -42,8 +42,8 @@ def within(
 ) -> Result:
     """Call `work` in a thread, fenced in: it may read, run or write only these files, or what is in these folders.
 
-    What may be run may be read, what may be written may be all but run. There is no network. Without Landlock there is
-    no fence. Raises what `work` raises, OSError where the kernel refuses.
+    What may be run may be read, what may be written may be all but run. There is no TCP. Without Landlock there is no
+    fence. Raises what `work` raises, OSError where the kernel refuses.
     """
     outcome: dict = {}
 

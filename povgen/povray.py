@@ -4,6 +4,7 @@ import errno
 import os
 import re
 import shutil
+import signal
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -115,6 +116,8 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
         run=[*programs, *RUN],
         write=[folder, Path(os.devnull)],
     )
+    if status == -signal.SIGXFSZ:
+        raise PovrayError(f"POV-Ray was stopped: it may write {LARGEST >> 20} MiB to a file, and wanted more")
     if status < 0:
         raise ChanceError(f"POV-Ray was killed by signal {-status}")
     if status or not (folder / rendering.file).is_file():
@@ -168,9 +171,14 @@ def _failure(source: str, folder: Path, messages: str) -> str:
     log = folder / FATAL
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
+    memory = f"out of memory: it may take {MEMORY >> 20} MiB"
     if place is None:
+        if "Cannot parse input" in messages:  # which has a place but where there is no memory to tell it
+            return f"POV-Ray failed, probably {memory}"
         last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
         return "POV-Ray failed: " + (" ".join(last) or "it left no message")
     line = int(place[2])
     message = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else "failed"
+    if message == "std::bad_alloc":
+        message = memory
     return f"POV-Ray: {place[1]}, line {line} (from {template_of(source, line)}): {message}"

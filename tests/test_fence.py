@@ -1,0 +1,290 @@
+"""Scenes, and what povgen starts, that try what they must not: read, write, run commands, go on or grow without end."""
+
+import os
+import signal
+import socket
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from povgen import PovrayError, Rendering, fence, povray
+
+TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
+SHORT = TINY.model_copy(update={"timeout": 1.0})
+SCENE = """\
+#version 3.7;
+{}
+camera {{ location -3*z look_at 0 }}
+light_source {{ -9, 1 }}
+sphere {{ 0, 1 pigment {{ rgb 1 }} }}
+"""
+landlock = pytest.mark.skipif(not fence.version(), reason="this kernel has no Landlock")
+
+
+def run(tried, folder, rendering=TINY):
+    """What POV-Ray makes of a scene that tries something; its work folder is folder/work/1."""
+    (folder / "work").mkdir()
+    return povray.run(SCENE.format(tried), rendering, folder / "work")
+
+
+def refused(tried, folder, *words):
+    with pytest.raises(PovrayError) as failure:
+        run(tried, folder)
+    message = str(failure.value)
+    assert message.startswith("POV-Ray") and len(message.splitlines()) <= 2
+    assert all(word in message for word in words), message
+    return message
+
+
+def test_what_a_scene_may_do(tmp_path):
+    """POV-Ray's own includes, and files in the work folder, written and read again."""
+    own = '#fopen F "own.txt" write #write(F, "7,") #fclose F #fopen F "own.txt" read #read(F, N) #fclose F'
+    includes = '#include "colors.inc" #include "textures.inc" sphere { 0, N texture { Polished_Chrome } }'
+    assert run(f"{own}\n{includes}", tmp_path).is_file()
+    assert (tmp_path / "work/1/own.txt").read_text() == "7,"
+
+
+@landlock
+@pytest.mark.parametrize("name", ["/etc/passwd", "{folder}/secret.txt", "../../secret.txt", "/proc/self/environ"])
+@pytest.mark.parametrize("way", ['#include "{}"', '#fopen F "{}" read #read(F, S) #error S'])
+def test_no_other_file_is_read(way, name, tmp_path):
+    (tmp_path / "secret.txt").write_text('"hidden"\n')
+    name = name.format(folder=tmp_path)
+    assert "hidden" not in refused(way.format(name), tmp_path, "line 2", "Cannot open")
+
+
+@landlock
+@pytest.mark.parametrize("used", ["pigment { image_map", "pigment { rgb 1 } normal { bump_map"])
+def test_no_other_picture_is_read(used, tmp_path):
+    picture = run("", tmp_path).rename(tmp_path / "other.png")
+    (tmp_path / "work").rename(tmp_path / "done")
+    refused(f'plane {{ z, 1 {used} {{ png "{picture}" }} }} }}', tmp_path, "Cannot open file")
+
+
+@landlock
+@pytest.mark.parametrize("name", ["{folder}/written.txt", "../written.txt", "{home}/written.txt", "{folder}/kept.txt"])
+@pytest.mark.parametrize("way", ["write", "append"])
+def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    (tmp_path / "kept.txt").write_text("kept")
+    name = name.format(folder=tmp_path, home=tmp_path / "home")
+    refused(f'#fopen F "{name}" {way} #write(F, "x")', tmp_path, "line 2", "Cannot open")
+    assert not list(tmp_path.rglob("written.txt")) and (tmp_path / "kept.txt").read_text() == "kept"
+
+
+@landlock
+def test_no_link_leads_out(tmp_path, monkeypatch):
+    """A link in the work folder is no way round."""
+    (tmp_path / "secret.txt").write_text('"hidden"\n')
+    in_work_folder(monkeypatch, lambda folder: (folder / "link.txt").symlink_to(tmp_path / "secret.txt"))
+    refused('#fopen F "link.txt" read #read(F, S) #error S', tmp_path, "Cannot open", "link.txt")
+
+
+def in_work_folder(monkeypatch, prepare):
+    """Have something done in POV-Ray's work folder right before POV-Ray starts there."""
+    start = povray._process
+
+    def prepared(arguments, folder, timeout):
+        prepare(folder)
+        return start(arguments, folder, timeout)
+
+    monkeypatch.setattr(povray, "_process", prepared)
+
+
+@pytest.mark.parametrize("place", ["povray.ini", ".povray/3.7/povray.ini"])
+def test_no_command_of_an_ini_file_is_run(place, tmp_path, monkeypatch):
+    """POV-Ray reads an ini file in its work folder, and runs no command that it names, even one that it could."""
+    commands = "".join(f"{when}_Command=touch ran\n" for when in ("Pre_Scene", "Pre_Frame", "Post_Frame", "Post_Scene"))
+    ini = f"Declare=Told=7\n{commands}"
+    in_work_folder(monkeypatch, lambda folder: (folder / place).write_text(ini))
+    run('#ifndef (Told) #error "the ini file was not read" #end', tmp_path)
+    assert not list(tmp_path.rglob("ran"))
+
+
+@landlock
+@pytest.mark.parametrize("program", ["/bin/sh", "/usr/bin/env", "/usr/bin/python3"])
+def test_no_program_is_run_but_povray(program, tmp_path, monkeypatch):
+    monkeypatch.setattr(povray, "command", lambda *_: [program, "-c", "echo > ran"])
+    refused("", tmp_path, "Permission denied")
+    assert not list(tmp_path.rglob("ran"))
+
+
+def test_a_users_own_configuration_is_not_read(tmp_path, monkeypatch):
+    for place in ("povrayrc", ".povrayrc", ".povray/3.7/povray.ini"):
+        (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / place).write_text("Declare=Told=7\n")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("POVINI", str(tmp_path / ".povrayrc"))
+    run('#ifdef (Told) #error "an ini file of the user\'s was read" #end', tmp_path)
+
+
+def test_no_end(tmp_path):
+    """Stopped in time, tried once more, and nothing goes on running."""
+    start = time.monotonic()
+    with pytest.raises(PovrayError, match="took longer than 1 s"):
+        run("#while (1) #end", tmp_path, SHORT)
+    assert time.monotonic() - start < 15
+    assert not povray._running and str(tmp_path) not in running()
+
+
+def running():
+    """The working folders of all processes."""
+    found = ""
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            found += os.readlink(process / "cwd") + "\n"
+        except OSError:
+            continue
+    return found
+
+
+def test_endless_messages_are_not_kept(tmp_path):
+    with pytest.raises(PovrayError, match="took longer than 1 s"):
+        run('#while (1) #debug "0123456789\\n" #warning "0123456789\\n" #end', tmp_path, SHORT)
+    assert sum(file.stat().st_size for file in tmp_path.rglob("*") if file.is_file()) < 1e5
+
+
+@pytest.mark.parametrize(
+    ("grows", "words"),
+    [
+        ("#declare A = array[100000000]; #for (I, 0, 99999999) #declare A[I] = <I, I, I>; #end", ["line 2"]),
+        ('#declare S = "0123456789"; #while (1) #declare S = concat(S, S); #end', ["line 2"]),
+        ("union { #while (1) sphere { 0, 1 } #end }", []),
+    ],
+)
+def test_no_more_memory_than_its_share(grows, words, tmp_path, monkeypatch):
+    monkeypatch.setattr(povray, "MEMORY", 512 << 20)
+    refused(grows, tmp_path, "out of memory: it may take 512 MiB", *words)
+
+
+def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
+    monkeypatch.setattr(povray, "LARGEST", 1 << 20)
+    refused(
+        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "it may write 1 MiB to a file"
+    )
+    assert [file.stat().st_size for file in tmp_path.rglob("own.txt")] == [1 << 20]  # and is not tried again
+
+
+def test_a_picture_is_not_larger_than_its_share(tmp_path, monkeypatch):
+    monkeypatch.setattr(povray, "LARGEST", 1 << 13)
+    with pytest.raises(PovrayError):
+        run("plane { z, 5 pigment { granite scale 0.01 } finish { ambient 1 } }", tmp_path, Rendering(size=(256, 256)))
+
+
+# The fence itself, about Python: what POV-Ray does not even try.
+
+
+def test_results_and_exceptions_are_passed_on():
+    assert fence.within(lambda: 7) == 7
+    assert fence.within(lambda: None) is None
+    for error in (ValueError("own"), KeyboardInterrupt(), SystemExit(3)):
+        with pytest.raises(type(error)) as raised:
+            fence.within(lambda error=error: raise_(error))
+        assert raised.value is error
+
+
+def raise_(error):
+    raise error
+
+
+@pytest.fixture
+def places(tmp_path):
+    for name in ("read", "run", "write", "outside"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "file").write_text("#!/bin/sh\n")
+        (tmp_path / name / "file").chmod(0o700)
+    return tmp_path
+
+
+def allowed(places, work):
+    """Where, of four folders, work on a file (of three, in a fence) is allowed."""
+
+    def possible(name):
+        try:
+            work(places / name / "file")
+        except PermissionError:
+            return False
+        return True
+
+    folders = {name: [places / name] for name in ("read", "run", "write")}
+    system = [path for path in povray.RUN if path.exists()] + [Path("/bin"), Path("/usr/bin")]
+    within = fence.within(
+        lambda: {name for name in (*folders, "outside") if possible(name)},
+        read=folders["read"],
+        run=folders["run"] + system,
+        write=[*folders["write"], Path(os.devnull)],
+    )
+    assert possible("outside")  # the thread that called is free
+    return within
+
+
+@landlock
+@pytest.mark.parametrize(
+    ("work", "where"),
+    [
+        (Path.read_text, {"read", "run", "write"}),
+        (lambda file: os.listdir(file.parent), {"read", "run", "write"}),
+        (lambda file: file.write_text("x"), {"write"}),
+        (lambda file: open(file, "a").close(), {"write"}),
+        (lambda file: file.with_name("new").touch(), {"write"}),
+        (lambda file: file.with_name("folder").mkdir(exist_ok=True), {"write"}),
+        (lambda file: file.with_name("link").symlink_to("file"), {"write"}),
+        (lambda file: os.mkfifo(file.with_name("pipe")), {"write"}),
+        (lambda file: file.rename(file.with_name("moved")), {"write"}),
+        (Path.unlink, {"write"}),
+        (lambda file: subprocess.run([file], check=True), {"run"}),
+    ],
+)
+def test_files(work, where, places):
+    assert allowed(places, work) == where
+
+
+@landlock
+def test_what_is_started_is_fenced_in_as_well(places):
+    """And what that starts."""
+    command = ["/bin/sh", "-c", f"echo x > {places}/write/new; exec /bin/sh -c 'echo x > {places}/outside/new'"]
+    system = [path for path in [*povray.RUN, Path("/bin"), Path("/usr/bin")] if path.exists()]
+    done = fence.within(
+        lambda: subprocess.run(command, stderr=subprocess.PIPE), run=system, write=[places / "write", Path(os.devnull)]
+    )
+    assert done.returncode and b"denied" in done.stderr
+    assert (places / "write/new").exists() and not (places / "outside/new").exists()
+
+
+@pytest.mark.skipif(fence.version() < 4, reason="this kernel's Landlock does not know of networks")
+def test_no_network():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = server.getsockname()
+        with pytest.raises(PermissionError):
+            fence.within(lambda: socket.create_connection(place, timeout=5))
+        with pytest.raises(PermissionError):
+            fence.within(lambda: socket.create_server(("127.0.0.1", 0)))
+        socket.create_connection(place, timeout=5).close()  # it is there, for who may
+
+
+@pytest.mark.skipif(fence.version() < 6, reason="this kernel's Landlock does not know of signals")
+def test_no_signals():
+    other = subprocess.Popen(["sleep", "60"])
+    try:
+        with pytest.raises(PermissionError):
+            fence.within(lambda: os.kill(other.pid, signal.SIGKILL))
+        assert other.poll() is None
+    finally:
+        other.kill()
+        other.wait()
+
+
+@landlock
+def test_many_fences_at_once(places):
+    """Each thread has its own."""
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(allowed(places, Path.read_text))) for _ in range(20)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [{"read", "run", "write"}] * 20
