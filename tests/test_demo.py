@@ -14,6 +14,7 @@ from povgen import Chess, InputError, MovieSpec, frames, limits, paraxial, rotat
 from povgen.demo import SHEETS, demo, scenes
 from povgen.scenes import Scene
 
+pytestmark = pytest.mark.xdist_group("demo")  # what is costly is made once
 SIZE = (160, 120)
 HOSTILE = 'The <b>knight\'s</b> & "ride" </script><script>window.broken = 1</script> {{ 7 * 7 }}'
 # alpha = 180 degrees with z1 = z2 is the pole, in the last frame of SPHERES and the middle one of POLE

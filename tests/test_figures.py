@@ -11,6 +11,7 @@ from povgen.figures import FIGURES, save_figure
 from povgen.frames import read
 from povgen.rendering import Rendering
 
+pytestmark = pytest.mark.xdist_group("figures")  # what is costly is made once
 DRAWINGS = {1, 2, 5}
 
 

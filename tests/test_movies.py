@@ -10,6 +10,7 @@ import pytest
 
 from povgen import MovieSpec, Rendering, encode, frames, movie
 
+pytestmark = pytest.mark.xdist_group("movies")  # what is costly is made once
 SPEC = MovieSpec.parse(
     """
 title = "Title with \\"quotes\\" and α"
