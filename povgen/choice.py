@@ -37,7 +37,7 @@ class Tolerance:
         """From text such as '1px', '0.2flip', '1px,0.2flip'. Raises InputError."""
         given = {}
         for part in text.split(","):
-            match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(px|flip)\s*", part, re.ASCII)
+            match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(px|flip)\s*", part, re.ASCII)
             if not match or match[2] in given or not 0 < float(match[1]) < inf:
                 raise InputError(f"tolerance = {text[:40]!r}: not one; {ALLOWED}")
             given[match[2]] = float(match[1])

@@ -2,11 +2,13 @@
 
 import inspect
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -148,7 +150,7 @@ def pov(scene: SceneName, output: Output = None, **values) -> None:
     text = to_pov(made)
     _warn([made])
     if output is None:
-        sys.stdout.write(text)
+        print(text, end="")
     else:
         save(text.encode(), checked_output(output, [".pov"]))
 
@@ -260,6 +262,7 @@ def demo(
     **options,
 ) -> None:
     """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
+    from povgen import cache
     from povgen.demo import OWN, checked_page, scenes
     from povgen.demo import demo as make
     from povgen.rendering import Rendering
@@ -268,6 +271,7 @@ def demo(
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], _workers(workers)
     rendering = validated(Rendering, options)
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
+    cache.limit()  # would be asked for when the folder is there
     checked_page(output)
     if not quiet:
         _warn(shown, rendering)
@@ -325,7 +329,7 @@ def verify(
     from rich.table import Table
 
     from povgen import povray
-    from povgen.output import checked_folder, checked_output, save
+    from povgen.output import checked_output, save
 
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
@@ -350,7 +354,7 @@ def verify(
             from povgen.charts import save_maps
             from povgen.stability import maps
 
-            save_maps(maps(sheet), checked_folder(output or Path("stability")), add)
+            save_maps(maps(sheet), _folder(output or Path("stability")), add)
         else:
             from povgen.verify import checks
 
@@ -373,10 +377,10 @@ def chart(
 ) -> None:
     """Measure CPU seconds against error, for every model and sampling; charts and tables, in some 20 minutes."""
     from povgen import charts, speed
-    from povgen.output import checked_folder, save
+    from povgen.output import save
 
-    folder = checked_folder(output)
     by_hand = speed.rewrites(peers) if peers else {}
+    folder = _folder(output)
     done = partial(print, file=sys.stderr, flush=True)
     charts.save_frames(speed.frames(by_hand, done), folder)
     charts.save_counts(list(speed.prism_counts(done)), folder)
@@ -393,14 +397,13 @@ def figure(
     quality: Annotated[str, typer.Option(metavar="QUALITY", help="of frames: draft, paper or high")] = "high",
 ) -> None:
     """Make figures of the paper: PNG, drawings also as SVG, and a caption with the measured agreement."""
-    from povgen.output import checked_folder
     from povgen.rendering import Rendering
 
     rendering = validated(Rendering, {"quality": quality})
     for number in numbers:
         if number not in list("123456"):
             raise InputError(f"number = {number!r}: no figure of the paper; allowed: 1 to 6")
-    folder = checked_folder(output)
+    folder = _folder(output)
     from povgen.figures import save_figure  # after what can be refused, for matplotlib is slow to load
 
     for number in numbers:
@@ -453,10 +456,19 @@ def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
         print(f"povgen: warning: {texts[0]}{also}", file=sys.stderr)
 
 
+def _folder(output: Path) -> Path:
+    """A folder that is made, when there is nothing left to refuse."""
+    from povgen import cache
+    from povgen.output import checked_folder
+
+    cache.limit()
+    return checked_folder(output)
+
+
 def _workers(text: str | None) -> int | None:
     if text is None:
         return None
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 256:
+    if not re.fullmatch("[0-9]{1,9}", text) or not 1 <= int(text) <= 256:
         raise InputError(f"workers = {text!r}: allowed: a whole number from 1 to 256")
     return int(text)
 
@@ -470,7 +482,8 @@ def _progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        name = TextColumn("{task.description}", markup=False)
+        columns = name, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
         with Progress(*columns, console=Console(stderr=True)) as progress:
             task = progress.add_task(what, total=total)
             yield lambda: progress.advance(task)
@@ -491,6 +504,8 @@ def main() -> None:
 
     130 and 143 after SIGINT and SIGTERM, which leave no process and no part of a file behind.
     """
+    if isinstance(sys.stdout, TextIOWrapper):  # a file's name need not be text
+        sys.stdout.reconfigure(errors="backslashreplace")
     usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
     stopped: list[int] = []
 
@@ -508,7 +523,7 @@ def main() -> None:
         if stopped:
             status = None
         elif isinstance(error, (InputError, usage_error)):
-            message = getattr(error, "format_message", error.__str__)()
+            message = _line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
         elif isinstance(error, (PovrayError, OSError)):
             _fail(f"povgen: {error}", 1)
@@ -527,6 +542,12 @@ def _kill_children() -> None:
         for child in thread.read_text().split():
             with suppress(ProcessLookupError):
                 os.kill(int(child), signal.SIGKILL)
+
+
+def _line(message: str) -> str:
+    """A message that may quote anything, in one line that a terminal shows as it is; of a long one the ends."""
+    message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
+    return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"
 
 
 def _fail(message: str, status: int) -> None:

@@ -30,8 +30,10 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
 
     for name, value in values.items():
         field = model.model_fields.get(name)
-        if isinstance(value, bool) and field and field.annotation is not bool:  # pydantic would take it for 0 or 1
-            raise InputError(f"{name} = {value}: should not be true or false ({field.description})")
+        parts = value if isinstance(value, (list, tuple)) else [value]
+        # pydantic would take it for 0 or 1
+        if field and field.annotation is not bool and any(isinstance(part, bool) for part in parts):
+            raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
     try:
         return model.model_validate(values)
     except ValidationError as error:
@@ -44,15 +46,19 @@ def _line(model: "type[BaseModel]", values: dict[str, Any], fault: Mapping[str, 
         return message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
-        return f"{_shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
+        return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
     if fault["type"] == "missing":  # a part of the value
         message = "has too few parts"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
-    return f"{name} = {_shown(values[name])}: {message} ({about})"
+    return f"{name} = {shown(values[name])}: {message} ({about})"
 
 
-def _shown(value: Any) -> str:
-    text = repr(value)
+def shown(value: Any) -> str:
+    """What a user gave, for a message: in one line, and a short one."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a number of thousands of digits, thousands of tables in each other
+        return f"a very long {type(value).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."

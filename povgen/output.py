@@ -20,7 +20,7 @@ def checked_output(path: Path, suffixes: Iterable[str]) -> Path:
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     try:
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
-            raise InputError(f"{name}: it is there and cannot be written to; allowed: a file's name")
+            raise ValueError("it is there and cannot be written to")
         with tempfile.TemporaryFile(dir=path.resolve().parent):
             return path
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle, ValueError: a NUL in a name

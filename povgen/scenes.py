@@ -222,8 +222,10 @@ class Spheres(Scene):
     @property
     def distances(self) -> tuple[float, ...]:
         """z1 of every sphere, tiles."""
-        steps = (2.0**n * self.z2 for n in range(-5, 6))
-        return self.z1 or tuple(z1 for z1 in steps if self.nearest < z1 <= self.farthest)
+        if self.z1:
+            return self.z1
+        nearest, farthest = self.nearest, self.farthest
+        return tuple(z1 for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
 
     def radius(self, z1: float) -> float:
         """Radius of the sphere at z1, tiles: at alpha = 0 the farther looks larger, so that none hides another."""
@@ -232,15 +234,16 @@ class Spheres(Scene):
     @property
     def nearest(self) -> float:
         """The least z1 at which a sphere is clear of the sheets and their frame, tiles."""
-        z1 = self.depth / 2
+        z1 = back = self.depth / 2
         for _ in range(30):  # converges: a radius grows by at most a quarter of z1
-            z1 = self.depth / 2 + self.radius(z1)
+            z1 = back + self.radius(z1)
         return z1
 
     @model_validator(mode="after")
     def _check_spheres(self):
+        nearest = self.nearest
         for z1 in self.distances:
-            self._check_clear("the sphere", z1, self.nearest)
+            self._check_clear("the sphere", z1, nearest)
         return self
 
 

@@ -2,17 +2,19 @@
 
 import sys
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError, shown, validated
 from povgen.rendering import QUALITIES
 from povgen.scenes import SCENES, Scene
 
 MOVIES = Path(__file__).with_name("movies")
+LONGEST = 2**14  # bytes of a spec; what is much longer can take Python's reader of TOML minutes
 
 
 class Sweep(BaseModel):
@@ -30,7 +32,7 @@ class Sweep(BaseModel):
     def _check_range(self):
         if self.start == self.stop:
             raise ValueError(f"stop = {self.stop:g}: nothing would move; allowed: any value but start's")
-        if self.spacing == "log" and self.start * self.stop <= 0:
+        if self.spacing == "log" and min(self.start, self.stop) <= 0 <= max(self.start, self.stop):
             raise ValueError(
                 f"spacing = 'log': from start = {self.start:g} to stop = {self.stop:g} it would pass through 0; "
                 "allowed: start and stop both above or both below 0, or spacing = 'linear'"
@@ -49,7 +51,7 @@ class MovieSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    title: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]{1,200}$")] = Field(
+    title: Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")] = Field(
         description="the movie's title, one line of up to 200 characters"
     )
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
@@ -65,18 +67,22 @@ class MovieSpec(BaseModel):
 
         Raises InputError, which names the file, the key, its value and what is allowed.
         """
-        if str(path) == "-":
-            return cls.parse(sys.stdin.buffer.read().decode(errors="replace"), "standard input")
+        stdin = str(path) == "-"
+        name = "standard input" if stdin else str(path) or "''"
         file = Path(path)
-        if file.suffix != ".toml" and not file.exists():
-            file = MOVIES / f"{path}.toml"
         try:
-            text = file.read_text(encoding="utf-8")
-        except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a NUL in the name
+            if not stdin and file.suffix != ".toml" and not file.exists():
+                file = MOVIES / f"{path}.toml"
+            with nullcontext(sys.stdin.buffer) if stdin else file.open("rb") as opened:
+                data = opened.read(LONGEST + 1)
+            if len(data) > LONGEST:
+                raise ValueError(f"longer than {LONGEST} bytes")
+            text = data.decode()
+        except (OSError, ValueError) as error:  # ValueError: too long, not UTF-8, or a NUL in the name
             own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
-            reason = error.strerror if isinstance(error, OSError) else "not a name of a file of UTF-8 text"
-            raise InputError(f"{path}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
-        return cls.parse(text, str(path))
+            reason = "not UTF-8" if isinstance(error, UnicodeError) else getattr(error, "strerror", error)
+            raise InputError(f"{name}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
+        return cls.parse(text, name)
 
     @classmethod
     def parse(cls, text: str, name: str) -> "MovieSpec":
@@ -104,7 +110,8 @@ class MovieSpec(BaseModel):
         """The scene of every frame. Raises InputError for the first frame that cannot be."""
         swept = self.sweep.parameter
         if swept in self.fixed:
-            raise InputError(f"{swept} = {self.fixed[swept]!r}: it is swept; allowed: in fixed or in sweep, not both")
+            fixed = shown(self.fixed[swept])
+            raise InputError(f"{swept} = {fixed}: it is swept; allowed: in fixed or in sweep, not both")
         model = SCENES[self.scene]
         validated(model, {**self.fixed, swept: self.sweep.start})
         _of_sweep(validated, model, {**self.fixed, swept: self.sweep.stop})

@@ -82,10 +82,11 @@ def rewrites(folder: Path) -> dict[str, Callable[[str], str]]:
 
     try:
         found: dict[str, Callable[[str], str]] = {
-            path.stem: partial(by_hand, path.read_text()) for path in sorted(folder.glob("*.inc"))
+            path.stem: partial(by_hand, path.read_text("utf-8")) for path in sorted(folder.glob("*.inc"))
         }
-    except OSError as error:
-        raise InputError(f"peers = {str(folder)!r}: {error.strerror}; allowed: a folder of .inc files") from None
+    except (OSError, ValueError) as error:  # ValueError: not UTF-8
+        reason = getattr(error, "strerror", "not UTF-8")
+        raise InputError(f"peers = {str(folder)!r}: {reason}; allowed: a folder of .inc files") from None
     if not found:
         raise InputError(f"peers = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
     return found

@@ -1,0 +1,826 @@
+"""Whatever is given, povgen does it (exit status 0) or says in a line why not (2), and then has touched nothing.
+
+Thousands of command lines and specs, made from povgen's own commands, options and models: what is added to them is
+tried as well. They run in this process, with POV-Ray and all that takes long replaced; nothing else is.
+"""
+
+import importlib.util
+import inspect
+import io
+import itertools
+import json
+import os
+import re
+import shutil
+import signal
+import sys
+import types
+import typing
+import warnings
+from collections import Counter
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cache
+from pathlib import Path
+
+import annotated_types
+import imageio.v3 as iio
+import numpy as np
+import pytest
+import typer
+from hypothesis import HealthCheck, Phase, assume, example, given, settings
+from hypothesis import strategies as st
+
+from povgen import InputError, MovieSpec, to_pov
+from povgen.errors import validated
+from povgen.rendering import Rendering
+from povgen.scenes import SCENES
+from povgen.spec import Sweep
+
+LEAST = 2000  # cases, of all tests in this file
+PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
+ran: Counter[str] = Counter()
+
+
+def cases(count):
+    """The same cases at each run."""
+    return settings(
+        max_examples=count,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        phases=(Phase.explicit, Phase.generate, Phase.shrink),
+        suppress_health_check=list(HealthCheck),
+    )
+
+
+# What is there to try: commands with their parameters, and fields of models.
+
+
+@cache
+def cli(command):
+    """povgen's command line as it is for this command: each gets its options only where it is named, see cli._takes."""
+    found = importlib.util.find_spec("povgen.cli")
+    module = importlib.util.module_from_spec(found)
+    given, sys.argv = sys.argv, ["povgen", command]
+    try:
+        found.loader.exec_module(module)
+    finally:
+        sys.argv = given
+    module.registered = {info.name or info.callback.__name__: info for info in module.app.registered_commands}
+    module.app = typer.main.get_command(module.app)  # as it does each time, once
+    return module
+
+
+COMMANDS = sorted(cli("").registered)
+
+
+@cache
+def parameters(command):
+    """Each parameter of a command by its name: its kind (str, Path, bool, list), and its option, '' for an argument."""
+    found = {}
+    for name, parameter in inspect.signature(cli(command).registered[command].callback).parameters.items():
+        kind, info = typing.get_args(parameter.annotation)
+        kinds = typing.get_args(kind) if typing.get_origin(kind) is types.UnionType else [kind]
+        kind = typing.get_origin(kinds[0]) or kinds[0]
+        is_option = isinstance(info, typer.models.OptionInfo)
+        found[name] = kind, (info.param_decls or [f"--{name}"])[-1] if is_option else ""
+    return found
+
+
+OPTIONS = [(command, name) for command in COMMANDS for name in parameters(command)]
+FIELDS = {name: field for model in (*SCENES.values(), Rendering) for name, field in model.model_fields.items()}
+
+
+def right(kind, metadata=()):
+    """Values of a field's type within its bounds."""
+    origin, parts = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Annotated:
+        return right(parts[0], [*metadata, *parts[1:]])
+    if origin in (typing.Union, types.UnionType):
+        return st.one_of([right(part, metadata) for part in parts if part is not type(None)])
+    if origin is typing.Literal:
+        return st.sampled_from(parts)
+    if origin is tuple:
+        if parts[-1] is ...:
+            return st.lists(right(parts[0]), min_size=1, max_size=4).map(tuple)
+        return st.tuples(*(right(part) for part in parts))
+    if kind in (int, float):
+        bounds: dict = {}
+        for bound in itertools.chain.from_iterable(
+            [data, *getattr(data, "metadata", [])] for data in metadata if not callable(data)
+        ):
+            for name in ("ge", "gt", "le", "lt"):
+                if isinstance(bound, getattr(annotated_types, name.capitalize())):
+                    bounds[name] = getattr(bound, name)
+        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        if kind is int:
+            ends = [end for end in (low, high) if end is not None]
+            return st.integers(low, high) | st.sampled_from(ends) if ends else st.integers()
+        return st.floats(
+            low, high, exclude_min="gt" in bounds, exclude_max="lt" in bounds, allow_nan=False, allow_infinity=False
+        )
+    return {bool: st.booleans(), str: TEXTS}.get(kind, TEXTS)
+
+
+# What is given: right, nearly right, and not at all.
+
+SDL = [
+    '"} #include "/etc/passwd" //',
+    '66; #debug "x"',
+    "66 #declare Z2 = 1;",
+    "1} sphere { 0, 1 }",
+    "*/ #end #while (1) #end /*",
+    "// \n#error",
+    "knight.pov.j2",
+    "pieces/knight",
+    "../../x",
+    "{{ 7*7 }}",
+    "{% include 'header.pov.j2' %}",
+    "knight king",
+    "detailed\n",
+    "$(touch x)",
+    "; touch x",
+    "`touch x`",
+    "%s%n{0}",
+]
+NUMBERS = [
+    *("nan", "inf", "-inf", "+nan", "-0", "0", "00", "-1", "1e308", "-1e308", "1e309", "5e-324", "-5e-324", "1e-400"),
+    *("1_000", "0x10", "0b1", "1e", ".5", "5.", "+5", "--5", "1,5", "1.5.2", "1/2", "½", "١٢", "１２", "Ⅻ", "²"),
+    *(" 66", "66 ", "\t66\n", "6 6", "\u00a066", "66\u200b", "−66", "infinity", "Infinity", "NaN", "None", "true"),
+    *("9" * 400, "9" * 5000, "1" + "0" * 5000 + "px", "9" * 100_000, "0." + "0" * 400 + "1", "1e" + "9" * 30),
+    *("0,-1,2", ",", ",,", "0,", ",-1", "nan,-1", "0,nan", "1e308,-1e308", "0;-1", "0 -1", "1,0.5,2.0", "1,1e-3,9"),
+    *("64x", "x64", "64x64x64", "64×64", "64X48", "-64x64", "64.0x64", "1e2x64", "64 x 48", "7681x64", "63x64", "x"),
+    *("1px", "1px,0.2flip", "1PX", "px", "0px", "-1px", "1px,1px", "1px 1flip", "nanpx", "1/2", "0/1", "2/1", "1/0"),
+]
+WORDS = [
+    *("", " ", "\n", "-", "--", "-o", "--help", ".", "..", "/", "~", "*", "?", "#", "=", "'", '"', "\\", "%", "&"),
+    *("auto", "off", "OFF", "none", "Detailed", "KNIGHT", "chess ", "Chess", "draft\0"[:-1], "spec.toml", "x.png"),
+    *(
+        "kept.png",
+        "kept.mp4",
+        "folder.mp4",
+        "folder",
+        "no/x.png",
+        "spec.toml/x.mp4",
+        "x.png/",
+        ".png",
+        "x.PNG",
+        "x.gif",
+    ),
+    *(
+        "x" * 300,
+        "x" * 300 + ".png",
+        "x/" * 3000 + "x.mp4",
+        "\u202e.png",
+        "\x1b[31m.mp4",
+        "a\nb.png",
+        "ß.webm",
+        "\udcff",
+    ),
+    *(
+        "\udcff.png",
+        "\udcff.mp4",
+        "[/red].mp4",
+        "%d.png",
+        "-.png",
+        "é" * 200 + ".mp4",
+        "\x7f",
+        "\u2028",
+        "\ud83d\ude00"[:0],
+    ),
+    *("tcp://x", "tcp://192.0.2.1:8786", "tls://[::1]:99999", "http://192.0.2.1:1", "peers", "binary", "1", "7", "6"),
+]
+ELSEWHERE = ["/proc/x.png", "/proc/x.mp4", "/proc/x", "/nonexistent/x.png", "/dev/full", "/dev/null", "/dev/zero"]
+CHARACTERS = st.characters(exclude_categories=["Cs"], exclude_characters="\0")  # no argument has a NUL
+TEXTS = st.sampled_from(NUMBERS) | st.sampled_from(WORDS) | st.sampled_from(SDL) | st.text(CHARACTERS)
+TEXTS |= st.floats().map(repr) | st.integers().map(str) | st.sampled_from(ELSEWHERE)
+SOME = {  # right values for what is no field of a model
+    "scene": st.sampled_from([*SCENES]),
+    "spec": st.sampled_from(["spec.toml", "vary-alpha", "spheres", "-"]),
+    "specs": st.sampled_from(["spec.toml", "vary-z1"]),
+    "what": st.sampled_from(["info", "clear"]),
+    "numbers": st.sampled_from("123456"),
+    "workers": st.integers(1, 256).map(str),
+    "part": st.sampled_from(["1/1", "1/2", "3/3", "9/9"]),
+    "tolerance": st.sampled_from(["1px", "5px", "0.5flip", "100px,1flip"]),
+    "json": st.just("x.json"),
+    "peers": st.just("peers"),
+    "output": st.sampled_from(["x.png", "x.mp4", "x.gif", "x.webm", "x.pov", "x", "kept.png", "kept.mp4", "folder"]),
+    "size": st.sampled_from(["32x32", "64x48", "48x64"]),
+    "quality": st.sampled_from(["draft", "paper"]),
+    "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto"]),
+}
+
+
+def text_of(value):
+    """A value as one writes it on the command line."""
+    return (
+        ",".join(map(text_of, value)) if isinstance(value, tuple) else value if isinstance(value, str) else repr(value)
+    )
+
+
+def rights(name):
+    if name in SOME:
+        return SOME[name]
+    return right(FIELDS[name].annotation, FIELDS[name].metadata).map(text_of) if name in FIELDS else TEXTS
+
+
+@st.composite
+def words(draw, command, name, values):
+    """A parameter as words of a command line."""
+    kind, option = parameters(command)[name]
+    if kind is bool:
+        return [option]
+    value = draw(values)
+    if kind is Path or name in ("spec", "specs"):
+        assume(value in ELSEWHERE or (WORK / value).is_relative_to(WORK) and value.count("..") < 3)
+    if not option:
+        return [value]
+    return [f"{option}={value}"] if draw(st.booleans()) and option.startswith("--") else [option, value]
+
+
+@st.composite
+def lines(draw, command, of=None):
+    """A command line: mostly right, often with something that is not. Of a parameter: with that, and anything."""
+    line = [command]
+    for name, (_, option) in parameters(command).items():
+        if name == of:
+            for _ in range(draw(st.sampled_from([1, 1, 1, 2]))):
+                line += draw(words(command, name, TEXTS if draw(st.integers(0, 4)) else rights(name)))
+        elif name == "size" or not option or (of is None and draw(st.integers(0, 3)) == 0):
+            wrong = of is None and draw(st.integers(0, 9)) == 0
+            line += draw(words(command, name, TEXTS if wrong else rights(name)))
+        elif name == "sheet" and of is not None:
+            line += [option, "ideal"]
+    if of is None and draw(st.integers(0, 19)) == 0:
+        line.insert(draw(st.integers(1, len(line))), draw(TEXTS))
+    return line
+
+
+# How it is tried.
+
+ROOT = Path("/")  # of all that cases may touch; set by the fixture, as is WORK, the folder that they work in
+WORK = Path("/a/b/c")
+SPEC = """\
+title = "A movie"
+scene = "chess"
+frame_rate = 10
+[fixed]
+z1 = 2
+sheet = "ideal"
+[sweep]
+parameter = "alpha"
+start = 5
+stop = 9
+frames = 2
+"""
+
+
+def skeleton(source):
+    """A scene's text without its numbers."""
+    source = re.sub(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]\d+)?\b", "#", source)
+    return re.sub(r"(  { #, # },?\n)+", "  spheres\n", source)
+
+
+@cache
+def skeletons():
+    """The texts of all scenes but for their numbers: of every sheet, piece and switch."""
+    found = set()
+    for model in SCENES.values():
+        choices = {
+            name: [False, True] if field.annotation is bool else typing.get_args(field.annotation)
+            for name, field in model.model_fields.items()
+            if field.annotation is bool or typing.get_origin(field.annotation) is typing.Literal
+        }
+        for values in itertools.product(*choices.values()):
+            with suppress(InputError):  # some do not go together
+                found.add(skeleton(to_pov(validated(model, dict(zip(choices, values, strict=True))))))
+    return found
+
+
+def rendered(source, rendering, folder):
+    """In place of POV-Ray: a picture, and an eye on what would reach it."""
+    assert skeleton(source) in skeletons(), source
+    width, height = (min(pixels, 64) for pixels in rendering.size)
+    picture = folder / rendering.file
+    iio.imwrite(picture, np.zeros((height, width, 3), np.uint8))
+    return picture
+
+
+def new_folder():
+    """The place where cases work, as each finds it."""
+    shutil.rmtree(ROOT, ignore_errors=True)
+    WORK.mkdir(parents=True)
+    os.chdir(WORK)
+    for name in ("folder", "folder.mp4", "peers", "binary"):
+        (WORK / name).mkdir()
+    (WORK / "spec.toml").write_text(SPEC)
+    (WORK / "peers" / "one.inc").write_text("#macro Sheet() #end\n")
+    (WORK / "binary" / "one.inc").write_bytes(b"\xff")
+    for name in ("kept.png", "kept.mp4", "kept.pov", "movie.mp4", "frame.png"):
+        (WORK / name).write_bytes(b"kept")
+
+
+def files():
+    """All that is there, with what shows that it was written to."""
+    found = {}
+    for folder, folders, names in os.walk(ROOT):
+        for name in (*folders, *names):
+            status = os.lstat(os.path.join(folder, name))
+            changed = None if name in folders else (status.st_mtime_ns, status.st_size, status.st_ino)
+            found[os.path.join(folder, name)] = changed
+    return found
+
+
+@pytest.fixture(scope="module", autouse=True)
+def place(tmp_path_factory):
+    """A folder of many levels, so that .. stays in it, and quick stand-ins for what takes long."""
+    global ROOT, WORK
+    from povgen import assemble, charts, check, cluster, demo, encode, figures, povray, spec, speed, stability, verify
+
+    started = Path.cwd()
+    own = spec.MOVIES
+    ROOT = tmp_path_factory.mktemp("fuzz") / "root"
+    WORK = ROOT.joinpath(*"abcdefgh")
+    movies = tmp_path_factory.mktemp("movies")
+    for path in own.glob("*.toml"):
+        (movies / path.name).write_text(re.sub(r"frames = \d+", "frames = 2", path.read_text()))
+
+    def encoded(pictures, output, rate, tags):
+        assert 0 < rate < 1000 and all(picture.shape[2] == 3 for picture in pictures)
+        output.write_text(json.dumps(tags))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
+        patch.setattr(spec, "MOVIES", movies)
+        patch.setattr(povray, "run", rendered)
+        patch.setattr(encode, "encode", encoded)
+        patch.setattr(cluster, "_connected", lambda _: types.SimpleNamespace(nthreads=lambda: {"x": 1}))
+        for name, work in {
+            "_wait_for_workers": None,
+            "_check": None,
+            "__exit__": None,
+            "run": staticmethod(rendered),
+        }.items():
+            patch.setattr(cluster.Cluster, name, work or (lambda *_: None))
+        patch.setattr(verify, "checks", lambda sheet: [verify.Measured(sheet or "ideal", "error", 0.5, 1)])
+        patch.setattr(stability, "maps", lambda sheet: [])
+        patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
+        for name in ("frames", "prism_counts", "movies"):
+            patch.setattr(speed, name, lambda *_: [])
+            if name != "movies":
+                patch.setattr(charts, {"frames": "save_frames", "prism_counts": "save_counts"}[name], lambda *_: None)
+        patch.setattr(charts, "save_movies", lambda *_: None)
+        patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
+        patch.setattr(check, "faults", lambda report: [])
+        assert assemble.encode is encode and demo.encode is encode
+        new_folder()
+        yield
+    os.chdir(started)
+
+
+class Stream(io.TextIOWrapper):
+    terminal = False
+
+    def isatty(self):
+        return self.terminal
+
+
+def povgen(line, stdin=b""):
+    """Run the command line; its exit status, output and errors. Fails where it hangs, or ends in another way."""
+
+    def hangs(*_):
+        raise AssertionError(f"no end: {line}")
+
+    module = cli(line[0])
+    out = Stream(io.BytesIO(), "utf-8", errors="strict")  # as Python has it on most systems
+    err = Stream(io.BytesIO(), "utf-8", errors="backslashreplace")
+    kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    signal.signal(signal.SIGALRM, hangs)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    try:
+        with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
+                patch.setattr(sys, "argv", ["povgen", *line])
+                patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
+                with pytest.raises(SystemExit) as done:
+                    module.main()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        for number, handler in kept.items():
+            signal.signal(number, handler)
+    for stream in (out, err):
+        stream.flush()
+    told = [stream.buffer.getvalue().decode() for stream in (out, err)]
+    return done.value.code or 0, *told
+
+
+# Names of what may be at fault, and ways to say what is allowed.
+NAMED = {*FIELDS, *MovieSpec.model_fields, *Sweep.model_fields, *(name for _, name in OPTIONS), "shard", "option"}
+NAMED |= {"argument", "standard input", "toml", "movie", "missing", "x", "'"}
+ALLOWED = r"allowed|\(.+\)|should|missing|No such|Missing|requires|unexpected|not TOML|does not take|magnified|Invalid"
+
+
+def tried(line, stdin=b"", test=""):
+    """Run a case and hold it against what is promised of each; returns exit status, output and errors."""
+    before = files()
+    status, out, err = povgen(line, stdin)
+    ran[test] += 1
+    after = files()
+    changed = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
+    assert "Traceback" not in err
+    assert status in (0, 2), (status, err)
+    if status == 2:
+        *said, message = err.splitlines()  # a choice or warnings may come first
+        assert all(text.startswith("povgen: ") for text in said), err
+        assert message.startswith("povgen: ") and message.isprintable() and len(message) < 1100, message
+        assert any(name in message.lower() for name in NAMED) and re.search(ALLOWED, message), message
+        assert not changed, changed
+        assert not out
+    elif changed:
+        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo", "stability", "chart", "figures")]
+        asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
+        asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
+        asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]
+        others = {path for path in changed if not any(Path(path).is_relative_to(place) for place in asked)}
+        assert not others, others
+        assert not list(ROOT.rglob(".povgen-*"))
+        if line[0] == "pov":
+            for path in changed:
+                assert skeleton(Path(path).read_text()) in skeletons()
+        new_folder()
+    if out and status == 0 and line[0] == "pov" and "--help" not in line:
+        assert skeleton(out) in skeletons()
+    return status, out, err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_command_lines(command):
+    @cases(120 if "alpha" in parameters(command) else 30 if parameters(command) else 10)
+    @given(lines(command))
+    def fuzz(line):
+        tried(line, SPEC.encode(), "command lines")
+
+    fuzz()
+
+
+@pytest.mark.parametrize(("command", "name"), OPTIONS)
+def test_every_option(command, name):
+    """Each with everything that is no value of it, too."""
+
+    @cases(12)
+    @given(lines(command, of=name))
+    def fuzz(line):
+        tried(line, SPEC.encode(), "options")
+
+    fuzz()
+
+
+# Specs: tables of keys and values, which are TOML.
+
+LITERALS = [
+    *("nan", "+nan", "inf", "-inf", "0", "-0", "-0.0", "1e308", "-1e308", "1e400", "5e-324", "1e-400", "1_000", "007"),
+    *("9" * 400, "9" * 5000, "0x" + "f" * 5000, "0o7", "0b11", "0x10", "10001", "+5", ".5", "5."),
+    *("true", "false", "True", "null", "None", "1979-05-27", "1979-05-27T07:32:00Z", "07:32:00", "1979-02-30"),
+    *("[]", "[1]", "[[1]]", "[1, 2, 3]", "[true, -1]", "[0, true]", "[nan, -1]", "[1e308, -1e308]", "[0, -5e-324]"),
+    *('["0", "-1"]', "[1, [2]]", "[1979-05-27]", "[0x" + "f" * 5000 + "]", "[1" + ", 1" * 60 + "]", "[{}]"),
+    *("{}", "{a = 1}", "{a = {b = {c = []}}}", "{a.b.c = 1}", "{a = 1, a = 2}", '{"" = 1}', "[" * 2000, "{a=" * 500),
+    *(
+        '""',
+        '"\\u0000"',
+        '"\\ud800"',
+        '"\\U00110000"',
+        '"\\u202e"',
+        "'''a\nb'''",
+        '"unclosed',
+        "'it's'",
+        "",
+        "= 1",
+        "#",
+    ),
+]
+
+
+def quoted(text):
+    return json.dumps(text, ensure_ascii=False)
+
+
+WRONG = st.sampled_from(LITERALS) | TEXTS.map(quoted) | st.floats().map(repr) | st.integers().map(str)
+KEYS = st.sampled_from(
+    ["", "a", "a.b", "a.a.a", '"a b"', '"\\n"', "é", "sweep", "fixed", "title", "alpha.x", "__class__", "[x]"]
+)
+KEYS |= st.text(CHARACTERS).map(quoted)
+BASE = {
+    "": {"title": '"A movie"', "scene": '"chess"', "frame_rate": "10"},
+    "fixed": {"sheet": '"ideal"'},
+    "sweep": {"parameter": '"alpha"', "start": "5", "stop": "9", "frames": "2"},
+}
+PLACES = [("", name) for name in MovieSpec.model_fields] + [("sweep", name) for name in Sweep.model_fields]
+PLACES += [(scene, name) for scene, model in SCENES.items() for name in model.model_fields]
+
+
+def literal(value):
+    """A value in TOML."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(literal, value))}]"
+    return quoted(value) if isinstance(value, str) else str(value).lower()
+
+
+@st.composite
+def entries(draw, table, name):
+    """A key of a table and a value, right or not."""
+    model = {"": MovieSpec, "sweep": Sweep}.get(table) or SCENES[table]
+    if name in model.model_fields and name not in ("fixed", "sweep") and draw(st.integers(0, 3)) == 0:
+        field = model.model_fields[name]
+        values = st.integers(2, 5) if name == "frames" else right(field.annotation, field.metadata)
+        return name, draw(values.map(literal))
+    value = draw(WRONG)
+    # a movie of thousands of frames is right, and takes long
+    assume(name != "frames" or not re.fullmatch(r"[\"']?\s*\+?0*[0-9]{2,4}(\.0*)?\s*[\"']?", value))
+    return name, value
+
+
+def toml(spec):
+    tables = {"": "", "fixed": "[fixed]\n", "sweep": "[sweep]\n"}
+    return "".join(
+        head + "".join(f"{key} = {value}\n" for key, value in spec[table].items()) for table, head in tables.items()
+    )
+
+
+@st.composite
+def specs(draw, places):
+    """A spec with some entries changed, removed or added."""
+    spec = {table: dict(keys) for table, keys in BASE.items()}
+    for table, name in places:
+        key, value = draw(entries(table, name))
+        if table in SCENES:
+            spec[""]["scene"] = quoted(table)
+            table = "fixed"
+        if name == spec["sweep"].get("parameter", "").strip('"'):
+            spec["sweep"]["parameter"] = '"z2"'
+        if draw(st.integers(0, 9)) == 0:
+            spec[table].pop(key, None)
+        else:
+            spec[table][key] = value
+    if draw(st.integers(0, 9)) == 0:
+        spec[draw(st.sampled_from([*BASE]))][draw(KEYS)] = draw(WRONG)
+    return toml(spec)
+
+
+def tried_spec(data, test):
+    """Try a spec as a file and, every other time, from standard input."""
+    if isinstance(data, str):
+        data = data.encode(errors="surrogateescape")
+    (WORK / "spec.toml").write_bytes(data)
+    try:
+        source = ["-", "spec.toml"][sum(ran.values()) % 2]
+        return tried(["movie", source, "--quiet", "--size", "32x32", "-o", "x.gif"], data, test)
+    finally:
+        (WORK / "spec.toml").write_text(SPEC)
+
+
+@pytest.mark.parametrize(("table", "name"), PLACES)
+def test_every_key(table, name):
+    @cases(20)
+    @given(specs([(table, name)]))
+    def fuzz(text):
+        tried_spec(text, "keys")
+
+    fuzz()
+
+
+@cases(200)
+@given(st.lists(st.sampled_from(PLACES), min_size=2, max_size=5, unique=True).flatmap(specs))
+def test_specs(text):
+    tried_spec(text, "specs")
+
+
+@cases(200)
+@given(st.data())
+def test_what_is_no_toml(data):
+    text = SPEC.encode()
+    kind = data.draw(st.sampled_from(["cut", "put", "replace", "bytes", "text"]))
+    start, end = sorted(data.draw(st.integers(0, len(text))) for _ in range(2))
+    if kind in ("bytes", "text"):
+        made = data.draw(
+            st.binary(max_size=300)
+            if kind == "bytes"
+            else st.text(st.characters(exclude_categories=["Cs"])).map(str.encode)
+        )
+    else:
+        new = (
+            b""
+            if kind == "cut"
+            else data.draw(
+                st.binary(max_size=5) | st.sampled_from([b"\0", b"\r", b"\xff", b"[", b'"""', b"\xef\xbb\xbf"])
+            )
+        )
+        made = text[:start] + new + text[end if kind != "put" else start :]
+    tried_spec(made, "TOML")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SPEC.replace("z1 = 2", "z1." + "a." * 3000 + "a = 1"),
+        "a." * 8000 + "a = 1",
+        "#" * 20_000,
+        "x = 1\n" * 100_000,
+        SPEC.replace("z1 = 2", "z1 = 0x" + "f" * 9000),
+        SPEC.replace("[fixed]", "[fixed]\nalpha = 0x" + "f" * 9000),
+        SPEC.replace("frames = 2", "frames = 10001"),
+    ],
+    ids=lambda text: text[:20],
+)
+def test_very_long(text):
+    assert tried_spec(text, "long")[0] == 2
+
+
+# What is right is done, and nothing but numbers and known names gets into a scene.
+
+
+@cases(80)
+@given(st.data())
+def test_what_is_right_is_done(data):
+    scene = data.draw(st.sampled_from([*SCENES]))
+    given = {
+        "alpha": data.draw(st.floats(-360, 360)),
+        "z2": data.draw(st.floats(1, 150)),
+        "prisms": data.draw(st.integers(50, 3000)),
+        "z1": data.draw(st.floats(1, 3000)),
+        "offset": data.draw(st.tuples(st.floats(-10, 10), st.floats(-10, 0, exclude_max=True))),
+        "sheet": data.draw(st.sampled_from(["detailed", "ideal", "single", "none"])),
+    }
+    if scene == "chess":
+        given["piece"] = data.draw(rights("piece"))
+    status, source, said = tried(["pov", scene, *(f"--{name}={text_of(x)}" for name, x in given.items())], test="right")
+    assert status == 0, said
+    number = re.escape(f"{given['z2']:.15g}")
+    assert re.search(rf"#declare Z2 +={' '}{number};", source) and f"{given['z1']:.15g}" in source
+
+
+@pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.annotation in (int, float)])
+def test_numbers(name):
+    """What is taken is a number within the bounds that the help tells, by Python's own reading of it."""
+    low, high = {"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "timeout": (0, 1e6)}[name]
+
+    @cases(60)
+    @given(
+        st.sampled_from(NUMBERS) | st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * int(high)).map(str)
+    )
+    def fuzz(text):
+        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name}={text}"]
+        if tried(line, test="numbers")[0] == 0:
+            assert low <= float(text) <= high
+
+    fuzz()
+
+
+@pytest.mark.parametrize(
+    ("command", "name"), [place for place in OPTIONS if parameters(place[0])[place[1]][0] is not bool]
+)
+def test_no_sdl_in_options(command, name):
+    kind, option = parameters(command)[name]
+    for payload in SDL:
+        line = [command]
+        for other, (_, word) in parameters(command).items():
+            if other == name:
+                line += [option, payload] if option else [payload]
+            elif not word:
+                line.append(
+                    {"spec": "spec.toml", "specs": "spec.toml", "what": "info", "numbers": "1"}.get(other, "chess")
+                )
+        status, _, said = tried(
+            [*line, "--size=32x32"] if "size" in parameters(command) and name != "size" else line, SPEC.encode(), "SDL"
+        )
+        # a folder may have any name
+        assert status == 2 or kind is Path, (payload, said)
+
+
+@pytest.mark.parametrize(("table", "name"), PLACES)
+def test_no_sdl_in_specs(table, name):
+    """But in the title, which is not for POV-Ray."""
+    for payload in SDL:
+        spec = {table: dict(keys) for table, keys in BASE.items()}
+        if name == "alpha":
+            spec["sweep"]["parameter"] = '"z2"'
+        if table in SCENES:
+            spec[""]["scene"] = quoted(table)
+        spec["fixed" if table in SCENES else table][name] = quoted(payload)
+        assert tried_spec(toml(spec), "SDL")[0] == (0 if name == "title" and payload.isprintable() else 2)
+
+
+# Faults that these tests, and thought, have found.
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["frame", "chess", "-o", "folder.mp4"], ["output = 'folder.mp4'", "not a kind"]),
+        (
+            ["movie", "spec.toml", "-o", "folder.mp4"],
+            ["output = 'folder.mp4': it is there and cannot be written to; allowed"],
+        ),
+        (["movie", "spec.toml", "--workers", "9" * 5000], ["workers", "1 to 256"]),
+        (["frame", "chess", "--sheet", "auto", "--tolerance", "9" * 100_000], ["tolerance", "allowed"]),
+        (["movie", "x" * 5000], ["File name too long", "allowed"]),
+        (["movie", "/dev/zero"], ["longer than", "allowed"]),
+        (["movie", ""], ["'': no movie spec"]),
+        (["movie", "a\nb\x1b[31m\u202e.toml"], [r"a\nb\x1b[31m\u202e.toml: no movie spec"]),
+        (["frame", "--" + "x" * 100_000], ["No such option", "..."]),
+        (["chart", "--peers", "nowhere"], ["peers = 'nowhere'"]),
+        (["chart", "--peers", "binary"], ["peers = 'binary': not UTF-8"]),
+    ],
+    ids=lambda value: " ".join(value)[:40],
+)
+def test_found_in_command_lines(line, words):
+    status, _, said = tried(line, test="found")
+    assert status == 2 and said.count("allowed") < 2 and all(word in said for word in words), said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("z1 = 2", "z1 = 0x" + "f" * 5000, ["z1 = a very long int"]),
+        ("z1 = 2", "z1." + "a." * 2000 + "a = 1", ["z1 = a very long dict"]),
+        ("z1 = 2", "alpha = 0x" + "f" * 5000, ["alpha = a very long int", "swept"]),
+        ("z1 = 2", "offset = [true, -1]", ["offset = [True, -1]", "true or false"]),
+        ('"A movie"', '"A\\u2028movie"', ["title", "one line"]),
+        ('"A movie"', '"A\\u0085movie"', ["title", "one line"]),
+        ("frames = 2", "frames = 2\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),
+        ("[sweep]", "#" * 20_000, ["no movie spec: longer than"]),
+    ],
+    ids=lambda value: str(value)[:20],
+)
+def test_found_in_specs(old, new, words):
+    status, _, said = tried_spec(SPEC.replace(old, new), "found")
+    assert status == 2 and all(word in said for word in words), said
+
+
+def test_small_numbers_do_not_pass_through_0():
+    """Their product is 0."""
+    spec = SPEC.replace("start = 5\nstop = 9", "start = 1e-300\nstop = 1e-200\nspacing = 'log'")
+    assert tried_spec(spec, "found")[0] == 0
+
+
+def test_a_closed_standard_output(monkeypatch):
+    module = cli("pov")
+    monkeypatch.setattr(sys, "argv", ["povgen", "pov", "chess"])
+    monkeypatch.setattr(sys, "stdout", None)
+    with pytest.raises(SystemExit) as done:
+        module.main()
+    assert not done.value.code
+
+
+def test_names_of_files_are_not_markup(monkeypatch):
+    """Nor need they be text."""
+    monkeypatch.setattr(Stream, "terminal", True)
+    for name, shown in (("[bold]x.gif", "[bold]x.gif"), ("\udcff.gif", r"\udcff.gif")):
+        status, out, err = tried(["movie", "spec.toml", "--size=32x32", f"--output={name}"], test="found")
+        assert status == 0 and shown in err and f"wrote {shown}\n" == out
+
+
+@cases(60)
+@given(
+    st.sampled_from(NUMBERS) | st.sampled_from(SDL) | st.text(CHARACTERS) | st.floats().map(repr),
+    st.sampled_from(COMMANDS),
+)
+def test_the_size_of_the_cache(text, command):
+    """A setting in the environment, refused before anything is done."""
+    with pytest.MonkeyPatch.context() as patch:
+        try:
+            patch.setenv("POVGEN_CACHE_SIZE", text)
+        except UnicodeEncodeError:
+            assume(False)
+        needed = {"scene": "chess", "spec": "spec.toml", "specs": "spec.toml", "what": "info", "numbers": "1"}
+        line = [needed.get(name) for name, (_, option) in parameters(command).items() if not option]
+        line += ["--size=32x32"] * ("size" in parameters(command))
+        tried([command, *line], test="cache")
+
+
+@cases(60)
+@given(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), min_size=1, max_size=200))
+@example("<b>&\"'</b><script>alert(1)</script>")
+@example("{{ 7*7 }}{% raw %}%s %d $HOME `id` \\ ; = # title=x")
+@example("-vf" + " " * 100)
+def test_a_title_is_text(title):
+    """In the page and in the metadata as it was given; and not in the scene, as `rendered` sees to."""
+    text = SPEC.replace('"A movie"', quoted(title).replace("\x7f", "\\u007f"))
+    written = {}
+    with pytest.MonkeyPatch.context() as patch:
+        from povgen import encode
+
+        patch.setattr(encode, "encode", lambda *given: written.update(given[-1]) or given[1].touch())
+        assert tried_spec(text, "titles")[0] == 0
+    assert written["title"] == title and json.loads(written["comment"])["title"] == title
+
+
+def test_so_many_cases_were_run(request):
+    """Of all that the tests above were to run."""
+    names = {item.originalname for item in request.session.items if item.path == Path(__file__)}
+    if {name for name in globals() if name.startswith("test_")} - names or request.config.option.lf:
+        pytest.skip("only some of the tests were run")
+    print(dict(ran))
+    listed = ("SDL", "found", "long")  # not made by hypothesis
+    assert sum(count for test, count in ran.items() if test not in listed) >= LEAST, ran
