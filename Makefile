@@ -17,7 +17,7 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame demo figures pictures test lint browser verify chart bench clean help
+.PHONY: movies frame demo figures pictures test lint browser verify chart bench cluster-bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -33,7 +33,7 @@ demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies bes
 	$(POVGEN) demo -o build/demo --quality $(QUALITY)
 
 test: $(VENV)/test-ready browser  ## all tests
-	$(VENV)/bin/python -m pytest
+	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
 	@mkdir -p docs/figures
@@ -70,12 +70,16 @@ bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside o
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/speed.py $(VENV)/mitsuba/bin/python
 
+cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs: tables, and build/cluster.json
+	@mkdir -p build
+	$(VENV)/bin/python benchmarks/cluster.py
+
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
 	rm -rf $(VENV) build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
 
 help:  ## this list
 	@echo "QUALITY=draft|paper|high, now $(QUALITY)"
-	@sed -n 's/^\([a-z]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
 	@echo "movies/NAME.mp4	one movie, for every movies/NAME.toml"
 
 # changes when QUALITY does

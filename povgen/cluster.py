@@ -67,15 +67,20 @@ class Cluster:
         Raises PovrayError, which names the worker where POV-Ray failed; ChanceError where worker after worker was lost.
         """
         try:
-            future = self._client.submit(frame, self._versions, source, rendering, pure=False)
-            self._waiting.add(future)
-            if self._stopped.is_set():
-                future.cancel()
-            picture = folder / rendering.file
-            picture.write_bytes(self._result(future))
-            return picture
-        finally:
-            self._waiting.discard(future)
+            png = self._png(source, rendering)
+        except PovrayError:
+            raise
+        except distributed.scheduler.KilledWorker as lost:
+            number, last = lost.allowed_failures + 1, lost.last_worker.address
+            raise ChanceError(f"workers lost while they rendered it: {number}, the last {last}") from None
+        except (distributed.CancelledError, OSError):
+            gone = f"scheduler {self._scheduler}: the connection was lost"
+            raise PovrayError("POV-Ray was stopped" if self._stopped.is_set() else gone) from None
+        except Exception as error:
+            raise PovrayError(f"scheduler {self._scheduler}: {_line(error)}") from None
+        picture = folder / rendering.file
+        picture.write_bytes(png)
+        return picture
 
     def stop(self) -> None:
         """Cancel every frame that is waited for. A POV-Ray that runs on a worker ends with its frame."""
@@ -83,22 +88,18 @@ class Cluster:
         with suppress(Exception):
             self._client.cancel(list(self._waiting))
 
-    def _result(self, future: distributed.Future) -> bytes:
-        while True:
-            try:
-                return future.result(LOST)
-            except TimeoutError:
+    def _png(self, source: str, rendering: Rendering) -> bytes:
+        future = self._client.submit(frame, self._versions, source, rendering, pure=False)
+        self._waiting.add(future)
+        if self._stopped.is_set():
+            future.cancel()
+        try:
+            while True:
+                with suppress(TimeoutError):
+                    return future.result(LOST)
                 self._wait_for_workers(LOST)
-            except PovrayError:
-                raise
-            except distributed.CancelledError:
-                gone = f"scheduler {self._scheduler}: the connection was lost"
-                raise PovrayError("POV-Ray was stopped" if self._stopped.is_set() else gone) from None
-            except distributed.scheduler.KilledWorker as lost:
-                number, last = lost.allowed_failures + 1, lost.last_worker.address
-                raise ChanceError(f"workers lost while they rendered it: {number}, the last {last}") from None
-            except Exception as error:
-                raise PovrayError(f"scheduler {self._scheduler}: {_line(error)}") from None
+        finally:
+            self._waiting.discard(future)
 
     def _wait_for_workers(self, seconds: float) -> None:
         try:
@@ -116,8 +117,8 @@ class Cluster:
 
 
 def versions() -> str:
-    """What must be the same everywhere: frames of one movie, and of one cache, look alike."""
-    return f"povgen {__version__}, POV-Ray {povray.version()}"
+    """What must be the same everywhere, so that frames look alike and all understand each other."""
+    return f"povgen {__version__}, POV-Ray {povray.version()}, Dask {distributed.__version__}"
 
 
 def check(wanted: str) -> None:
@@ -143,10 +144,10 @@ def _connected(scheduler: str) -> distributed.Client:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # povgen says what went wrong
     answers: list[object] = []
 
-    async def ask() -> None:
+    async def ask() -> str:
         arguments = distributed.Security().get_connection_args("client")
         async with distributed.rpc(scheduler, timeout=PATIENCE, connection_args=arguments) as there:
-            await there.identity()
+            return (await there.versions())["packages"]["distributed"]
 
     def asked() -> None:
         try:
@@ -159,12 +160,15 @@ def _connected(scheduler: str) -> distributed.Client:
     thread = Thread(target=asked, daemon=True)
     thread.start()
     thread.join()
-    if answers != [None]:
-        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_line(answers[0])})")
+    (answer,) = answers
+    if isinstance(answer, Exception):
+        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_line(answer)})")
+    if answer != distributed.__version__:
+        raise PovrayError(f"scheduler {scheduler}: it has Dask {answer}; wanted, as here: {distributed.__version__}")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of other versions of Dask there: they may do
+        warnings.simplefilter("ignore")  # of other versions of other packages there
         return distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
 
 
-def _line(error: object) -> str:
+def _line(error: BaseException) -> str:
     return str(error).partition("\n")[0] or type(error).__name__

@@ -1,0 +1,203 @@
+"""What rendering on a Dask cluster costs, as a table and as JSON: `make cluster-bench`.
+
+Scheduler, client and workers run on this machine, each worker held to a core of its own, as if it were a machine of one
+core. CPU seconds are the operating system's account of a process.
+"""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+from statistics import median
+from threading import Thread
+from unittest import mock
+
+import distributed
+from rich.console import Console
+from rich.table import Table
+
+from povgen import MovieSpec, Rendering, frames, movie, speed, to_pov
+from povgen.cluster import Cluster
+
+DASK = Path(sys.executable).with_name("dask")
+THREADS = frames.WORKERS_PER_CORE
+ROUNDS = 3
+LONG, ALONE = 600, 100  # frames that cost nothing, at once and one after the other
+# a worker's povray.run, which hands out a picture that is there
+STAND_IN = """
+from pathlib import Path
+from povgen import povray
+PICTURE = Path({!r}).read_bytes()
+def run(source, rendering, folder):
+    path = folder / rendering.file
+    path.write_bytes(PICTURE)
+    return path
+povray.run = run
+"""
+
+
+def spec(count: int) -> MovieSpec:
+    """The paper's first movie, through prisms, in so many frames."""
+    own = MovieSpec.load("vary-alpha")
+    return own.model_copy(update={"sweep": own.sweep.model_copy(update={"frames": count})})
+
+
+@contextmanager
+def started(*command: object, core: int | None = None) -> Iterator[subprocess.Popen]:
+    hold = [] if core is None else ["taskset", "--cpu-list", str(core)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen([*hold, DASK, *map(str, command), "--no-dashboard"], **quiet)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+@contextmanager
+def running(workers: int, *options: object) -> Iterator[tuple[str, int]]:
+    """A cluster's address, and the number of its scheduler's process."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    with ExitStack() as stack:
+        local = ("--host", "127.0.0.1")
+        scheduler = stack.enter_context(started("scheduler", *local, "--port", address.rpartition(":")[2]))
+        for core in sorted(os.sched_getaffinity(0))[:workers]:
+            worker = ("worker", address, *local, "--no-nanny", "--nthreads", THREADS, *options)
+            stack.enter_context(started(*worker, core=core))
+        with distributed.Client(address, timeout=60, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=60)
+        yield address, scheduler.pid
+
+
+class Counted:
+    """A way to an address that counts the bytes that go there and come back."""
+
+    def __init__(self, address: str):
+        self.to = ("127.0.0.1", int(address.rpartition(":")[2]))
+        self.server = socket.create_server(("127.0.0.1", 0))
+        self.address = f"tcp://127.0.0.1:{self.server.getsockname()[1]}"
+        self.out = self.back = 0
+        Thread(target=self.serve, daemon=True).start()
+
+    def serve(self) -> None:
+        while True:
+            here, there = self.server.accept()[0], socket.create_connection(self.to)
+            Thread(target=self.pass_on, args=(here, there, "out"), daemon=True).start()
+            Thread(target=self.pass_on, args=(there, here, "back"), daemon=True).start()
+
+    def pass_on(self, source: socket.socket, target: socket.socket, name: str) -> None:
+        while data := source.recv(1 << 16):
+            setattr(self, name, getattr(self, name) + len(data))
+            target.sendall(data)
+        target.shutdown(socket.SHUT_WR)
+
+
+def cpu(process: int) -> float:
+    """CPU seconds so far of another process."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def own_cpu(who: int) -> float:
+    usage = getrusage(who)
+    return usage.ru_utime + usage.ru_stime
+
+
+@contextmanager
+def empty_cache() -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix="povgen-") as folder, mock.patch.dict(os.environ, POVGEN_CACHE=folder):
+        yield Path(folder)
+
+
+def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
+    """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
+    with empty_cache() as folder, running(workers) as (address, _):
+        movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
+        client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
+        movie(spec(count), folder / "movie.mp4", scheduler=address)
+        wall = time.monotonic() - start
+        return (
+            wall,
+            (own_cpu(RUSAGE_SELF) - client) / count,
+            (own_cpu(RUSAGE_CHILDREN) - encoder) / count,
+        )
+
+
+def for_nothing(quality: str, workers: int) -> dict[str, float]:
+    """For a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
+    scenes, rendering = spec(LONG).scenes("paper"), Rendering(quality=quality)
+    with empty_cache() as folder:
+        picture = frames.render_png(scenes[LONG // 2], rendering)
+        (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))
+        with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
+            counted = Counted(address)
+            with Cluster(counted.address) as cluster:
+                texts = [to_pov(scene) for scene in scenes[:ALONE]]
+                alone = []
+                for text in texts:
+                    start = time.monotonic()
+                    cluster.run(text, rendering, folder)
+                    alone.append(time.monotonic() - start)
+                out, back, scheduling, start = counted.out, counted.back, cpu(scheduler), time.monotonic()
+                for _ in frames.render_all(scenes, rendering, cluster.frames, run=cluster.run, stop=cluster.stop):
+                    pass
+                wall = time.monotonic() - start
+                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("paper"))
+                scheduling = (cpu(scheduler) - scheduling) / LONG
+                return {
+                    "text, bytes": len(texts[0].encode()),
+                    "picture, bytes": picture.stat().st_size,
+                    "out, bytes": (counted.out - out) / LONG,
+                    "back, bytes": (counted.back - back) / LONG,
+                    "alone, s": median(alone),
+                    "among many, s": wall / LONG,
+                    "scheduler, CPU s": scheduling,
+                    "POV-Ray, CPU s": povray,
+                    "cores that keep the scheduler busy": povray / scheduling,
+                }
+
+
+def main() -> None:
+    cores = len(os.sched_getaffinity(0))
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 49
+    console = Console(width=None if sys.stdout.isatty() else 120)
+    costs = {quality: for_nothing(quality, cores) for quality in ("draft", "paper", "high")}
+    table = Table(
+        "a frame that costs POV-Ray nothing", *costs, title=f"{speed.machine()}, Dask {distributed.__version__}"
+    )
+    for name in costs["paper"]:
+        table.add_row(
+            name, *(f"{cost[name]:.3g}" if cost[name] < 100 else f"{cost[name]:.0f}" for cost in costs.values())
+        )
+    console.print(table)
+
+    rounds = [(whole_movie(count, 1), whole_movie(count, cores)) for _ in range(ROUNDS)]
+    client, encoder = (median(each[1][n] for each in rounds) for n in (1, 2))
+    povray = costs["paper"]["POV-Ray, CPU s"]
+    found = {
+        "1 worker, wall s": median(one[0] for one, _ in rounds),
+        f"{cores} workers, wall s": median(more[0] for _, more in rounds),
+        "speed-up": median(one[0] / more[0] for one, more in rounds),
+        "client, CPU s a frame": client,
+        "encoder, CPU s a frame": encoder,
+        "cores that keep the client busy": povray / client,
+        "cores that keep an encoder of one core busy": povray / encoder,
+    }
+    table = Table("a movie of quality paper", f"{count} frames")
+    for name, value in found.items():
+        table.add_row(name, f"{value:.3g}")
+    console.print(table)
+    figures = {"machine": speed.machine(), "dask": distributed.__version__, "for nothing": costs, "movie": found}
+    Path("build/cluster.json").write_text(json.dumps(figures, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
