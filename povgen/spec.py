@@ -1,8 +1,6 @@
 """A movie as its TOML file describes it: a scene, what is fixed in it and what is swept."""
 
-import sys
 import tomllib
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -73,7 +71,7 @@ class MovieSpec(BaseModel):
         try:
             if not stdin and file.suffix != ".toml" and not file.exists():
                 file = MOVIES / f"{path}.toml"
-            with nullcontext(sys.stdin.buffer) if stdin else file.open("rb") as opened:
+            with open(0, "rb", closefd=False) if stdin else file.open("rb") as opened:
                 data = opened.read(LONGEST + 1)
             if len(data) > LONGEST:
                 raise ValueError(f"longer than {LONGEST} bytes")

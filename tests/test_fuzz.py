@@ -14,6 +14,7 @@ import re
 import shutil
 import signal
 import sys
+import tempfile
 import types
 import typing
 import warnings
@@ -397,16 +398,22 @@ def povgen(line, stdin=b""):
     err = Stream(io.BytesIO(), "utf-8", errors="backslashreplace")
     kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
     signal.signal(signal.SIGALRM, hangs)
+    own = os.dup(0)
+    with tempfile.TemporaryFile() as file:
+        file.write(stdin)
+        file.seek(0)
+        os.dup2(file.fileno(), 0)
     signal.setitimer(signal.ITIMER_REAL, PATIENCE)
     try:
         with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
             with warnings.catch_warnings():
                 warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
                 patch.setattr(sys, "argv", ["povgen", *line])
-                patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
                 with pytest.raises(SystemExit) as done:
                     module.main()
     finally:
+        os.dup2(own, 0)
+        os.close(own)
         signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in kept.items():
             signal.signal(number, handler)
@@ -762,6 +769,17 @@ def test_small_numbers_do_not_pass_through_0():
     """Their product is 0."""
     spec = SPEC.replace("start = 5\nstop = 9", "start = 1e-300\nstop = 1e-200\nspacing = 'log'")
     assert tried_spec(spec, "found")[0] == 0
+
+
+def test_a_closed_standard_input():
+    own = os.dup(0)
+    os.close(0)
+    try:
+        with pytest.raises(InputError, match="standard input: .* Bad file descriptor; allowed"):
+            MovieSpec.load("-")
+    finally:
+        os.dup2(own, 0)
+        os.close(own)
 
 
 def test_a_closed_standard_output(monkeypatch):

@@ -1,12 +1,14 @@
 """What cannot be is refused: exit status 2, one or two lines that name it, no file touched."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
-from povgen import Spheres
+from povgen import Chess, MovieSpec, Rendering, Spheres, frames, movie, povray, to_pov
 
 POVGEN = Path(sys.executable).with_name("povgen")
 SPEC = """
@@ -129,3 +131,46 @@ def test_spec_with_scenes_own_words(tmp_path):
     assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
     assert "scene" in refused(["pov", "circus"], tmp_path)
     assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)
+
+
+@pytest.mark.parametrize("title", ["<b>&\"'</b>", "{{ 7*7 }} %s \\ ; = # $HOME `id` title=x", "-α−é 😀", "x" * 200])
+def test_a_title_is_text_in_the_metadata(title, tmp_path):
+    spec = MovieSpec.parse(
+        SPEC.replace("[fixed]", "[fixed]\nsheet = 'none'").replace("frames = 5", "frames = 2"), "spec"
+    )
+    spec = spec.model_copy(update={"title": title})
+    for kind in (".mp4", ".webm", ".gif"):
+        movie(spec, tmp_path / f"movie{kind}", size=(32, 32), antialias="off")
+    data = (tmp_path / "movie.mp4").read_bytes()
+    start = data.index(b"\xa9nam") + 4  # an atom of the size, "data", the type and the language, and the text
+    size = int.from_bytes(data[start : start + 4], "big")
+    assert data[start + 16 : start + size].decode() == title
+    assert title.encode() in (tmp_path / "movie.webm").read_bytes()
+    with Image.open(tmp_path / "movie.gif") as gif:
+        assert gif.info["comment"].decode().startswith(title)
+
+
+FAR = [
+    Chess(alpha=5e-324, sheet="ideal", ghost=True),
+    Chess(alpha=180, z1=6.000000000000001, sheet="ideal", ghost=True),
+    Chess(alpha=180, z1=6.000000000000001, ghost=True),
+    Chess(prisms=1, z1=150, z2=150),
+    Chess(prisms=3000, z1=3000, z2=150, offset=(-10, -5e-324)),
+    Chess(z2=0.1300001, offset=(10, -10)),
+    Chess(z2=150, z1=5000, sheet="single"),
+    Spheres(z1=(5000,) * 50, sheet="ideal"),
+    Spheres(prisms=3000, z2=150, offset=(10, 10)),
+    Spheres(alpha=180, z1=(6.0,), offset=(5e-324, -5e-324), sheet="ideal"),
+]
+
+
+@pytest.mark.parametrize("scene", FAR)
+def test_the_ends_of_what_is_allowed(scene):
+    rendering = Rendering(size=(32, 32), antialias="off", caption=True, overlay=True, timeout=120)
+    assert frames.png(scene, rendering).startswith(b"\x89PNG")
+
+
+def test_a_window_that_its_frame_hides(tmp_path):
+    """POV-Ray does not get through an ideal sheet's camera that is inside out. Few cells, for it takes long else."""
+    few, count = re.subn("(Cells +=) [0-9]+", r"\1 10", to_pov(Chess(z2=0.2, offset=(0, -10), sheet="ideal")))
+    assert count == 1 and povray.run(few, Rendering(size=(32, 32), antialias="off"), tmp_path).is_file()
