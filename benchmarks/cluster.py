@@ -23,7 +23,7 @@ import distributed
 from rich.console import Console
 from rich.table import Table
 
-from povgen import MovieSpec, Rendering, frames, movie, speed, to_pov
+from povgen import MovieSpec, Rendering, frames, limits, movie, speed, to_pov
 from povgen.cluster import Cluster
 
 DASK = Path(sys.executable).with_name("dask")
@@ -121,14 +121,11 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
     with empty_cache() as folder, running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
+        limits.survey.cache_clear()  # what is known of these scenes from the movie before
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start
-        return (
-            wall,
-            (own_cpu(RUSAGE_SELF) - client) / count,
-            (own_cpu(RUSAGE_CHILDREN) - encoder) / count,
-        )
+        return wall, (own_cpu(RUSAGE_SELF) - client) / count, (own_cpu(RUSAGE_CHILDREN) - encoder) / count
 
 
 def for_nothing(quality: str, workers: int) -> dict[str, float]:
@@ -146,12 +143,13 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
                     start = time.monotonic()
                     cluster.run(text, rendering, folder)
                     alone.append(time.monotonic() - start)
+                limits.survey.cache_clear()
                 out, back, scheduling, start = counted.out, counted.back, cpu(scheduler), time.monotonic()
                 for _ in frames.render_all(scenes, rendering, cluster.frames, run=cluster.run, stop=cluster.stop):
                     pass
                 wall = time.monotonic() - start
-                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("paper"))
                 scheduling = (cpu(scheduler) - scheduling) / LONG
+                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("paper"))
                 return {
                     "text, bytes": len(texts[0].encode()),
                     "picture, bytes": picture.stat().st_size,
@@ -167,7 +165,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
 
 def main() -> None:
     cores = len(os.sched_getaffinity(0))
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 49
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 17
     console = Console(width=None if sys.stdout.isatty() else 120)
     costs = {quality: for_nothing(quality, cores) for quality in ("draft", "paper", "high")}
     table = Table(
