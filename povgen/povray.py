@@ -52,7 +52,8 @@ def command(binary: str, rendering: Rendering) -> list[str]:
         sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.format, f"+W{width}", f"+H{height}", *sampling),
-        *("+WT1", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
+        # a large picture stays in memory: POV-Ray would swap it to a place outside the fence
+        *("+WT1", f"+MI{MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from povgen import Chess, PovrayError, Rendering, cache, frames, povray, to_pov
+from povgen import Chess, PovrayError, Rendering, Spheres, cache, frames, povray, to_pov
 
 TINY = Rendering(size=(32, 32), antialias="off")
 EMPTY = Chess(sheet="none")
@@ -21,9 +21,15 @@ EMPTY = Chess(sheet="none")
 def test_command():
     assert povray.command("povray", Rendering(size="640x480", antialias="2,0.1,3")) == [
         *("povray", "+Iscene.pov", "+Oframe.png", "+FN8", "+W640", "+H480", "+AM2", "+A0.1", "+R3", "-J"),
-        *("+WT1", "-D", "-P", "-V", "-GA", "+GFfatal.log"),
+        *("+WT1", "+MI8192", "-D", "-P", "-V", "-GA", "+GFfatal.log"),
     ]
     assert "-A" in povray.command("povray", TINY)
+
+
+def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
+    """Above 128 MB it would swap it to a file outside the fence."""
+    large = Rendering(size=(3200, 2400), antialias="off")
+    assert frames.read(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
 
 
 def test_qualities():
