@@ -249,7 +249,7 @@ def test_stopped(shared, number, status):
     at = time.monotonic()
     process.send_signal(number)
     message = process.communicate(timeout=20)[1]
-    assert time.monotonic() - at < 2
+    assert time.monotonic() - at < 2 * max(1, os.getloadavg()[0] / os.cpu_count())  # tests run beside each other
     assert process.returncode == status, message
     assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
     assert "Traceback" not in message and "distributed" not in message

@@ -76,7 +76,7 @@ def test_killed_at_twenty_moments(place):
         time.sleep(moments.uniform(0.2, 1.7))
         process.kill()
         process.communicate()
-        wait_for(lambda: not processes(place), 3)  # POV-Ray ends with povgen
+        wait_for(lambda: not processes(place), 10)  # POV-Ray ends with povgen
         assert before.items() <= finished(place).items()  # nothing was rendered again
     left = finished(place)
     assert start(place).wait() == 0
@@ -106,7 +106,7 @@ def test_stopped(place, number, status, while_):
     at = time.monotonic()
     process.send_signal(number)
     message = process.communicate(timeout=20)[1]
-    assert time.monotonic() - at < 2
+    assert time.monotonic() - at < 2 * max(1, os.getloadavg()[0] / os.cpu_count())  # tests run beside each other
     assert process.returncode == status, message
     assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
     assert "Traceback" not in message

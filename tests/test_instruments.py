@@ -102,6 +102,6 @@ def test_a_ray_that_misses_an_edge_does_not_end_povray():
 
 def test_what_povray_says_of_an_instrument(monkeypatch):
     """A failing POV-Ray is reported, not measured."""
-    monkeypatch.setattr(povray, "binary", lambda: "/bin/false")
+    monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
     with pytest.raises(povray.PovrayError):
         next(instruments.frames([Directions(sheet="none")], SIZE))
