@@ -59,7 +59,7 @@ def test_picture_error():
 
 
 def test_the_front():
-    points = [speed.Point("m", name, (1, 1), "", [cpu], None, rms) for name, cpu, rms in
+    points = [speed.Point("m", name, (1, 1), "", [cpu], rms) for name, cpu, rms in
               (("a", 1, 0.5), ("b", 2, 0.6), ("c", 3, 0.1), ("d", 0.5, 0.9), ("e", 3.5, 0.1))]  # fmt: skip
     assert [point.sampling for point in speed.front(points, "rms")] == ["d", "a", "c"]
 
