@@ -5,8 +5,9 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 from povgen.errors import InputError
 
@@ -44,15 +45,32 @@ def checked_folder(path: Path) -> Path:
 def work_folder(parent: Path) -> Iterator[Path]:
     """A folder for unfinished files, removed at the end; those of povgens that were killed are removed first."""
     for left in parent.glob(f"{WORK}*"):
-        with suppress(OSError), open(left / LOCK) as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # refused while its owner lives
+        with suppress(OSError), _owned(left):
             shutil.rmtree(left)
-    with tempfile.TemporaryDirectory(prefix=WORK, dir=parent, ignore_cleanup_errors=True) as made:
-        folder = Path(made)
-        with open(folder / "new", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            (folder / "new").rename(folder / LOCK)  # nobody finds it before it is locked
-            yield folder
+    with ExitStack() as stack:
+        while True:
+            made = tempfile.TemporaryDirectory(prefix=WORK, dir=parent, ignore_cleanup_errors=True)
+            folder = Path(stack.enter_context(made))
+            with suppress(FileNotFoundError, BlockingIOError):  # another povgen came upon it before it was owned
+                stack.enter_context(_owned(folder))
+                break
+        yield folder
+
+
+def _owned(folder: Path) -> IO[str]:
+    """A file to keep open for as long as the folder is one's own.
+
+    Raises BlockingIOError while it is another's, FileNotFoundError once it has been removed.
+    """
+    lock = open(folder / LOCK, "a")  # made where it is missing: who was to make it, or to remove all, may be dead
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not os.fstat(lock.fileno()).st_nlink:
+            raise FileNotFoundError(folder)
+    except BaseException:
+        lock.close()
+        raise
+    return lock
 
 
 def save(data: bytes, output: Path) -> None:

@@ -8,13 +8,14 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, povray
+from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray
 
 POVGEN = Path(sys.executable).with_name("povgen")
 COUNT = 12
@@ -89,6 +90,32 @@ def test_killed_at_twenty_moments(place):
         own = frames.render_png(scene, SMALL)
         (killed,) = (path for path in finished(place) if path.name == own.name)
         assert np.array_equal(frames.read(own), frames.read(killed))
+
+
+def test_folders_of_the_killed_are_removed(tmp_path):
+    """Killed while one was made, before or after it was locked, or while one was removed; not those in use."""
+    for number, content in enumerate([[], ["lock"], ["lock", "scene.pov"], ["scene.pov"]]):
+        left = tmp_path / f"{output.WORK}left{number}"
+        left.mkdir()
+        for name in content:
+            (left / name).touch()
+    with output.work_folder(tmp_path) as first, output.work_folder(tmp_path) as second:
+        assert sorted(tmp_path.iterdir()) == sorted([first, second])
+    assert not list(tmp_path.iterdir())
+
+
+def test_work_folders_made_at_once(tmp_path):
+    """Many come and go, and each finds the others' newest: nobody's is removed while it is used."""
+
+    def use(number):
+        for _ in range(100):
+            with output.work_folder(tmp_path) as folder:
+                (folder / "part").write_text(str(number))
+                assert (folder / "part").read_text() == str(number)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(use, range(8)))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

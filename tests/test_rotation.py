@@ -154,6 +154,6 @@ def test_maps_of_directions_broadcast():
     angles = RNG.uniform(-3, 3, (5,))
     turned = rotation.rotate(directions, angles)
     assert turned.shape == (4, 5, 3)
-    np.testing.assert_array_equal(turned[2, 3], rotation.rotate(directions[2, 3], angles[3]))
+    np.testing.assert_allclose(turned[2, 3], rotation.rotate(directions[2, 3], angles[3]), atol=1e-15)
     np.testing.assert_allclose(rotation.rotate([1, 0, -1], np.pi / 2), [0, 1, -1], atol=1e-15)
     np.testing.assert_allclose(rotation.mirror([1, 2, 3], 0), [1, -2, 3])
