@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from povgen.drawing import Axes, Bbox, Figure, FigureCanvasAgg, Text, save_drawing, style
+from povgen.drawing import Axes, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
 from povgen.output import save
 from povgen.speed import Point, front
 from povgen.stability import RENDERED, Map
@@ -77,6 +77,10 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[tuple[float, flo
     best = front(points, error)
     ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="front")
     ax.set(xscale="log", yscale="log")
+    for axis in (ax.xaxis, ax.yaxis):  # 0.2, not 2 x 10^-1: those run into each other
+        axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
     ax.grid(alpha=0.25, which="both")
     ax.margins(0.12)
     ax.legend()
@@ -156,6 +160,7 @@ def _label(ax: Axes, labels: list[tuple[float, float, str, str]]) -> None:
                 color=colour,
                 ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
                 va="center",
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
                 arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
             )
             note.update_positions(renderer)

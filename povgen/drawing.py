@@ -15,6 +15,7 @@ try:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.text import Text
+    from matplotlib.ticker import LogLocator
     from matplotlib.transforms import Bbox
 except ImportError:
     raise InputError(
@@ -22,7 +23,7 @@ except ImportError:
     ) from None
 
 # matplotlib's names, for the modules that draw
-__all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "Text", "save_drawing", "style"]
+__all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {
     "axes.spines.right": False,

@@ -59,6 +59,24 @@ def test_every_python(python, tmp_path):
     works(installed(tmp_path / "venv", python, PROJECT), tmp_path)
 
 
+CLUSTER = """
+import subprocess, sys
+from distributed import LocalCluster
+
+if __name__ == "__main__":
+    with LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster:
+        subprocess.run([*sys.argv[1:], "--scheduler", cluster.scheduler_address], check=True)
+"""
+
+
 def test_the_oldest_packages(tmp_path):
-    povgen = installed(tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", f"{PROJECT}[charts]")
+    povgen = installed(
+        tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", f"{PROJECT}[charts,cluster]"
+    )
     works(povgen, tmp_path, ["figure", "5"], ["frame", "chess", "--help"])
+    (tmp_path / "cluster.py").write_text(CLUSTER)
+    movie = [povgen, "movie", "vary-z1", "--size", "80x60", "--sheet", "none", "--quality", "draft", "-o", "b.mp4"]
+    done = subprocess.run(
+        [povgen.with_name("python"), "cluster.py", *movie], cwd=tmp_path, capture_output=True, text=True, timeout=200
+    )
+    assert done.returncode == 0 and (tmp_path / "b.mp4").exists(), done.stdout + done.stderr
