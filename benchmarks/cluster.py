@@ -121,7 +121,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
     with empty_cache() as folder, running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
-        limits.survey.cache_clear()  # what is known of these scenes from the movie before
+        limits.survey_rays.cache_clear()  # what is known of these scenes from the movie before
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start
@@ -137,13 +137,12 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)
             with Cluster(counted.address) as cluster:
-                texts = [to_pov(scene) for scene in scenes[:ALONE]]
+                texts = [to_pov(scene) for scene in scenes]  # traces rays for each, which is then known
                 alone = []
-                for text in texts:
+                for text in texts[:ALONE]:
                     start = time.monotonic()
                     cluster.run(text, rendering, folder)
                     alone.append(time.monotonic() - start)
-                limits.survey.cache_clear()
                 out, back, scheduling, start = counted.out, counted.back, cpu(scheduler), time.monotonic()
                 for _ in frames.render_all(scenes, rendering, cluster.frames, run=cluster.run, stop=cluster.stop):
                     pass

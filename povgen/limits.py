@@ -41,9 +41,16 @@ class Survey(NamedTuple):
     proper: float  # the fraction on the proper path
 
 
-@lru_cache(1024)
 def survey(scene: "Scene", side: int = 60) -> Survey:
-    """Trace side^2 rays through the window of a scene with prisms, each to a random place of a square of its own.
+    """What becomes of side^2 rays that the eye sends through a scene's prisms, whatever is behind them."""
+    return survey_rays(scene.sheet, scene.alpha, scene.z2, scene.E, scene.window, scene.prisms, scene.air_gap, side)
+
+
+@lru_cache(1024)
+def survey_rays(
+    sheet: str, alpha: float, z2: float, E: complex, window: float, prisms: int, gap: float, side: int
+) -> Survey:
+    """Trace rays through a window of prisms, each to a random place of a square of its own.
 
     They are the same every time. Pixels, which lie in rows, would alias with prisms that do.
     """
@@ -52,11 +59,10 @@ def survey(scene: "Scene", side: int = 60) -> Survey:
     from povgen import trace  # numpy is slow to load, and only prisms need it
 
     places = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
-    x, y = (places.reshape(2, -1) / side - 0.5) * scene.window
-    direction = np.column_stack((x - scene.E.real, y - scene.E.imag, np.full(len(x), scene.z2)))
-    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
-    eye = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap)
+    x, y = (places.reshape(2, -1) / side - 0.5) * window
+    direction = np.column_stack((x - E.real, y - E.imag, np.full(len(x), z2)))
+    eye = np.array([[E.real, E.imag, -z2]])
+    found = trace.trace(eye, direction, trace.sheets(sheet, radians(alpha), window, prisms, gap), window, prisms, gap)
     faces = np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))
     # 0.9: what a picture loses may be a little more than the sample
     return Survey(max(5, int(faces[-int(0.9 * LOST * len(x))]) + 1), float(found.proper.mean()))
