@@ -16,6 +16,7 @@ from povgen.instruments import Positions
 from povgen.rendering import QUALITIES
 from povgen.verify import located
 
+pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)

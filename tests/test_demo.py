@@ -34,7 +34,7 @@ CHROMIUM = (
 
 def spec(scene, fixed, parameter, start, stop, count, title=HOSTILE):
     sweep = {"parameter": parameter, "start": start, "stop": stop, "frames": count}
-    return MovieSpec(title=title, scene=scene, frame_rate=10, fixed=fixed, sweep=sweep)
+    return MovieSpec(title=title, scene=scene, frame_rate=2.5, fixed=fixed, sweep=sweep)
 
 
 SPECS = {number: spec(*movie) for number, movie in MOVIES.items()}
@@ -374,7 +374,7 @@ def test_it_plays_at_the_movies_rate(page):
             requestAnimationFrame(wait);
         })"""
     )
-    assert 0.4 < seconds < 5  # five steps at 10 frames a second, on a machine that may be busy
+    assert 1.9 < seconds < 8  # five steps at 2.5 frames a second, on a machine that may be busy
 
 
 def test_scrubbing_stops_it(page):

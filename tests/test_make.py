@@ -3,12 +3,13 @@
 import os
 import shutil
 import subprocess
+import sys
 import time
-import venv
 from pathlib import Path
 
 import imageio_ffmpeg
 import pytest
+from uv import find_uv_bin
 
 PROJECT = Path(__file__).parents[1]
 
@@ -61,14 +62,13 @@ def test_targets_at_draft_quality(project):
 
 
 def test_the_wheel_works_from_any_folder(project, tmp_path):
-    venv.create(tmp_path / "venv", with_pip=True)
-    python = tmp_path / "venv" / "bin" / "python"
-    pip = [python, "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    uv = find_uv_bin()
     # by way of the source distribution, as a packager would
-    subprocess.run([*pip, "hatchling"], check=True, timeout=200)
-    subprocess.run([python, "-m", "hatchling", "build", "-t", "sdist", "-d", tmp_path], cwd=project, check=True)
+    subprocess.run([uv, "build", "--quiet", "--sdist", "-o", tmp_path], cwd=project, check=True, timeout=200)
     (source,) = tmp_path.glob("povgen-*.tar.gz")
-    subprocess.run([*pip, source], check=True, timeout=300)
+    python = tmp_path / "venv" / "bin" / "python"
+    subprocess.run([uv, "venv", "--quiet", "--python", sys.executable, tmp_path / "venv"], check=True)
+    subprocess.run([uv, "pip", "install", "--quiet", "--python", python, source], check=True, timeout=300)
     elsewhere = tmp_path / "else where"
     elsewhere.mkdir()
     povgen = tmp_path / "venv" / "bin" / "povgen"
