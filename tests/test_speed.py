@@ -18,6 +18,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     small = {
         "SIZES": ((64, 48), (80, 60)),
         "MAIN": (80, 60),
+        "SMALL": (320, 240),
         "SAMPLINGS": ("off", "2,0.9,1", "box 2"),
         "BY_HAND": ("off",),
         "CONVERGED": "1,0.001,5",
