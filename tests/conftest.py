@@ -1,5 +1,6 @@
 import os
 
+import numpy as np
 import pytest
 
 
@@ -11,3 +12,9 @@ def cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("POVGEN_CACHE", str(shared / "cache"))
         yield
+
+
+@pytest.fixture
+def rng():
+    """The same numbers in each test, whatever ran before it."""
+    return np.random.default_rng(2009)

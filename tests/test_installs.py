@@ -13,7 +13,7 @@ PROJECT = Path(__file__).parents[1]
 
 
 def pythons():
-    """Interpreters that povgen is for: on the PATH, and pyenv's. At least the one that runs this."""
+    """Interpreters that povgen is for: on the PATH, and pyenv's; the one that runs all tests comes first."""
     found = {sys.version_info[:2]: sys.executable}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
     for minor in (11, 12, 13, 14):
@@ -54,9 +54,9 @@ def works(povgen, folder, *more):
     assert refused.returncode == 2 and refused.stderr.startswith("povgen: alpha = 'nan'")
 
 
-@pytest.mark.parametrize("python", PYTHONS.values(), ids=[f"{major}.{minor}" for major, minor in PYTHONS])
-def test_every_python(python, tmp_path):
-    works(installed(tmp_path / "venv", python, PROJECT), tmp_path)
+@pytest.mark.parametrize("version", list(PYTHONS)[1:] or PYTHONS, ids=lambda version: f"{version[0]}.{version[1]}")
+def test_every_other_python(version, tmp_path):
+    works(installed(tmp_path / "venv", PYTHONS[version], PROJECT), tmp_path)
 
 
 CLUSTER = """

@@ -7,7 +7,6 @@ from povgen import instruments, povray, rotation
 from povgen.instruments import Directions, Piece, Positions, locate
 
 SIZE = (320, 240)
-RNG = np.random.default_rng(9)
 
 
 A = 0.7 * np.exp(0.5j)
@@ -29,14 +28,14 @@ def test_an_object_is_located_to_a_thousandth_of_a_pixel():
     assert seen.rotation == pytest.approx(0.5) and seen.magnification == pytest.approx(0.7)
 
 
-def test_ghosts_and_stray_light_do_not_move_it():
+def test_ghosts_and_stray_light_do_not_move_it(rng):
     pixels, told = looked_at()
     _, ghost = looked_at(place=-0.8 + 0.7j, a=0.2, b=0)
     told = np.where(np.isnan(told), ghost, told)
     stripes = np.round(pixels.real * 40) % 3 == 0  # prisms cut the object into slices
     told[stripes] = np.nan
-    stray = RNG.random(len(pixels)) < 0.005  # as many as the object has left
-    told[stray] = RNG.uniform(-0.3, 0.3, stray.sum()) + 1j * RNG.uniform(-0.3, 0.3, stray.sum())
+    stray = rng.random(len(pixels)) < 0.005  # as many as the object has left
+    told[stray] = rng.uniform(-0.3, 0.3, stray.sum()) + 1j * rng.uniform(-0.3, 0.3, stray.sum())
     assert abs(locate(pixels, told, 0.3).place - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
     naive = pixels[abs(told) < 0.3].mean()
     assert abs(naive - (0.4 - 0.3j)) > 0.1  # what a centroid makes of it

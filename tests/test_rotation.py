@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from povgen import rotation
 
-RNG = np.random.default_rng(2009)
 mpmath.mp.dps = 50
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
 RATIO = st.floats(0.01, 100)
@@ -20,20 +19,20 @@ DIRECTION = st.tuples(*[st.floats(-1, 1)] * 2, st.floats(0.05, 1) | st.floats(-1
 EXACT = 1e-14
 
 
-def test_P_solves_the_equation_it_comes_from():
-    r = RNG.uniform(0.01, 10, 1000)
-    alpha = RNG.uniform(-np.pi, np.pi, 1000)
+def test_P_solves_the_equation_it_comes_from(rng):
+    r = rng.uniform(0.01, 10, 1000)
+    alpha = rng.uniform(-np.pi, np.pi, 1000)
     P = rotation.P(r, alpha)
     # eq. 5: E - P = r exp(i alpha) P with E = 1
     np.testing.assert_allclose(1 - P, r * np.exp(1j * alpha) * P, atol=1e-11)
 
 
-def test_apparent_position_is_where_a_turned_ray_reaches_the_eye():
+def test_apparent_position_is_where_a_turned_ray_reaches_the_eye(rng):
     """Light leaves L, crosses the sheet at P, has its transverse direction turned by alpha and must arrive at E."""
     n = 1000
-    L, E = RNG.normal(size=(2, n)) + 1j * RNG.normal(size=(2, n))
-    z1, z2 = RNG.uniform(0.1, 10, (2, n))
-    alpha = RNG.uniform(-3, 3, n)
+    L, E = rng.normal(size=(2, n)) + 1j * rng.normal(size=(2, n))
+    z1, z2 = rng.uniform(0.1, 10, (2, n))
+    alpha = rng.uniform(-3, 3, n)
     P = rotation.apparent_position(L, E, z1, z2, alpha)
     slope = (P - L) / z1 * np.exp(1j * alpha)
     np.testing.assert_allclose(P + slope * z2, E, atol=1e-10)
@@ -59,8 +58,8 @@ def test_nu_and_M_are_those_at_the_eye_and_not_as_printed():
     assert abs(rotation.P(1e12, 0.3)) < 1e-11 and rotation.M(1e12, 0.3) == pytest.approx(1)
 
 
-def test_limits_and_symmetric_angles():
-    alpha = RNG.uniform(-3, 3, 100)
+def test_limits_and_symmetric_angles(rng):
+    alpha = rng.uniform(-3, 3, 100)
     np.testing.assert_allclose(rotation.P(0, alpha), 1, rtol=EXACT)  # far away: seen at E
     np.testing.assert_allclose(rotation.P(np.inf, alpha), 0, atol=EXACT)  # touches the sheet: seen at L
     np.testing.assert_allclose(rotation.M(3, 0.0), 0.75, rtol=EXACT)  # alpha = 0: perspective
@@ -149,9 +148,9 @@ def test_rotations_are_a_group_and_mirrors_their_roots(direction, a, b):
     np.testing.assert_allclose(rotate(-rotate(direction, a), a), -direction, **close)  # reciprocity
 
 
-def test_maps_of_directions_broadcast():
-    directions = RNG.normal(size=(4, 5, 3))
-    angles = RNG.uniform(-3, 3, (5,))
+def test_maps_of_directions_broadcast(rng):
+    directions = rng.normal(size=(4, 5, 3))
+    angles = rng.uniform(-3, 3, (5,))
     turned = rotation.rotate(directions, angles)
     assert turned.shape == (4, 5, 3)
     np.testing.assert_allclose(turned[2, 3], rotation.rotate(directions[2, 3], angles[3]), atol=1e-15)

@@ -9,12 +9,12 @@ from povgen import prism
 from povgen.trace import End, Face, Sheet, pair, trace
 
 WINDOW = 2.4
-RNG = np.random.default_rng(66)
 
 
 def fan(n, eye=(0.0, 0.0, -6.0)):
     """Rays from an eye to random points of the window, directions of length 1."""
-    direction = np.column_stack((RNG.uniform(-1.1, 1.1, (n, 2)), np.zeros(n))) - eye
+    places = np.random.default_rng(66).uniform(-1.1, 1.1, (n, 2))
+    direction = np.column_stack((places, np.zeros(n))) - eye
     return np.broadcast_to(eye, (n, 3)), direction / np.linalg.norm(direction, axis=1, keepdims=True)
 
 
