@@ -20,17 +20,18 @@ pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)
+SMALL = Rendering(size=(160, 120))
 
 
 @cache
 def converged(scene):
-    return speed.sample(to_pov(scene), "1,0.001,6", SIZE)[1]
+    return speed.sample(to_pov(scene), "1,0.001,6", SMALL.size)[1]
 
 
 def picture_error(scene, candidate):
     """Mean FLIP of a candidate's picture, rendered, against the converged one through the scene's prisms."""
     text = to_pov(scene.model_copy(update={"sheet": candidate.sheet}))
-    return speed.picture_error(speed.sample(text, candidate.antialias, SIZE)[1], converged(scene), scene)[1]
+    return speed.picture_error(speed.sample(text, candidate.antialias, SMALL.size)[1], converged(scene), scene)[1]
 
 
 def position_error(scene, sheet):
@@ -73,9 +74,9 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
 @pytest.mark.parametrize("scene", [Chess(), Chess(alpha=150, z1=4, piece="rook")], ids=lambda scene: f"{scene.alpha:g}")
 @pytest.mark.parametrize("tolerance", [0.15, 0.083, 0.4])
 def test_only_the_choice_keeps_the_picture(scene, tolerance):
-    chosen, _ = choose([scene], PAPER, Tolerance(flip=tolerance))
+    chosen, _ = choose([scene], SMALL, Tolerance(flip=tolerance))
     assert picture_error(scene, chosen) <= tolerance
-    ranked = candidates([scene], PAPER)
+    ranked = candidates([scene], SMALL)
     cheaper = ranked[ranked.index(chosen) - 1]
     assert picture_error(scene, cheaper) > tolerance
 

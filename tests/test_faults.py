@@ -3,6 +3,7 @@
 import os
 import random
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,6 +25,7 @@ SPEC = (
     f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
 )
 SMALL = Rendering(size=(64, 48))
+LARGE = ["--size", "1600x1200", "--antialias", "off"]
 
 
 @pytest.fixture
@@ -118,14 +120,22 @@ def test_work_folders_made_at_once(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory):
+    """A cache with large frames."""
+    folder = tmp_path_factory.mktemp("rendered")
+    (folder / "z2.toml").write_text(SPEC)
+    assert start(folder, *LARGE).wait() == 0
+    return folder / "cache"
+
+
+@pytest.mark.xdist_group("stopped")  # of which frames are rendered once
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("while_", ["rendering", "encoding"])
-def test_stopped(place, number, status, while_):
+def test_stopped(place, number, status, while_, rendered):
     if while_ == "encoding":  # of frames that are there, slowly
-        large = ["--size", "1600x1200", "--antialias", "off"]
-        assert start(place, *large).wait() == 0
-        (place / "a.mp4").unlink()
-        process = start(place, *large, "-o", "a.webm")
+        shutil.copytree(rendered, place / "cache")
+        process = start(place, *LARGE, "-o", "a.webm")
         wait_for(lambda: any(b"ffmpeg" in command and b"webm" in command for command in processes(place).values()))
         time.sleep(0.3)
     else:
