@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import inf, radians
+from math import inf, radians, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,10 @@ from povgen.scenes import Scene
 
 MEASURED = Path(__file__).with_name("measured.csv")
 FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
+# How many times the chart's FLIP a picture's may be: through prisms by alpha (degrees), for where those of the near
+# sheet lie along the pixels' rows or diagonals they beat with them; of the ideal sheet by the share of stray light.
+BEATS = ((0, 66, 80, 90, 95, 100, 120, 150, 165, 180), (1.1, 1.1, 1.2, 1.55, 1.7, 1.5, 1.1, 1.1, 1.35, 2.75))
+STRAY = 1.15, 0.4  # factor; share of stray light in the chart's scene
 ALLOWED = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
 
 
@@ -76,12 +80,14 @@ def candidates(scenes: Sequence[Scene], rendering: Rendering, antialias: str | N
         sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
         for sheet in ("none", "ideal", "detailed")
     }
+    worse = {"detailed": [_beats(scene) for scene in scenes], "ideal": [_stray(scene) for scene in scenes]}
     ghost = any(getattr(scene, "ghost", False) for scene in scenes)
     unturned = all(scene.alpha % 360 == 0 for scene in scenes)
     found = []
     for (sheet, sampling), table in measured.items():
         if antialias in (None, sampling):
-            cpu, flip = (float(np.max(np.interp(np.log(pixels), np.log(table[0]), y))) for y in table[1:])
+            costs, errors = (np.interp(np.log(pixels), np.log(table[0]), y) for y in table[1:])
+            cpu, flip = float(np.max(costs)), float(np.max(errors * worse[sheet]))
             found.append(Candidate(sheet, sampling, cpu, off[sheet], flip))
             if sheet == "ideal" and not ghost:
                 # no sheet: saves the ideal one's camera alone, and the picture is another unless alpha is 0
@@ -118,6 +124,17 @@ def _measured() -> dict[tuple[str, str], tuple[list[float], list[float], list[fl
                 cpu.append(float(row["CPU s"]) * (240 / height) ** 2)
                 flip.append(float(row["FLIP against prisms"]))
     return tables
+
+
+def _beats(scene: Scene) -> float:
+    """By how much the prisms' FLIP may exceed the chart's."""
+    return float(np.interp(abs((scene.alpha + 180) % 360 - 180), *BEATS))
+
+
+def _stray(scene: Scene) -> float:
+    """By how much the ideal sheet's FLIP may exceed the chart's."""
+    factor, share = STRAY
+    return factor * sqrt((1 - limits.survey(scene).proper) / share)
 
 
 def _position_error(scene: Scene, sheet: str) -> float:
