@@ -33,7 +33,7 @@ demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies bes
 	$(POVGEN) demo -o build/demo --quality $(QUALITY)
 
 test: $(VENV)/test-ready browser  ## all tests
-	$(VENV)/bin/python -m pytest --numprocesses 3 --dist loadgroup
+	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
 	@mkdir -p docs/figures

@@ -25,7 +25,7 @@ SPEC = (
     f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
 )
 SMALL = Rendering(size=(64, 48))
-LARGE = ["--size", "1600x1200", "--antialias", "off"]
+LARGE = ["--size", "1000x750", "--antialias", "off"]
 
 
 @pytest.fixture
