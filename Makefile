@@ -17,7 +17,7 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame demo figures pictures test lint browser verify chart bench cluster-bench clean help
+.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -32,7 +32,7 @@ demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies bes
 	@mkdir -p build
 	$(POVGEN) demo -o build/demo --quality $(QUALITY)
 
-test: $(VENV)/test-ready browser  ## all tests
+test: $(VENV)/test-ready tested-with  ## all tests
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
@@ -94,9 +94,11 @@ $(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-# the tests drive the page of demo
-browser:
-	$(if $(shell command -v chromium),,$(call install,chromium))
+# what only tests need: a browser, with which they drive the page of demo, and POV-Ray's own includes
+TESTED := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /usr/lib/*/libatomic.so.1),,libatomic1) \
+  $(if $(wildcard /usr/share/povray*/include/colors.inc),,povray-includes)
+tested-with:
+	$(if $(strip $(TESTED)),$(call install,$(strip $(TESTED))))
 
 # a peer of the benchmark, in an environment of its own
 $(VENV)/mitsuba/ready: | $(READY)
