@@ -106,6 +106,12 @@ $(VENV)/mitsuba/ready: | $(READY)
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
+# many packages, which pip takes a minute for
+$(VENV)/test-ready: pyproject.toml | $(READY)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check uv
+	$(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test]
+	@touch $@
+
 $(VENV)/%-ready: pyproject.toml | $(READY)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[$*]
 	@touch $@
