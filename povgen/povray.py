@@ -122,10 +122,9 @@ def _run(source: str, rendering: Rendering, folder: Path) -> Path:
     if status < 0:
         raise ChanceError(f"POV-Ray was killed by signal {-status}")
     if status or not (folder / rendering.file).is_file():
-        picture = 3 * rendering.size[0] * rendering.size[1]
-        if (
-            shutil.disk_usage(folder).free < 2**16 + picture
-        ):  # POV-Ray does not say so; others' pictures may have left room
+        width, height = rendering.size
+        # POV-Ray does not say so; other frames that failed may have left room since, for a picture at the most
+        if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
         failure = _failure(source, folder, messages.decode(errors="replace"))
         # said on a machine that is overloaded

@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import nbformat
+import notebook  # docs/notebook.py
 import pytest
 from nbclient import NotebookClient
 
@@ -24,8 +25,6 @@ PAGES = [
 POVGEN = Path(sys.executable).with_name("povgen")
 COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands}
 MAKEFILE = (PROJECT / "Makefile").read_text()
-sys.path.insert(0, str(PROJECT / "docs"))
-import notebook  # noqa: E402
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ landlock = pytest.mark.skipif(not fence.version(), reason="this kernel has no La
 
 
 def run(tried, folder, rendering=TINY):
-    """What POV-Ray makes of a scene that tries something; its work folder is folder/work/1."""
+    """What POV-Ray makes of a scene that tries something; it works in "1", in the folder "work" that is made."""
     (folder / "work").mkdir()
     return povray.run(SCENE.format(tried), rendering, folder / "work")
 
