@@ -1,8 +1,8 @@
 """The cheapest model of the sheets, and sampling, that keeps a picture within a tolerance: `--sheet auto`.
 
 Position errors follow from the scene's own numbers, by eq. 7 and the paraxial prediction; picture errors and CPU
-seconds from what `povgen chart` measured of one scene (measured.csv), by the pitch of the prisms in pixels, and from how
-much worse others are (`BEATS`, `STRAY`). What is right is the picture through the scene's own prisms, converged.
+seconds from what `povgen chart` measured of one scene (measured.csv), by the pitch of the prisms in pixels, and from
+how much worse others are (`BEATS`, `STRAY`). What is right is the picture through the scene's own prisms, converged.
 """
 
 import csv
