@@ -7,6 +7,8 @@ POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
 SOURCES := $(wildcard povgen/*.py templates/*.j2 templates/*/*.j2)
 READY := $(VENV)/ready
+# Says that make made the environment, and may therefore remove it.
+OURS := $(VENV)-made-by-make
 # Debian's package for each program (or file) that may be missing
 NEEDED := $(if $(shell command -v povray),,povray) \
   $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
@@ -16,6 +18,14 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 # installs packages of Debian's, or says who has to
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
+
+# What a whole environment's READY says: the Python and the folder that it was made for. Where it says anything else, as
+# after an upgrade of Python, or in a copy of the checkout, whose .venv runs the original's code, the environment is
+# made anew.
+WHOLE = $$(python3 -VV) in $(CURDIR)
+$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/python -c '' 2> /dev/null || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
+# Installs into the environment, which is not whole until that has ended: what was interrupted is made anew.
+install-into-venv = @rm -f $(READY) && $(1) && echo "$(WHOLE)" > $(READY)
 
 .PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench clean help
 .DELETE_ON_ERROR:
@@ -75,7 +85,8 @@ cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs:
 	$(VENV)/bin/python benchmarks/cluster.py
 
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
-	rm -rf $(VENV) build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
+	$(if $(wildcard $(OURS)),rm -rf $(VENV) $(OURS))
+	rm -rf build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
 
 help:  ## this list
 	@echo "QUALITY=draft|paper|high, now $(QUALITY)"
@@ -90,9 +101,11 @@ FORCE:
 
 $(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
 	$(if $(strip $(NEEDED)),$(call install,$(strip $(NEEDED))))
+	@test -e $(OURS) -o ! -e $(VENV) || { echo "povgen: $(VENV) was not made by make; allowed: remove it, or name" \
+	  "another folder, as in make VENV=.venv-povgen" >&2; exit 2; }
+	@touch $(OURS) && rm -rf $(VENV)
 	python3 -m venv $(VENV)
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .
-	@touch $@
+	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .)
 
 # what only tests need: a browser, with which they drive the page of demo, and POV-Ray's own includes
 TESTED := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /usr/lib/*/libatomic.so.1),,libatomic1) \
@@ -102,16 +115,16 @@ tested-with:
 
 # a peer of the benchmark, in an environment of its own
 $(VENV)/mitsuba/ready: | $(READY)
-	python3 -m venv $(VENV)/mitsuba
+	python3 -m venv --clear $(VENV)/mitsuba
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
 # many packages, which pip takes a minute for
 $(VENV)/test-ready: pyproject.toml | $(READY)
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check uv
-	$(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test]
+	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check uv \
+	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])
 	@touch $@
 
 $(VENV)/%-ready: pyproject.toml | $(READY)
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[$*]
+	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[$*])
 	@touch $@

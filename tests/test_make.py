@@ -17,7 +17,7 @@ PROJECT = Path(__file__).parents[1]
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     copy = tmp_path_factory.mktemp("user") / "povgen"
-    unwanted = shutil.ignore_patterns(".git", ".venv", "build", "*.mp4", "*.png", "__pycache__", ".pytest_cache")
+    unwanted = shutil.ignore_patterns(".git", ".venv*", "build", "*.mp4", "*.png", "__pycache__", ".pytest_cache")
     shutil.copytree(PROJECT, copy, symlinks=True, ignore=unwanted)
     return copy
 
@@ -28,8 +28,29 @@ def make(project, *arguments):
     return done.stdout
 
 
+def left_by_an_interrupted_make(project):
+    """An environment that was being made by another Python when make was stopped: it has neither pip nor povgen."""
+    bin = project / ".venv" / "bin"
+    bin.mkdir(parents=True)
+    (bin / "python").symlink_to("/nowhere/python3.9")
+    (bin / "python3").symlink_to("python")
+    (project / ".venv-made-by-make").touch()
+
+
+def test_an_environment_that_is_not_make_s_is_left_alone(project):
+    own = project / ".venv" / "own"
+    own.mkdir(parents=True)
+    for target in ("frame", "clean"):
+        done = subprocess.run(["make", target], cwd=project, capture_output=True, text=True, timeout=100)
+        assert own.is_dir()
+        assert (done.returncode, "remove it" in done.stderr) == ((2, True) if target == "frame" else (0, False))
+    shutil.rmtree(project / ".venv")
+
+
 def test_targets_at_draft_quality(project):
+    left_by_an_interrupted_make(project)
     make(project, "movies", "QUALITY=draft")
+    assert "-m venv" not in make(project, "--dry-run", "frame")
     movies = sorted((project / "movies").glob("*.mp4"))
     assert [path.stem for path in movies] == ["spheres", "vary-alpha", "vary-z1"]
     for path in movies:
@@ -57,6 +78,15 @@ def test_targets_at_draft_quality(project):
     make(project, "frame", "QUALITY=draft")
     assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test", "clean", "QUALITY"))
+    # the environment is made anew where an installation was interrupted, for another Python, and in a copy of the folder
+    ready = project / ".venv" / "ready"
+    whole = ready.read_text()
+    for stale in ("", whole.replace("Python 3", "Python 2"), whole.replace(" in ", " in /elsewhere"), None):
+        ready.unlink() if stale is None else ready.write_text(stale)
+        (project / ".venv" / "charts-ready").touch()
+        assert "python3 -m venv .venv" in make(project, "--dry-run", "bench")
+        assert "[charts]" in make(project, "--dry-run", "bench")  # with all that had been installed
+        ready.write_text(whole)
     make(project, "clean")
     assert not list(project.rglob("*.mp4")) and not (project / ".venv").exists()
 
