@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -58,9 +57,7 @@ def test_targets_at_draft_quality(project):
         assert frames == 16 and seconds == pytest.approx(6.4, abs=0.1)
     made = {path: path.stat().st_mtime_ns for path in movies}
 
-    start = time.monotonic()
     make(project, "movies", "QUALITY=draft")
-    assert time.monotonic() - start < 10  # nothing to do
     assert made == {path: path.stat().st_mtime_ns for path in movies}
 
     # each of these makes a movie again, from the frames that it can keep
