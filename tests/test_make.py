@@ -75,7 +75,7 @@ def test_targets_at_draft_quality(project):
     make(project, "frame", "QUALITY=draft")
     assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test", "clean", "QUALITY"))
-    # the environment is made anew where an installation was interrupted, for another Python, and in a copy of the folder
+    # the environment is made anew where an installation was interrupted, for another Python, and in a copied checkout
     ready = project / ".venv" / "ready"
     whole = ready.read_text()
     for stale in ("", whole.replace("Python 3", "Python 2"), whole.replace(" in ", " in /elsewhere"), None):
