@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from povgen import instruments, povray, rotation
+from povgen import instruments, povray, prism, rotation
 from povgen.instruments import Directions, Piece, Positions, locate
+from povgen.trace import End
 
 SIZE = (320, 240)
 
@@ -104,3 +105,25 @@ def test_what_povray_says_of_an_instrument(monkeypatch):
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
     with pytest.raises(povray.PovrayError):
         next(instruments.frames([Directions(sheet="none")], SIZE))
+
+
+@pytest.mark.parametrize("sheet", ["detailed", "single"])
+def test_few_prisms_are_those_of_the_ray_trace(sheet):
+    """The fewer the prisms, the deeper the sheets: up to 20 tiles, eight times as deep as the window is wide."""
+    alphas = (66, 0, -120, 180, 35)
+    scenes = []
+    for prisms in range(1, 13):
+        deep = prism.thickness(Directions.window / prisms, 2 if sheet == "detailed" else 1)
+        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
+        scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
+    stray = []
+    for scene, told in zip(scenes, instruments.frames(scenes, (160, 120)), strict=True):
+        inside, direction = instruments.rays(scene, (160, 120))
+        found = instruments.traced(scene, direction)
+        off = np.linalg.norm(told[inside] - found.direction, axis=1)
+        shown = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
+        assert found.proper.sum() > 500 and (off[found.proper] < 1e-3).all(), scene
+        stray.extend(off[shown & ~found.proper] < 1e-3)
+        ended = found.end == End.FRAME
+        assert ended.sum() > 100 and np.isnan(off[ended]).mean() > 0.99, scene
+    assert len(stray) > 1000 and np.mean(stray) > 0.998
