@@ -135,10 +135,23 @@ def trace(
     """Follow rays, (n, 3) origins and directions of any length, from outside through sheets listed from the eye on.
 
     `gap` is the air between prisms in units of their pitch; after `most` faces a ray is given up, which its end says.
+    Raises ValueError if a ray does not run from outside the sheets towards them: parallel to them, dz = 0, or away.
     """
     glass = _Glass(window, prisms, gap)
     origin, direction = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
-    direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
+        front = np.where(direction[:, 2] > 0, sheets[0].centre - glass.half, sheets[-1].centre + glass.half)
+        way = front - origin[:, 2]
+        entry = origin + (way / direction[:, 2])[:, None] * direction
+        # a ray may start where another has left the sheets, but for rounding
+        towards = (way * np.sign(direction[:, 2]) > -1e-9 * window) & np.isfinite(entry).all(1)
+    if not towards.all():
+        i = np.argmin(towards)
+        raise ValueError(
+            f"ray {i} from {origin[i]} along {direction[i]} does not reach the sheets; "
+            "allowed: from outside the sheets, towards them"
+        )
     n = len(origin)
     rays = Rays(
         np.empty((n, 3)),

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from povgen import instruments, povray, rotation
+from povgen import Rendering, instruments, povray, prism, rotation, to_pov
 from povgen.instruments import Directions, Piece, Positions, locate
+from povgen.trace import End
 
 SIZE = (320, 240)
 
@@ -104,3 +105,63 @@ def test_what_povray_says_of_an_instrument(monkeypatch):
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
     with pytest.raises(povray.PovrayError):
         next(instruments.frames([Directions(sheet="none")], SIZE))
+
+
+@pytest.mark.parametrize("sheet", ["detailed", "single"])
+def test_few_prisms_are_those_of_the_ray_trace(sheet):
+    """The fewer the prisms, the deeper the sheets: up to 20 tiles, eight times as deep as the window is wide."""
+    alphas = (66, 0, -120, 180, 35)
+    scenes = []
+    for prisms in range(1, 13):
+        deep = prism.thickness(Directions.window / prisms, 2 if sheet == "detailed" else 1)
+        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
+        scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
+    stray = []
+    for scene, told in zip(scenes, instruments.frames(scenes, (160, 120)), strict=True):
+        inside, direction = instruments.rays(scene, (160, 120))
+        found = instruments.traced(scene, direction)
+        off = np.linalg.norm(told[inside] - found.direction, axis=1)
+        shown = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
+        assert found.proper.sum() > 500 and (off[found.proper] < 1e-3).all(), scene
+        stray.extend(off[shown & ~found.proper] < 1e-3)
+        ended = found.end == End.FRAME
+        assert ended.sum() > 100 and np.isnan(off[ended]).mean() > 0.99, scene
+    assert len(stray) > 1000 and np.mean(stray) > 0.998
+
+
+@pytest.mark.parametrize(
+    ("size", "E"),
+    [((124, 240), 0), ((96, 240), 0), ((96, 240), 8j), ((32, 400), -3 + 2j), ((32, 7680), 0)]
+    + [((400, 32), 8j), ((7680, 32), 0), ((7680, 32), 0.5 - 0.5j)],
+)
+def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
+    """Narrower than the window, or much wider; in its first row and last column POV-Ray's camera is off."""
+    scenes = [Directions(sheet=sheet, alpha=alpha, E=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
+    none, ideal, turned = (told[1:, :-1] for told in instruments.frames(scenes, size))
+    pixel = Directions.view_height / size[1]
+    seen = ~np.isnan(none[..., 0])
+    assert (np.isnan(ideal[..., 0]) == seen).mean() < 2e-3  # what the frame hides
+    off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
+    assert off.max() < 0.15 * pixel / 6 + 5e-5  # interpolation, and 16 bits
+
+    inside, direction = instruments.rays(scenes[2], size)
+    expected = np.full((*inside.shape, 3), np.nan)
+    expected[inside] = rotation.rotate(direction, np.radians(66))
+    off = np.linalg.norm(turned - expected[1:, :-1], axis=-1)
+    assert np.nanmax(off) < 1e-4
+    assert (~np.isnan(off)).sum() > 0.8 * inside.sum()  # the frame hides the rest
+
+
+@pytest.mark.parametrize("size", [(32, 32), (32, 7680), (7680, 32), (96, 240)])
+def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
+    """POV-Ray keeps a table of triangles for each tenth of U and of V, and takes int(10 U) as its index unchecked."""
+    code = to_pov(Directions(sheet="ideal", E=3 + 8j))
+    check = """#macro Pixel(Point)
+      #local UV = Unchecked(Point);
+      #if (min(UV.u, UV.v) <= -0.1 | max(UV.u, UV.v) >= 1.1) #error "a UV outside" #end
+      UV
+    #end
+    """
+    code = code.replace("#macro Pixel(Point)", check + "#macro Unchecked(Point)")
+    assert "Unchecked" in code
+    povray.run(code, Rendering(size=size, antialias="off"), tmp_path)

@@ -19,7 +19,7 @@ OBJECT = (
 
 
 def objects(text):
-    """Where each object of a scene's text begins and ends, those within others included; and each sheet's line."""
+    """Where each object of a scene's text begins and ends, those within others too; and each line that makes a sheet."""
     code = re.sub(r"//.*", lambda comment: " " * len(comment[0]), text)
     for match in re.finditer(rf"\b({OBJECT})\s*\{{", code):
         depth, end = 1, match.end()
@@ -30,7 +30,7 @@ def objects(text):
             : match.start()
         ].rstrip().endswith(("mesh_camera { 1 3", "clipped_by {", "bounded_by {")):
             yield match.start(), end
-    for match in re.finditer(r"^(Sheet|Part)\(.*$", code, flags=re.M):
+    for match in re.finditer(r"^ *(Sheet\((0|Alpha)|Through\(Lower|Past\(-Corner).*$", code, flags=re.M):
         yield match.span()
 
 

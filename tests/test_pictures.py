@@ -5,7 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from povgen import Chess, Rendering, Spheres, frames, povray, render, rotation, to_pov
+from povgen import Chess, Rendering, Spheres, frames, instruments, povray, render, rotation, to_pov
 
 WIDTH, HEIGHT = SIZE = 320, 240
 TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
@@ -58,12 +58,27 @@ def angle_between(a, b):
     return (a - b + 180) % 360 - 180
 
 
-@pytest.mark.parametrize("offset", [(0, -1.33), (0.3, -1.5), (1, -5), (0, -0.3)], ids=["axis", "raised", "high", "low"])
+@pytest.mark.parametrize(
+    "offset", [(0, -1.33), (0.3, -1.5), (1, -5), (0, -0.3), (0, -0.03), (1.5, -0.01), (0, -0.001), (1.5, -1e-6)]
+)
 def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
     scene = Chess(alpha=0, sheet="ideal", offset=offset)
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()
     assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
+
+
+@pytest.mark.parametrize("alpha", [0, 66, -120])
+@pytest.mark.parametrize("offset", [(0, -0.3), (0.8, -0.01), (0, -0.001), (1.5, -1e-6)])
+def test_no_sky_below_the_horizon(offset, alpha):
+    """Wherever a ray runs downwards it meets the floor, the piece or the frame, however low the eye."""
+    scene = Chess(sheet="ideal", alpha=alpha, offset=offset)
+    image = picture(scene)
+    sky = image[..., 2] > image[..., 0] + 70  # below the horizon it is of a deep blue
+    inside, direction = instruments.rays(scene, SIZE)
+    down = Y < scene.E.imag
+    down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
+    assert down.sum() > 5000 and not (sky & down).any()
 
 
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])

@@ -156,3 +156,47 @@ def test_maps_of_directions_broadcast(rng):
     np.testing.assert_allclose(turned[2, 3], rotation.rotate(directions[2, 3], angles[3]), atol=1e-15)
     np.testing.assert_allclose(rotation.rotate([1, 0, -1], np.pi / 2), [0, 1, -1], atol=1e-15)
     np.testing.assert_allclose(rotation.mirror([1, 2, 3], 0), [1, -2, 3])
+
+
+# every public function that takes numbers which are real, and by name what it is called with
+REAL = {
+    rotation.r: {"z1": 2.0, "z2": 6.0},
+    rotation.E_minus_P: {"P": 0.3j, "r": 3.0, "alpha": 1.0},
+    rotation.E_from_P: {"P": 0.3j, "r": 3.0, "alpha": 1.0},
+    rotation.P: {"r": 3.0, "alpha": 1.0},
+    rotation.one_minus_P: {"r": 3.0, "alpha": 1.0},
+    rotation.nu: {"r": 3.0, "alpha": 1.0},
+    rotation.M: {"r": 3.0, "alpha": 1.0},
+    rotation.condition: {"r": 3.0, "alpha": 1.0},
+    rotation.apparent_position: {"L": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
+    rotation.object_position: {"P": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
+    rotation.rotate: {"direction": [0.1, 0.2, 1.0], "alpha": 1.0},
+    rotation.mirror: {"direction": [0.1, 0.2, 1.0], "angle": 1.0},
+}
+ARGUMENTS = [(function, name) for function, values in REAL.items() for name in values if name not in ("P", "L", "E")]
+OTHERS = {rotation.p1, rotation.p2, rotation.r_from_P}  # which take complex numbers too, and keep them
+
+
+def test_every_public_function_is_tried_with_what_it_does_not_take():
+    public = {f for name, f in vars(rotation).items() if callable(f) and not name.startswith("_")}
+    assert public == REAL.keys() | OTHERS
+    assert rotation.p1(1j, 0.5) == 1j * np.tan(0.5) == rotation.p2(1j, 0.5)
+
+
+@pytest.mark.parametrize(("function", "name"), ARGUMENTS)
+def test_complex_numbers_are_refused_nan_is_kept(function, name):
+    given = REAL[function]
+    for wrong in (np.asarray(given[name]) + 0.5j, np.array([given[name]]) + 0.5j, np.array([1j], object)):
+        with pytest.raises(TypeError):
+            function(**given | {name: wrong})
+    assert np.isnan(function(**given | {name: np.asarray(given[name]) * np.nan})).any()
+    if name in ("r", "z1", "z2"):
+        with pytest.raises(ValueError, match=rf"^{name} = -0.5; allowed: 0 or more$"):
+            function(**given | {name: [1, -0.5, np.nan]})
+    if name == "alpha" and "r" in given and function not in (rotation.E_minus_P, rotation.E_from_P):
+        assert np.isnan(function(np.inf, np.nan)) and np.isfinite(function(np.inf, 1.0))
+
+
+def test_light_along_the_sheet_is_not_turned():
+    with pytest.raises(ValueError, match="z = 0, along the sheet"):
+        rotation.rotate([[1.0, 0, 1], [1, 0, 0]], 0.3)

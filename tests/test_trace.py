@@ -98,3 +98,31 @@ def test_no_ray_is_lost():
     ).all()
     edge = np.abs(rays.position[rays.end == End.FRAME, :2]).max(axis=1)
     assert (edge >= WINDOW / 2 - 1e-12).all()
+
+
+@pytest.mark.parametrize(
+    ("origin", "direction"),
+    [
+        ((0, 0, -6), (1, 0, 0)),  # along the sheets
+        ((0, 0, 0), (0.3, 1, 0)),  # between them
+        ((0, 0, -6), (0, 1, -0.0)),
+        ((0, 0, -6), (0.1, 0, 5e-324)),  # along them for all that numbers can tell
+        ((0, 0, -6), (0.1, 0, -1)),  # away from them
+        ((0, 0, 6), (0, 0, 1)),
+        ((0, 0, 0.01), (0, 0, 1)),  # from within
+        ((0, 0, -6), (0, 0, 0)),
+        ((0, 0, -6), (0, np.nan, 1)),
+        ((np.inf, 0, -6), (0, 0, 1)),
+    ],
+)
+def test_a_ray_that_does_not_run_towards_the_sheets_is_refused(origin, direction):
+    origins, directions = fan(5)
+    origins, directions = origins.copy(), directions.copy()
+    origins[3], directions[3] = origin, direction
+    with pytest.raises(ValueError, match="^ray 3 from .* does not reach the sheets; allowed"):
+        trace(origins, directions, pair(0.7, WINDOW, 30), WINDOW, 30)
+
+
+def test_a_ray_almost_along_the_sheets_meets_the_frame():
+    rays = trace([[0, 0, -6]], [[1, 0, 1e-9], [1, 0, 1e-300]], pair(0.7, WINDOW, 30), WINDOW, 30)
+    assert (rays.end == End.FRAME).all() and np.isfinite(rays.position).all()
