@@ -82,10 +82,11 @@ def _caption(scene: Scene, picture: np.ndarray) -> None:
 
 
 def _room(name: str, several: bool) -> str:
-    """The longest text of a fact in a movie, but for numbers that are longer than most: so the text stands still."""
+    """Text as wide as a fact is in any frame, but for very long numbers: so a movie's text stands still."""
+    number = "0.0000" if name == "M" else "-00.00"  # no narrower than "infinite"
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
-    return f"{name} = -00.00{' to -00.00' * spans}{', ?' * (spans and name == 'nu')}{unit}"
+    return f"{name} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
 
 
 def _overlay(scene: Scene, picture: np.ndarray) -> None:
@@ -122,7 +123,9 @@ def _discs(picture: np.ndarray, points: np.ndarray, radius: float, colour: Colou
     for x, y in zip(points.real - columns.start, points.imag - rows.start, strict=True):
         down, right = (slice(max(0, int(c) - reach), max(0, int(c) + reach + 2)) for c in (y, x))
         there = nearest[down, right]
-        dy, dx = (np.arange(s.start, s.start + n) - c for s, n, c in zip((down, right), there.shape, (y, x), strict=True))
+        dy, dx = (
+            np.arange(s.start, s.start + n) - c for s, n, c in zip((down, right), there.shape, (y, x), strict=True)
+        )
         np.minimum(there, (dy**2)[:, None] + dx**2, out=there)
     for top in range(0, len(part), ROWS):
         band = slice(top, top + ROWS)

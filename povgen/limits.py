@@ -104,7 +104,7 @@ def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[t
 
 
 def _prediction(scene: "Scene", rendering: "Rendering | None") -> Iterator[tuple[str, str]]:
-    """The limit of what predicts the ghost, the overlay and the caption's nu and M: for the object farthest beyond it."""
+    """Where what predicts the ghost, the overlay and the caption's nu and M ends: of the object farthest beyond."""
     two = scene.sheet in ("detailed", "ideal")
     shows = {
         "ghost": getattr(scene, "ghost", False),

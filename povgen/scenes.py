@@ -99,9 +99,9 @@ class Scene(BaseModel):
         return rotation.apparent_position(L, self.E, z1, self.z2, alpha)
 
     def visible(self, L, z1, alpha=None):
-        """Whether light from a point, on its way to the eye, passes the frame; arguments as in `seen`, arrays broadcast.
+        """Whether light from a point reaches the eye through the window, as it is predicted; arguments as in `seen`.
 
-        It must cross, within the window, the frame's front and back and the planes in which the sheets turn it.
+        It must pass the frame's front and back and, between them, the middle planes of the sheets, which turn it.
         """
         import numpy
 
