@@ -340,7 +340,8 @@ def test_prediction_on_and_off(page):
     assert abs(picture(with_it) - picture(without)).max() > 100
     page.keyboard.press("o")
     expect(switch).to_be_checked()
-    assert page.locator("#frame").screenshot() == with_it
+    again = page.locator("#frame").screenshot()
+    assert abs(picture(with_it) - picture(again)).max() < 20  # Chromium may paint part of it anew, a little otherwise
 
 
 def test_the_path_and_the_rings_of_a_prediction(page):
