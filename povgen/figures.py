@@ -207,9 +207,9 @@ def spheres(rendering: Rendering) -> Drawn:
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 150)]
     figure, axes = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
     for ax, scene in zip(axes, scenes, strict=True):
-        line = annotate.loci(scene)[0][0]
-        ax.plot(*_xy(line), color="white", linewidth=1.8)
-        ax.plot(*_xy(line), color="black", linewidth=0.9)
+        for line in annotate.loci(scene)[0][0]:
+            ax.plot(*_xy(line), color="white", linewidth=1.8)
+            ax.plot(*_xy(line), color="black", linewidth=0.9)
         seen = np.array(annotate.positions(scene))
         ax.plot(*_xy(seen), "o", markersize=4, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.7)
     targets = [

@@ -95,8 +95,7 @@ def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[t
     if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < PARALLEL:
         text = f"alpha = {scene.alpha:.3g}: within {PARALLEL} degrees of 0 the prisms of the two sheets"
         yield "alpha", f"{text} lie so nearly parallel that they make dark bands"
-    if getattr(scene, "ghost", False):
-        yield from _ghost(scene, *scene.distances)
+    yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         pixels = scene.window / scene.view_height * rendering.size[1] / scene.prisms
         if pixels < PIXELS_PER_PRISM:
@@ -104,19 +103,34 @@ def warnings(scene: "Scene", rendering: "Rendering | None" = None) -> Iterator[t
             yield "prisms", f"{text} without antialiasing, the picture is noise"
 
 
-def _ghost(scene: "Scene", z1: float) -> Iterator[tuple[str, str]]:
-    """The limit of what predicts the ghost."""
+def _prediction(scene: "Scene", rendering: "Rendering | None") -> Iterator[tuple[str, str]]:
+    """Where what predicts the ghost, the overlay and the caption's nu and M ends: of the object farthest beyond."""
+    two = scene.sheet in ("detailed", "ideal")
+    shows = {
+        "ghost": getattr(scene, "ghost", False),
+        "overlay": rendering and rendering.overlay,
+        "caption": rendering and rendering.caption and two,
+    }
+    names = [name for name, shown in shows.items() if shown]
+    if not names or scene.sheet == "none":
+        return
+    import numpy as np
+
     from povgen import rotation
 
-    where = f"ghost = true: at alpha = {scene.alpha:g} and z1 = {z1:g}"
-    if scene.sheet == "ideal":
-        condition = rotation.condition(scene.z2 / z1, radians(scene.alpha))
-        if condition > CONDITION:
-            text = f"{where} the piece is magnified {condition:.3g} times"
-            yield "ghost", f"{text}; beyond {CONDITION} its prediction is off by pixels"
-    else:
-        thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, radians(scene.alpha))
-        pixels = abs(scene.seen(scene.L, z1) - thin) / scene.view_height * 960
-        if pixels > CORRECTION:
-            text = f"{where} the prisms' size moves the piece by {pixels:.3g} pixels of 1280x960"
-            yield "ghost", f"{text}; beyond {CORRECTION} its prediction is off by pixels"
+    z1, alpha = np.array(scene.distances), radians(scene.alpha)
+    with np.errstate(all="ignore"):
+        if scene.sheet == "ideal":
+            limit, found = CONDITION, rotation.condition(scene.z2 / z1, alpha)
+            what, size = "the object is magnified", "{:.3g} times"
+        else:
+            thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
+            # what enters one sheet at a prism's edge leaves it half a pitch off
+            moved = scene.seen(scene.L, z1) - thin if two else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
+            limit, found = CORRECTION, np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
+            what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
+    worst = np.argmax(found)
+    if found[worst] > limit:
+        where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
+        much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
+        yield names[0], f"{', '.join(names)}: at {where} {what} {much}; beyond {limit} its prediction is off by pixels"

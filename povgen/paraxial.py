@@ -20,16 +20,39 @@ def image(z1, z2, alpha, pitch):
     Where |A| = |B| light from L meets the eye's plane in a line or not at all; a and b grow without bound towards it,
     and with them their error: `limits.CORRECTION`.
     """
-    height = pitch * (1 - prism.AIR_GAP)
-    g = prism.slab_shift() * height
-    apart = height * prism.aspect() + pitch * prism.AIR_GAP  # of the two middle planes
-    turn = np.exp(-1j * np.asarray(alpha))
-    # L - E = A s + B conj(s) for a ray that reaches the eye with the slope s
-    A = (z2 - (apart + g) / 2) + turn * (z1 - (apart + g) / 2)
-    B = (apart - g) * turn.conj()
-    with np.errstate(divide="ignore"):
+    A, B = _depths(z1, z2, alpha, pitch)
+    with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.divide(z2, abs(A) ** 2 - abs(B) ** 2)
-    return A.conj() * scale, -B * scale
+        return A.conj() * scale, -B * scale
+
+
+def nu_and_M(z1, z2, alpha, pitch):
+    """The angle nu, radians, through which an object appears turned, and its magnification M, for prisms of a pitch.
+
+    A short step d on the object appears as a d + b conj(d), with a, b of `image`: nu = arg(a), and M is the mean of the
+    greatest and the least magnification over the directions of d, |a| + |b| and |a| - |b|, so M = |a|. For pitch = 0
+    they are eqs. 8 and 9, corrected. Where |b| > |a| the object appears mirrored: nu is NaN, and that mean is |b|.
+    Where |A| = |B|, nu is NaN and M infinite.
+    """
+    A, B = _depths(z1, z2, alpha, pitch)
+    a, b = image(z1, z2, alpha, pitch)
+    M = np.where(abs(A) == abs(B), np.inf, np.maximum(abs(a), abs(b)))
+    return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
+
+
+def infinite_z1(z2, alpha, pitch):
+    """The two z1 for which |A| = |B|; complex where there are none, their real part that of the least |A|."""
+    g, apart = _sheet(pitch)
+    h = (apart + g) / 2
+    half = np.emath.sqrt((apart - g) ** 2 - ((z2 - h) * np.sin(alpha)) ** 2)
+    return h - (z2 - h) * np.cos(alpha) + np.array([-half, half])
+
+
+def infinite_alpha(z1, z2, pitch):
+    """The alpha from 0 to pi, radians, for which |A| = |B|, as it is for -alpha; complex as in `infinite_z1`."""
+    g, apart = _sheet(pitch)
+    near, far = z2 - (apart + g) / 2, z1 - (apart + g) / 2
+    return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
 def apparent_position(L, E, z1, z2, alpha, pitch):
@@ -47,3 +70,16 @@ def mirrored_position(L, E, z1, z2, pitch):
     g = prism.slab_shift() * pitch * (1 - prism.AIR_GAP)
     with np.errstate(divide="ignore", invalid="ignore"):
         return E + z2 * (D.real / (z2 + z1 - g) + 1j * np.divide(D.imag, np.subtract(z2, z1)))
+
+
+def _depths(z1, z2, alpha, pitch):
+    """A and B: L - E = A s + B conj(s) for a ray from L that reaches the eye with the slope s."""
+    g, apart = _sheet(pitch)
+    turn = np.exp(-1j * np.asarray(alpha))
+    return (z2 - (apart + g) / 2) + turn * (z1 - (apart + g) / 2), (apart - g) * turn.conj()
+
+
+def _sheet(pitch):
+    """g, by which the glass of a sheet brings nearer what is seen along its prisms, and the middle planes' distance."""
+    height = pitch * (1 - prism.AIR_GAP)
+    return prism.slab_shift() * height, height * prism.aspect() + pitch * prism.AIR_GAP

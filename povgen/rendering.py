@@ -58,8 +58,13 @@ class Rendering(BaseModel):
         1800, description="the longest a frame may take, above 0 to 1e6 seconds"
     )
 
-    caption: bool = Field(False, description="burn alpha, z1, z2, r, nu and M into the picture's lower edge")
-    overlay: bool = Field(False, description="mark where objects are predicted, and the curves that they move on")
+    caption: bool = Field(
+        False, description="burn alpha, z1, z2, r, and the predicted nu and M into the picture's lower edge"
+    )
+    overlay: bool = Field(
+        False,
+        description="mark where objects are predicted, and the curves that they move on, in the window's opening alone",
+    )
 
     @model_validator(mode="before")
     @classmethod

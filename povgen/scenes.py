@@ -4,6 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. Points of th
 x + iy from the window's centre, x to the right and y up for the eye.
 """
 
+from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -66,7 +67,12 @@ class Scene(BaseModel):
     def sheets_depth(self) -> float:
         """Extent of the sheets along z; they are centred on z = 0."""
         sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
-        return prism.thickness(self.window / self.prisms, sheets) if sheets else 0.0
+        return prism.thickness(self.pitch, sheets) if sheets else 0.0
+
+    @property
+    def pitch(self) -> float:
+        """Of the prisms, tiles."""
+        return self.window / self.prisms
 
     @property
     def depth(self) -> float:
@@ -82,16 +88,50 @@ class Scene(BaseModel):
 
         from povgen import paraxial, rotation
 
-        pitch = self.window / self.prisms
         alpha = numpy.radians(self.alpha if alpha is None else alpha)
         match self.sheet:
             case "detailed":
-                return paraxial.apparent_position(L, self.E, z1, self.z2, alpha, pitch)
+                return paraxial.apparent_position(L, self.E, z1, self.z2, alpha, self.pitch)
             case "single":
-                return paraxial.mirrored_position(L, self.E, z1, self.z2, pitch)
+                return paraxial.mirrored_position(L, self.E, z1, self.z2, self.pitch)
             case "none":
                 alpha = 0
         return rotation.apparent_position(L, self.E, z1, self.z2, alpha)
+
+    def visible(self, L, z1, alpha=None):
+        """Whether light from a point reaches the eye through the window, as it is predicted; arguments as in `seen`.
+
+        It must pass the frame's front and back and, between them, the middle planes of the sheets, which turn it.
+        """
+        import numpy
+
+        turn = numpy.exp(-1j * numpy.radians(self.alpha if alpha is None else alpha))
+        with numpy.errstate(invalid="ignore"):
+            slope = (self.seen(L, z1, alpha) - self.E) / self.z2  # of the ray before the sheets, and behind them:
+            behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
+            middle = max(0, self.sheets_depth - prism.thickness(self.pitch, 1)) / 2  # of a sheet, from z = 0
+            crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
+            crossed += [L - behind * (z1 - z) for z in (self.depth / 2, middle)]
+        half = self.window / 2
+        return numpy.all([(abs(place.real) < half) & (abs(place.imag) < half) for place in crossed], axis=0)
+
+    def nu_and_M(self, z1):
+        """The angle nu, degrees, through which two sheets show an object turned, and its magnification M.
+
+        Eqs. 8 and 9, corrected; for prisms of finite size as in `paraxial.nu_and_M`. nu lies within 180 degrees of
+        the middle of 0 and alpha, NaN where there is none. z1 in tiles; arrays broadcast.
+        """
+        import numpy
+
+        from povgen import paraxial, rotation
+
+        alpha = remainder(self.alpha, 360)
+        if self.sheet == "ideal":
+            r = rotation.r(z1, self.z2)
+            nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
+        else:
+            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.pitch)
+        return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @property
     def cells(self) -> int:

@@ -64,18 +64,47 @@ const equations = (() => {
 
   // The same for two sheets of prisms of a pitch, by the paraxial prediction (docs/sheets.md).
   function prisms(L, E, z1, z2, alpha, pitch) {
-    const height = pitch * (1 - data.prism.air_gap);
-    const g = data.prism.slab_shift * height;
-    const apart = height * data.prism.aspect + pitch * data.prism.air_gap;
-    const half = (apart + g) / 2;
-    const A = plus([z2 - half, 0], scaled(z1 - half, turn(-alpha)));
-    const B = scaled(apart - g, turn(alpha));
+    const { A, B } = depths(z1, z2, alpha, pitch);
     const D = minus(L, E);
     const place = minus(times(conj(A), D), times(B, conj(D)));
     return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
   }
 
-  return { P, oneMinusP, nu, M, ideal, prisms };
+  // The angle through which prisms of a pitch show an object turned, and its magnification: paraxial.nu_and_M.
+  function turned(z1, z2, alpha, pitch) {
+    const { A, B } = depths(z1, z2, alpha, pitch);
+    const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
+    return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
+  }
+
+  function depths(z1, z2, alpha, pitch) {
+    const { b, h } = sheet(pitch);
+    return { A: plus([z2 - h, 0], scaled(z1 - h, turn(-alpha))), B: scaled(b, turn(alpha)) };
+  }
+
+  function sheet(pitch) {
+    const height = pitch * (1 - data.prism.air_gap);
+    const g = data.prism.slab_shift * height;
+    const apart = height * data.prism.aspect + pitch * data.prism.air_gap;
+    return { b: apart - g, h: (apart + g) / 2 };
+  }
+
+  // Where a curve of constant alpha passes through infinity, by z1, or comes nearest to it; z1 and z2 may change places.
+  function infiniteZ1(z2, alpha, pitch) {
+    const { b, h } = sheet(pitch);
+    const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
+    return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
+  }
+
+  // The same for a curve of constant r, by alpha.
+  function infiniteAlpha(z1, z2, pitch) {
+    const { b, h } = sheet(pitch);
+    const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
+    const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
+    return [-alpha, alpha];
+  }
+
+  return { P, oneMinusP, nu, M, ideal, prisms, turned, infiniteZ1, infiniteAlpha };
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);
@@ -137,6 +166,12 @@ function seen(z1, z2, alpha) {
   return fine ? equations.ideal(L, E, z1, z2, alpha) : equations.prisms(L, E, z1, z2, alpha, pitch);
 }
 
+// How the sheets show an object: turned by nu, M times as large.
+function appearance(z1, z2, alpha) {
+  if (state.sheet === "detailed") return equations.turned(z1, z2, alpha, state.movie.pitch);
+  return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
+}
+
 // Whether the prediction is off by pixels: povgen's own limits (povgen/limits.py).
 function unsure(now) {
   if (state.sheet === "ideal") return equations.M(now.r, now.alpha) > data.limits.condition;
@@ -165,16 +200,26 @@ function apart(place, a, b) {
   return abs(minus(to, scaled(Math.min(1, Math.max(0, part)), along)));
 }
 
-// A curve, broken where it jumps, as it does across the pole.
+// A curve, but for what lies far outside of every drawing; null parts it.
 function curve(kind, points) {
   let d = "";
-  let last = null;
+  let joined = false;
   for (const point of points) {
-    const here = finite(point) && abs(point) < 1e6 ? point : null;
-    if (here) d += `${last && abs(minus(here, last)) < 4000 ? "L" : "M"}${here.map((x) => x.toFixed(1)).join(" ")}`;
-    last = here;
+    const near = point && finite(point) && abs(point) < 4000;
+    if (near) d += `${joined ? "L" : "M"}${point.map((x) => x.toFixed(1)).join(" ")}`;
+    joined = near;
   }
   return svg("path", { class: kind, d });
+}
+
+// Points of a curve from one parameter to another; parted, and the denser the nearer, where it may pass through infinity.
+function branches(place, first, last, infinite) {
+  const within = infinite.filter((at) => first < at && at < last).sort((a, b) => a - b);
+  const ends = [first, ...within, last];
+  return within.concat(last).flatMap((end, n) => {
+    const start = ends[n];
+    return [...SHARES.map((share) => place(start + (end - start) * share)), null];
+  });
 }
 
 // From one angle on, through another.
@@ -205,6 +250,11 @@ function edge(place, width, height, margin) {
   const excess = Math.max(Math.abs(place[0]) / (width / 2 - margin), Math.abs(place[1]) / (height / 2 - margin));
   return excess > 1 ? { tip: scaled(1 / excess, place), angle: Math.atan2(-place[1], place[0]) } : null;
 }
+
+// Shares of the way from one end of a branch to the other.
+const SHARES = Array.from({ length: 301 }, (_, n) => n / 300);
+for (let near = 1e-8; near < 0.5; near *= 1.04) SHARES.push(near, 1 - near);
+SHARES.sort((a, b) => a - b);
 
 // Steps along curves of constant alpha, by r, and of constant r, by alpha; small ones where the pole may be near.
 const RATIOS = Array.from({ length: 361 }, (_, n) => Math.exp(8 * (n / 180 - 1) ** 3));
@@ -326,7 +376,8 @@ function triangle(now, at, rem, width, height) {
 const overlay = $("overlay");
 
 function drawPrediction(now) {
-  const { sweep, L, E, ratio, radius } = state.movie;
+  const { sweep, L, E, ratio } = state.movie;
+  const pitch = state.sheet === "ideal" ? 0 : state.movie.pitch;
   const [width, height] = [100 * data.view_height * ratio, 100 * data.view_height];
   const at = ([x, y]) => [100 * x, -100 * y];
   overlay.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
@@ -335,10 +386,18 @@ function drawPrediction(now) {
 
   const shapes = [];
   if (sweep !== "alpha" || now.objects.length > 1) {
-    const distances = (r) => (sweep === "z2" ? [now.z1, now.z1 * r] : [now.z2 / r, now.z2]);
-    shapes.push(curve("of-alpha", RATIOS.map((r) => at(seen(...distances(r), now.alpha)))));
+    const still = sweep === "z2" ? now.z1 : now.z2;
+    const place = (log) => {
+      const moved = still * Math.exp(log);
+      return at(sweep === "z2" ? seen(still, moved, now.alpha) : seen(moved, still, now.alpha));
+    };
+    const infinite = equations.infiniteZ1(still, now.alpha, pitch).map((moved) => Math.log(moved / still));
+    shapes.push(curve("of-alpha", branches(place, -8, 8, infinite)));
   }
-  if (sweep === "alpha") shapes.push(curve("of-r", TURNS.map((alpha) => at(seen(now.z1, now.z2, alpha)))));
+  if (sweep === "alpha") {
+    const infinite = equations.infiniteAlpha(now.z1, now.z2, pitch);
+    shapes.push(curve("of-r", branches((alpha) => at(seen(now.z1, now.z2, alpha)), -Math.PI, Math.PI, infinite)));
+  }
 
   const tops = [dot("dot", at(L), 3.5), words("", plus(at(L), [0, -19]), "L")];
   tops.push(dot("dot", at(E), 3.5), words("", plus(at(E), [0, -19]), "E"));
@@ -349,7 +408,7 @@ function drawPrediction(now) {
     const out = edge(place, width, height, 8);
     const kind = `mark${chosen ? " chosen" : ""}${unsure({ ...now, z1, r: now.z2 / z1 }) ? " unsure" : ""}`;
     if (!out) {
-      const reach = now.radius ? Math.max(3, 100 * now.radius[k] * equations.M(now.z2 / z1, now.alpha)) : 9;
+      const reach = now.radius ? Math.max(3, 100 * now.radius[k] * appearance(z1, now.z2, now.alpha).M) : 9;
       shapes.push(dot(kind, place, reach, chosen ? "predicted" : ""));
       const below = place[1] + reach + 26 < height / 2;
       if (chosen) tops.push(words("", plus(place, [0, below ? reach + 15 : -reach - 15]), "P"));
@@ -372,16 +431,23 @@ function tell(now) {
   if (!state.prediction) return "";
   const { thing, marked, sweep } = state.movie;
   if (!finite(now.P)) return "P is infinitely far: no light from L reaches E.";
-  if (unsure(now)) return "So near the pole the prediction is off by pixels.";
+  const [nu, M] = toldAppearance(now);
+  const prisms = state.sheet === "detailed" ? ` Through these prisms: ν = ${nu}, M = ${M}.` : "";
+  if (unsure(now)) return `Near the pole or through large prisms, as here, the prediction is off by pixels.${prisms}`;
   const what = now.objects.length > 1 ? `Rings: the ${thing}s as predicted.` : `P: the ${marked} as predicted.`;
-  return `${what} Line: P's path as ${SYMBOL[sweep]} changes. L, E: ${thing} and eye, projected.`;
+  return `${what} Line: P's path as ${SYMBOL[sweep]} changes. L, E: ${thing} and eye, projected.${prisms}`;
+}
+
+function toldAppearance(now) {
+  const { nu, M } = appearance(now.z1, now.z2, now.alpha);
+  return [angle(nu), size(M)];
 }
 
 function describe(now) {
   const { thing, prisms } = state.movie;
   const model = state.sheet === "ideal" ? "the infinitely fine sheet" : `two sheets of ${prisms} Dove prisms`;
   const where = `α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles`;
-  const [nu, M] = [angle(equations.nu(now.r, now.alpha)), size(equations.M(now.r, now.alpha))];
+  const [nu, M] = toldAppearance(now);
   const how = finite(now.P)
     ? `It appears turned by ν = ${nu} and M = ${M} times as large as in the plane of the sheets.`
     : "It is seen nowhere: P is infinitely far.";
