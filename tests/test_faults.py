@@ -15,6 +15,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from conftest import wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray
 
@@ -64,13 +65,6 @@ def processes(place):
         except OSError:
             continue
     return found
-
-
-def wait_for(condition, seconds=30):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 def test_killed_at_twenty_moments(place):
@@ -192,22 +186,17 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
 
 def test_a_killed_povray_is_tried_again(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
-    over, met = threading.Event(), []
+    met, communicate = [], subprocess.Popen.communicate
 
-    def strike():
-        while not over.is_set():
-            for process in set(povray._running) - set(met):
-                if len(met) in (0, 2, 4):  # the first try of three frames
-                    os.kill(process.pid, signal.SIGKILL)
-                met.append(process)
+    def struck(process, *arguments, **options):
+        met.append(process)
+        if len(met) in (1, 3, 5):  # the first try of three frames
+            process.kill()
+        return communicate(process, *arguments, **options)
 
-    striker = threading.Thread(target=strike)
-    striker.start()
-    try:
-        movie(place / "z2.toml", place / "a.mp4", size=(64, 48), workers=1)
-    finally:
-        over.set()
-        striker.join()
+    monkeypatch.setattr(subprocess.Popen, "communicate", struck)
+    movie(place / "z2.toml", place / "a.mp4", size=(64, 48), workers=1)
+    monkeypatch.undo()
     assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT and len(met) == COUNT + 3
 
 

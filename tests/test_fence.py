@@ -86,13 +86,13 @@ def test_no_link_leads_out(tmp_path, monkeypatch):
 
 def in_work_folder(monkeypatch, prepare):
     """Have something done in POV-Ray's work folder right before POV-Ray starts there."""
-    start = povray._process
+    start = povray.Runner._process
 
-    def prepared(arguments, folder, timeout):
+    def prepared(runner, arguments, folder, timeout):
         prepare(folder)
-        return start(arguments, folder, timeout)
+        return start(runner, arguments, folder, timeout)
 
-    monkeypatch.setattr(povray, "_process", prepared)
+    monkeypatch.setattr(povray.Runner, "_process", prepared)
 
 
 @pytest.mark.parametrize("place", ["povray.ini", ".povray/3.7/povray.ini"])
@@ -128,7 +128,7 @@ def test_no_end(tmp_path):
     with pytest.raises(PovrayError, match="took longer than 1 s"):
         run("#while (1) #end", tmp_path, SHORT)
     assert time.monotonic() - start < 15
-    assert not povray._running and str(tmp_path) not in running()
+    assert str(tmp_path) not in running()
 
 
 def running():
