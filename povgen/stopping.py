@@ -8,7 +8,6 @@ import sys
 import time
 from contextlib import suppress
 from threading import RLock
-from typing import NoReturn
 
 LONGEST = 1.5  # seconds until povgen ends, whatever is still under way
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
@@ -65,7 +64,7 @@ def _kill_children() -> None:
                     os.kill(int(child), signal.SIGKILL)
 
 
-def leave() -> NoReturn:
+def leave() -> None:
     """End with the word 'stopped' and a status of 128 and the signal's number, and wait for no thread."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed, or none
@@ -73,7 +72,7 @@ def leave() -> NoReturn:
     _end()
 
 
-def _end() -> NoReturn:
+def _end() -> None:
     # written only if that cannot block; without a stderr its number may be another file's
     with suppress(OSError, ValueError, AttributeError):
         number = sys.stderr.fileno()
