@@ -7,6 +7,7 @@ import stat
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -148,19 +149,24 @@ def test_one_render_does_not_stop_another(tmp_path):
         next(instruments.frames([instruments.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
         process.send_signal(signal.SIGCONT)
-        assert other.result(60).is_file()
+        assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try
 
 
-def test_a_render_that_ends_early_leaves_no_povray(tmp_path):
-    """Each keeps an account of its own."""
-    kept = subprocess.Popen(["sleep", "60"])  # another's
-    rendered = frames.render_all([EMPTY.model_copy(update={"z1": 10}), *[Chess(alpha=a) for a in (1, 2, 3)]], TINY)
+def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
+    """And ends nothing else."""
+    other = subprocess.Popen(["sleep", "60"])
+    good = frames.to_pov
+    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("#while (1) #end" if scene.z1 > 10 else ""))
+    scenes = [EMPTY.model_copy(update={"z1": z1}) for z1 in (10, 11, 12, 13)]
+    rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 20.0}), 2)
     next(rendered)
+    at = time.monotonic()
     rendered.close()
+    assert time.monotonic() - at < 15
     children = Path(f"/proc/{os.getpid()}/task").glob("*/children")
-    assert " ".join(file.read_text() for file in children).split() == [str(kept.pid)]
-    kept.kill()
-    kept.wait()
+    assert " ".join(file.read_text() for file in children).split() == [str(other.pid)]
+    other.kill()
+    other.wait()
 
 
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
