@@ -144,7 +144,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
                     cluster.run(text, rendering, folder)
                     alone.append(time.monotonic() - start)
                 out, back, scheduling, start = counted.out, counted.back, cpu(scheduler), time.monotonic()
-                for _ in frames.render_all(scenes, rendering, cluster.frames, run=cluster.run, stop=cluster.stop):
+                for _ in frames.render_all(scenes, rendering, cluster.frames, runner=cluster):
                     pass
                 wall = time.monotonic() - start
                 scheduling = (cpu(scheduler) - scheduling) / LONG

@@ -45,13 +45,13 @@ def movie(
     }
     target = output.resolve()
     with ExitStack() as opened:
-        run, stop = povray.run, povray.stop
+        cluster = None
         if scheduler is not None:
             from povgen.cluster import Cluster
 
             cluster = opened.enter_context(Cluster(scheduler))
-            workers, run, stop = workers or cluster.frames, cluster.run, cluster.stop
-        frames = render_all(scenes, rendering, workers, done, run, stop)
+            workers = workers or cluster.frames
+        frames = render_all(scenes, rendering, workers, done, cluster)
         folder = opened.enter_context(work_folder(target.parent))
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"

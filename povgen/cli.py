@@ -1,12 +1,10 @@
 """The command line: reads options, calls the package, reports. All checking is done by the models it calls."""
 
 import inspect
-import os
 import re
-import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
@@ -14,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen import __version__
+from povgen import __version__, stopping
 from povgen.errors import InputError, PovrayError, validated
 
 if TYPE_CHECKING:
@@ -500,48 +498,22 @@ def _progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]
 
 
 def main() -> None:
-    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails.
-
-    130 and 143 after SIGINT and SIGTERM, which leave no process and no part of a file behind.
-    """
+    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails."""
     if isinstance(sys.stdout, TextIOWrapper):  # a file's name need not be text
         sys.stdout.reconfigure(errors="backslashreplace")
     usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
-    stopped: list[int] = []
-
-    def stop(number: int, frame: object) -> None:
-        stopped.append(number)
-        _kill_children()
-        raise KeyboardInterrupt
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup, or a shell's & has it
-            signal.signal(number, stop)
     try:
         status = app(standalone_mode=False)
-    except BaseException as error:
-        if stopped:
-            status = None
-        elif isinstance(error, (InputError, usage_error)):
+    except Exception as error:
+        if stopping.asked():
+            raise
+        if isinstance(error, (InputError, usage_error)):
             message = _line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
-        elif isinstance(error, (PovrayError, OSError)):
+        if isinstance(error, (PovrayError, OSError)):
             _fail(f"povgen: {error}", 1)
-        else:
-            raise
-    if stopped:
-        _fail("povgen: stopped; the same command goes on from the frames that are finished", 128 + stopped[0])
+        raise
     sys.exit(status)
-
-
-def _kill_children() -> None:
-    """End what runs for povgen, POV-Rays and the encoder, so that nothing is waited for."""
-    if povray := sys.modules.get("povgen.povray"):  # not loaded: nothing runs
-        povray.stop()
-    for thread in Path("/proc/self/task").glob("*/children"):
-        for child in thread.read_text().split():
-            with suppress(ProcessLookupError):
-                os.kill(int(child), signal.SIGKILL)
 
 
 def _line(message: str) -> str:

@@ -62,7 +62,7 @@ class Cluster:
             self._client.close(timeout=1)
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """As povray.run, on a worker. Where a worker is lost, another does its frame.
+        """As povray.Runner.run, on a worker. Where a worker is lost, another does its frame.
 
         Raises PovrayError, which names the worker where POV-Ray failed; ChanceError where worker after worker was lost.
         """

@@ -2,10 +2,13 @@
 
 import os
 import re
+from collections import deque
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
+from itertools import islice
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -17,8 +20,18 @@ from povgen.source import to_pov
 
 # A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
 WORKERS_PER_CORE = 8
+# Frames under way for each worker: one is rendered while the next waits.
+AHEAD = 2
 
-Run = Callable[[str, Rendering, Path], Path]  # as povray.run
+
+class Runner(Protocol):
+    """What renders scenes' texts for one render, as povray.Runner, here or elsewhere."""
+
+    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+        """The picture, made in a work folder of its own. Raises PovrayError."""
+
+    def stop(self) -> None:
+        """End at once all that it runs, and run nothing more."""
 
 
 def default_workers() -> int:
@@ -26,18 +39,20 @@ def default_workers() -> int:
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
-def render_png(scene: Scene, rendering: Rendering | None = None, run: Run | None = None) -> Path:
-    """The scene's frame, a PNG in the cache, rendered (by `run`, or povray.run) unless it is there already.
+def render_png(scene: Scene, rendering: Rendering | None = None) -> Path:
+    """The scene's frame, a PNG in the cache, rendered unless it is there already.
 
     Raises PovrayError, which names the scene's parameters.
     """
-    rendering = rendering or validated(Rendering, {})
-    source = to_pov(scene)
+    return _frame(scene, rendering or validated(Rendering, {}), to_pov(scene), povray.run)
+
+
+def _frame(scene: Scene, rendering: Rendering, source: str, run: Callable[[str, Rendering, Path], Path]) -> Path:
     frame = cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]))
     if not cache.find(frame):
         with cache.work() as folder:
             try:
-                rendered = (run or povray.run)(source, rendering, folder)
+                rendered = run(source, rendering, folder)
                 if not cache.whole(rendered):
                     raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
                 cache.keep(rendered, frame)
@@ -52,23 +67,35 @@ def render_all(
     rendering: Rendering,
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
-    run: Run | None = None,
-    stop: Callable[[], None] = povray.stop,
+    runner: Runner | None = None,
 ) -> Generator[Path, None, None]:
     """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
 
-    `run` renders in place of povray.run, and `stop` ends, at once, all that it began.
+    `runner` renders, in place of POV-Rays here; it is stopped at the end.
 
     Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
     ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
     """
     most = cache.limit()
-    pool = ThreadPoolExecutor(workers or default_workers())
-    failures = []
+    runner = runner or povray.Runner()
+    workers = workers or default_workers()
+    pool = ThreadPoolExecutor(workers)
+    todo, failures = iter(scenes), []
+    frames: deque[Future[Path]] = deque()
+    running: set[Future[Path]] = set()
     try:
-        for number, frame in enumerate([pool.submit(render_png, scene, rendering, run) for scene in scenes]):
+        for number in range(len(scenes)):
+            while True:
+                running = {frame for frame in running if not frame.done()}
+                # texts are made in this thread: rays are traced for them in Python, which a signal interrupts only here
+                for scene in islice(todo, AHEAD * workers - len(running)):
+                    frames.append(pool.submit(_frame, scene, rendering, to_pov(scene), runner.run))
+                    running.add(frames[-1])
+                if frames[0].done():
+                    break
+                wait(running, return_when=FIRST_COMPLETED)
             try:
-                path = frame.result()
+                path = frames.popleft().result()
             except ChanceError as fault:
                 failures.append(f"frame {number}: {fault}")
             else:
@@ -80,7 +107,7 @@ def render_all(
             raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        stop()
+        runner.stop()
         pool.shutdown()
         cache.trim(most)
 

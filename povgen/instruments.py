@@ -86,17 +86,18 @@ def frames(scenes: Iterable[Scene], size: tuple[int, int]) -> Iterator[np.ndarra
     """What the scenes' pixels say, (height, width, 3): directions, or tiles from L; NaN where nothing coded is seen."""
     rendering = Linear(size)
 
-    def measure(scene: Scene) -> np.ndarray:
+    def measure(scene: Scene, source: str) -> np.ndarray:
         with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
-            colours = _read(povray.run(to_pov(scene), rendering, Path(folder)))
+            colours = _read(runner.run(source, rendering, Path(folder)))
         return np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan) * getattr(scene, "extent", 1)
 
+    scenes, runner = list(scenes), povray.Runner()
     pool = ThreadPoolExecutor(default_workers())
     try:
-        yield from pool.map(measure, scenes)
+        yield from pool.map(measure, scenes, map(to_pov, scenes))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        povray.stop()
+        runner.stop()
         pool.shutdown()
 
 

@@ -3,14 +3,15 @@
 import errno
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
+import sys
 from functools import cache
 from pathlib import Path
-from threading import RLock
 
-from povgen import fence
+from povgen import fence, stopping
 from povgen.errors import ChanceError, PovrayError
 from povgen.rendering import Rendering
 from povgen.source import template_of
@@ -30,15 +31,17 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-MEMORY = 8 << 30  # bytes that a POV-Ray may address
+# What a POV-Ray may take, unless povgen itself may take less.
+MEMORY = 8 << 30  # bytes that it may address
 LARGEST = 1 << 30  # bytes of a file that it may write
+# What it says, or a library for it, where it gets no memory; and where that is the likely reason.
+NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
+UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
+CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
 # What POV-Ray may read and run, beside its own program, where a system has them.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
-
-_running: set[subprocess.Popen] = set()
-_lock = RLock()  # a signal's handler may call stop() anywhere
 
 
 def command(binary: str, rendering: Rendering) -> list[str]:
@@ -68,9 +71,29 @@ def binary(name: str = "povray") -> str:
     return found
 
 
+def memory() -> int:
+    """How many bytes a POV-Ray may address."""
+    return min(MEMORY, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
+
+
+def largest() -> int:
+    """How many bytes of a file it may write."""
+    return min(LARGEST, _own(resource.RLIMIT_FSIZE))
+
+
+def _own(limit: int) -> int:
+    """The limit that povgen itself runs under: it cannot give more than it has."""
+    soft, _ = resource.getrlimit(limit)
+    return sys.maxsize if soft == resource.RLIM_INFINITY else soft
+
+
+def _mebibytes(count: int) -> str:
+    return f"{count / 2**20:.6g} MiB"
+
+
 def _limits() -> list[str]:
     """What runs a command so that it ends with the thread that started it, and takes no more than its share."""
-    limits = [f"--as={MEMORY}", f"--fsize={LARGEST}", "--core=0"]
+    limits = [f"--as={memory()}", f"--fsize={largest()}", "--core=0"]
     return [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), *limits, "--"]
 
 
@@ -90,98 +113,119 @@ def version() -> str:
 
 
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
-    """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
-
-    Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises
-    PovrayError if POV-Ray is missing, refuses the scene, or fails so each time.
-    """
-    for attempt in range(1, TRIES + 1):
-        try:
-            return _run(source, rendering, folder.resolve() / str(attempt))
-        except ChanceError as fault:
-            if attempt == TRIES:
-                raise ChanceError(f"{fault}, {TRIES} times") from None
-    raise AssertionError("no tries")
-
-
-def _run(source: str, rendering: Rendering, folder: Path) -> Path:
-    config = folder / ".povray" / "3.7" / "povray.conf"
-    config.parent.mkdir(parents=True)
-    config.write_text(CONFIG)
-    (folder / SCENE).write_text(source)
-    limits = _limits()
-    programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
-    status, messages = fence.within(
-        lambda: _process([*limits, *command(binary(), rendering)], folder, rendering.timeout),
-        read=READ,
-        run=[*programs, *RUN],
-        write=[folder, Path(os.devnull)],
-    )
-    if status == -signal.SIGXFSZ:
-        raise PovrayError(f"POV-Ray was stopped: it may write {LARGEST >> 20} MiB to a file, and wanted more")
-    if status < 0:
-        raise ChanceError(f"POV-Ray was killed by signal {-status}")
-    if status or not (folder / rendering.file).is_file():
-        width, height = rendering.size
-        # POV-Ray does not say so; other frames that failed may have left room since, for a picture at the most
-        if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
-        failure = _failure(source, folder, messages.decode(errors="replace"))
-        # said on a machine that is overloaded
-        raise (ChanceError if "Timed out waiting for worker thread" in failure else PovrayError)(failure)
-    return folder / rendering.file
-
-
-def _process(arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
-    """POV-Ray's exit status, below 0 the signal that killed it, and its messages."""
-    # POV-Ray looks for its configuration in HOME
-    environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
-    with _lock:
-        process = subprocess.Popen(
-            arguments,
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-        )
-        _running.add(process)
+    """Render one scene's text, as a Runner of its own."""
+    runner = Runner()
     try:
-        _, messages = process.communicate(timeout=timeout)
-    except subprocess.TimeoutExpired:
-        raise ChanceError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
+        return runner.run(source, rendering, folder)
     finally:
-        process.kill()
-        process.wait()
-        with _lock:
-            stopped = process not in _running
-            _running.discard(process)
-    if stopped:
-        raise PovrayError("POV-Ray was stopped")
-    return process.returncode, messages
+        runner.stop()
 
 
-def stop() -> None:
-    """End every POV-Ray that runs."""
-    with _lock:
-        for process in _running:
+class Runner:
+    """Runs the POV-Rays of one render: what stops them stops no other render's."""
+
+    def __init__(self) -> None:
+        self._running: set[subprocess.Popen] = set()
+        self._stopped = False
+
+    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+        """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
+
+        Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises
+        PovrayError if POV-Ray is missing, refuses the scene, fails so each time, or was stopped.
+        """
+        for attempt in range(1, TRIES + 1):
+            try:
+                return self._run(source, rendering, folder.resolve() / str(attempt))
+            except ChanceError as fault:
+                if attempt == TRIES:
+                    raise ChanceError(f"{fault}, {TRIES} times") from None
+        raise AssertionError("no tries")
+
+    def stop(self) -> None:
+        """End every POV-Ray that runs; none is started from now on."""
+        with stopping.lock:
+            self._stopped = True
+            for process in self._running:
+                process.kill()
+
+    def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+        config = folder / ".povray" / "3.7" / "povray.conf"
+        config.parent.mkdir(parents=True)
+        config.write_text(CONFIG)
+        (folder / SCENE).write_text(source)
+        # POV-Ray writes every block of pixels there, 20 bytes a pixel, for a render that is to be continued
+        (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
+        limits = _limits()
+        programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
+        status, messages = fence.within(
+            lambda: self._process([*limits, *command(binary(), rendering)], folder, rendering.timeout),
+            read=READ,
+            run=[*programs, *RUN],
+            write=[folder, Path(os.devnull)],
+        )
+        if status or not (folder / rendering.file).is_file():
+            raise _failure(source, rendering, folder, status, messages.decode(errors="replace"))
+        return folder / rendering.file
+
+    def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
+        """POV-Ray's exit status, below 0 the signal that killed it, and its messages."""
+        # POV-Ray looks for its configuration in HOME
+        environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
+        with stopping.lock:
+            self._check()
+            process = subprocess.Popen(
+                arguments,
+                cwd=folder,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+            )
+            self._running.add(process)
+        try:
+            _, messages = process.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired:
+            raise ChanceError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
+        finally:
             process.kill()
-        _running.clear()
+            process.wait()
+            with stopping.lock:
+                self._running.discard(process)
+        self._check()
+        return process.returncode, messages
+
+    def _check(self) -> None:
+        if self._stopped or stopping.asked():
+            raise PovrayError("POV-Ray was stopped")
 
 
-def _failure(source: str, folder: Path, messages: str) -> str:
-    """POV-Ray's own message with its line and the template that the line came from."""
+def _failure(source: str, rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
+    """Why POV-Ray made no picture: its own message with its line and the template that the line came from."""
     log = folder / FATAL
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
-    memory = f"out of memory: it may take {MEMORY >> 20} MiB"
-    if place is None:
-        if "Cannot parse input" in messages:  # which has a place but where there is no memory to tell it
-            return f"POV-Ray failed, probably {memory}"
-        last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
-        return "POV-Ray failed: " + (" ".join(last) or "it left no message")
-    line = int(place[2])
-    message = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else "failed"
-    if message == "std::bad_alloc":
-        message = memory
-    return f"POV-Ray: {place[1]}, line {line} (from {template_of(source, line)}): {message}"
+    said = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else ""
+    out_of_memory = f"out of memory: it may take {_mebibytes(memory())}"
+    where = "POV-Ray"
+    if place is not None:
+        where += f": {place[1]}, line {place[2]} (from {template_of(source, int(place[2]))})"
+    if NO_MEMORY.search(said + messages):
+        return PovrayError(f"{where}: {out_of_memory}")
+    if status == -signal.SIGXFSZ:
+        return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(largest())} to a file, and wanted more")
+    if status < 0:
+        perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
+        return ChanceError(f"POV-Ray was killed by signal {-status}{perhaps}")
+    width, height = rendering.size
+    # POV-Ray does not say so; other frames that failed may have left room since, for a picture at the most
+    if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
+        return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
+    if place is not None:
+        return PovrayError(f"{where}: {said or 'failed'}")
+    if UNCLEAR.search(messages):  # which has a place but where there is no memory to tell it
+        return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
+    last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
+    failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")
+    # said on a machine that is overloaded
+    return (ChanceError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)

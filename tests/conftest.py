@@ -1,4 +1,5 @@
 import os
+import time
 
 import numpy as np
 import pytest
@@ -12,6 +13,15 @@ def cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("POVGEN_CACHE", str(shared / "cache"))
         yield
+
+
+def wait_for(condition, seconds=30):
+    """Return what the condition gives, as soon as that is true; fail where it never is."""
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.01)
+    return found
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ import distributed
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from conftest import wait_for
 
 from povgen import InputError, MovieSpec, PovrayError, Rendering, cluster, frames, to_pov
 from povgen.cluster import Cluster
@@ -139,13 +140,6 @@ class Machines:
 
     def finished(self):
         return {path: path.stat().st_mtime_ns for path in self.client.glob("cache/??/*.png")}
-
-
-def wait_for(condition, seconds=40):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 @pytest.fixture(scope="module")
@@ -325,7 +319,7 @@ def test_no_workers_and_no_address(tmp_path):
 
 def test_without_dask(tmp_path):
     (tmp_path / "z2.toml").write_text(SPEC)
-    program = "import sys; sys.modules['distributed'] = None; from povgen.cli import main; main()"
+    program = "import sys; sys.modules['distributed'] = None; from povgen.__main__ import main; main()"
     command = [sys.executable, "-c", program, *MOVIE[1:], "--scheduler", "tcp://127.0.0.1:1"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 2 and done.stderr.startswith("povgen: ") and "povgen[cluster]" in done.stderr

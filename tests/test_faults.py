@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 import shlex
 import shutil
 import signal
@@ -15,6 +16,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from conftest import wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray
 
@@ -27,6 +29,7 @@ SPEC = (
 # may make file systems, unless in a container
 MAY = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
 SMALL = Rendering(size=(64, 48))
+MOVIE = ["movie", "z2.toml", "--size", "64x48", "-o", "a.mp4"]
 LARGE = ["--size", "1000x750", "--antialias", "off"]
 
 
@@ -37,15 +40,15 @@ def place(tmp_path):
     return tmp_path
 
 
-def start(place, *arguments, **environment):
+def start(place, *more, command=(POVGEN,), arguments=MOVIE, handler=signal.SIG_DFL, **environment):
     return subprocess.Popen(
-        [POVGEN, "movie", "z2.toml", "--size", "64x48", "-o", "a.mp4", *arguments],
+        [*command, *arguments, *more],
         cwd=place,
         env={**os.environ, "POVGEN_CACHE": str(place / "cache"), **environment},
         stderr=subprocess.PIPE,
         text=True,
         # what runs in the background ignores it
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=lambda: signal.signal(signal.SIGINT, handler),
     )
 
 
@@ -64,13 +67,6 @@ def processes(place):
         except OSError:
             continue
     return found
-
-
-def wait_for(condition, seconds=30):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 def test_killed_at_twenty_moments(place):
@@ -132,7 +128,7 @@ def rendered(tmp_path_factory):
 
 
 @pytest.mark.xdist_group("stopped")  # of which frames are rendered once
-@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize("number, status", [(signal.SIGHUP, 129), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("while_", ["rendering", "encoding"])
 def test_stopped(place, number, status, while_, rendered):
     if while_ == "encoding":  # of frames that are there, slowly
@@ -143,16 +139,79 @@ def test_stopped(place, number, status, while_, rendered):
     else:
         process = start(place, "--workers", "1")
         wait_for(lambda: len(finished(place)) >= 3)
-    at = time.monotonic()
-    process.send_signal(number)
-    message = process.communicate(timeout=20)[1]
-    assert time.monotonic() - at < 2 * max(1, os.getloadavg()[0] / os.cpu_count())  # tests run beside each other
-    assert process.returncode == status, message
-    assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
-    assert "Traceback" not in message
+    stop(process, number)
+    assert process.returncode == status
     assert not processes(place)
     assert {path.name for path in place.iterdir()} == {"cache", "z2.toml"}
     assert not list(place.glob("cache/.povgen-*"))
+
+
+def stop(process, number=signal.SIGINT):
+    """Within 2 s, and with one word; longer only because tests run beside each other."""
+    at = time.monotonic()
+    process.send_signal(number)
+    message = process.communicate(timeout=20)[1]
+    assert time.monotonic() - at < 2 * max(1, os.getloadavg()[0] / os.cpu_count())
+    assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n"), message
+    assert "Traceback" not in message and process.returncode == 128 + number
+
+
+def catches(process, number=signal.SIGTERM):
+    """Whether a process handles the signal: povgen does from its first line on."""
+    (mask,) = re.findall(r"SigCgt:\s*(\w+)", Path(f"/proc/{process.pid}/status").read_text())
+    return int(mask, 16) >> (number - 1) & 1
+
+
+@pytest.mark.parametrize("module", [False, True], ids=["povgen", "python -m povgen"])
+def test_stopped_while_it_is_loaded(module, place):
+    for moment in (0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3):
+        process = start(place, command=[sys.executable, "-m", "povgen"] if module else [POVGEN])
+        wait_for(lambda process=process: catches(process))
+        time.sleep(moment)
+        stop(process)
+
+
+@pytest.mark.parametrize("arguments", [["movie", "vary-alpha", "--quality", "high", "--quiet"], ["verify"]])
+def test_stopped_with_much_under_way(arguments, place):
+    """All workers have begun, frame after frame is prepared in Python; later too."""
+    for moment in (0, 0.7):
+        process = start(place, arguments=arguments, TMPDIR=str(place))
+        wait_for(lambda: any(b"povray" in command for command in processes(place).values()))
+        time.sleep(moment)
+        stop(process)
+        assert not processes(place)
+        assert not [path for path in place.rglob("*") if "povgen-" in path.name]
+
+
+def test_stopped_though_the_exception_is_lost(tmp_path):
+    """As it is in a destructor, or in code that catches all."""
+    program = """if True:
+        from povgen import stopping
+        stopping.on_signals()
+        while True:
+            try:
+                __import__("time").sleep(60)
+            except BaseException:
+                pass
+    """
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    wait_for(lambda: catches(process))
+    stop(process, signal.SIGTERM)
+
+
+def test_nothing_is_started_once_povgen_stops(tmp_path, monkeypatch):
+    monkeypatch.setattr(povray.stopping, "_number", signal.SIGINT)
+    with pytest.raises(PovrayError, match="POV-Ray was stopped"):
+        povray.run("", SMALL, tmp_path)
+    assert not (tmp_path / "1" / povray.FATAL).exists()
+
+
+def test_an_ignored_signal_is_ignored(place):
+    """As nohup has it, and a shell's & for a script's children."""
+    process = start(place, handler=signal.SIG_IGN)
+    wait_for(lambda: catches(process))
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 0
 
 
 @pytest.mark.parametrize("fault, said", [(signal.SIGKILL, "killed by signal 9"), (signal.SIGSTOP, "longer than 5 s")])
@@ -192,22 +251,17 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
 
 def test_a_killed_povray_is_tried_again(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
-    over, met = threading.Event(), []
+    met, communicate = [], subprocess.Popen.communicate
 
-    def strike():
-        while not over.is_set():
-            for process in set(povray._running) - set(met):
-                if len(met) in (0, 2, 4):  # the first try of three frames
-                    os.kill(process.pid, signal.SIGKILL)
-                met.append(process)
+    def struck(process, *arguments, **options):
+        met.append(process)
+        if len(met) in (1, 3, 5):  # the first try of three frames
+            process.kill()
+        return communicate(process, *arguments, **options)
 
-    striker = threading.Thread(target=strike)
-    striker.start()
-    try:
-        movie(place / "z2.toml", place / "a.mp4", size=(64, 48), workers=1)
-    finally:
-        over.set()
-        striker.join()
+    monkeypatch.setattr(subprocess.Popen, "communicate", struck)
+    movie(place / "z2.toml", place / "a.mp4", size=(64, 48), workers=1)
+    monkeypatch.undo()
     assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT and len(met) == COUNT + 3
 
 

@@ -1,16 +1,21 @@
 """Scenes, and what povgen starts, that try what they must not: read, write, run commands, go on or grow without end."""
 
 import os
+import resource
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from povgen import PovrayError, Rendering, fence, povray
+from povgen.errors import ChanceError
+from povgen.source import template_of
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
 SHORT = TINY.model_copy(update={"timeout": 1.0})
@@ -86,13 +91,13 @@ def test_no_link_leads_out(tmp_path, monkeypatch):
 
 def in_work_folder(monkeypatch, prepare):
     """Have something done in POV-Ray's work folder right before POV-Ray starts there."""
-    start = povray._process
+    start = povray.Runner._process
 
-    def prepared(arguments, folder, timeout):
+    def prepared(runner, arguments, folder, timeout):
         prepare(folder)
-        return start(arguments, folder, timeout)
+        return start(runner, arguments, folder, timeout)
 
-    monkeypatch.setattr(povray, "_process", prepared)
+    monkeypatch.setattr(povray.Runner, "_process", prepared)
 
 
 @pytest.mark.parametrize("place", ["povray.ini", ".povray/3.7/povray.ini"])
@@ -128,7 +133,7 @@ def test_no_end(tmp_path):
     with pytest.raises(PovrayError, match="took longer than 1 s"):
         run("#while (1) #end", tmp_path, SHORT)
     assert time.monotonic() - start < 15
-    assert not povray._running and str(tmp_path) not in running()
+    assert str(tmp_path) not in running()
 
 
 def running():
@@ -161,6 +166,83 @@ def test_no_more_memory_than_its_share(grows, words, tmp_path, monkeypatch):
     refused(grows, tmp_path, "out of memory: it may take 512 MiB", *words)
 
 
+HUNGRY = {
+    "array": "#declare A = array[100000000];",
+    "lights": "#while (1) light_source { 0, 1 } #end",
+    "mesh": "mesh { #declare I = 0; #while (1) triangle { <I, 0, 0>, <I, 1, 0>, <I, 0, 1> } #declare I = I + 1; #end }",
+    "unions": "#declare U = sphere { 0, 1 } #while (1) #declare U = union { object { U } object { U } } #end",
+    "image": "sphere { 0, 2 pigment { image_map { function 30000, 30000 { x } } } }",
+    "photons": "global_settings { photons { count 2000000000 } } sphere { <1, 1, -1>, 0.5 pigment { rgbt 1 }"
+    " interior { ior 1.5 } photons { target reflection on refraction on } } plane { z, 9 pigment { rgb 1 } }",
+    "text": '#while (1) text { internal 1 "hello world" 1, 0 } #end',
+}
+
+
+@pytest.mark.parametrize("mebibytes", [64, 90, 200])
+def test_the_limit_is_told_whatever_takes_the_memory(mebibytes, tmp_path, monkeypatch):
+    """POV-Ray ends in many ways, and does not even start its threads with the least."""
+    monkeypatch.setattr(povray, "MEMORY", mebibytes << 20)
+
+    def told(name):
+        (tmp_path / name).mkdir()
+        with pytest.raises(PovrayError) as failure:
+            run(HUNGRY[name], tmp_path / name, TINY.model_copy(update={"timeout": 100}))
+        return str(failure.value)
+
+    with ThreadPoolExecutor() as pool:
+        for message in pool.map(told, HUNGRY):
+            assert f"out of memory: it may take {mebibytes} MiB" in message and len(message.splitlines()) == 1
+
+
+LOG = (
+    "File: scene.pov  Line: 2\nFile Context (5 lines):\n\n#version 3.7; // bad_alloc\n\nFatal Error: Parse Error: {}\n"
+)
+PARSER, RENDERER = "==== [Parsing...] ====\nFatal error in parser: {}\nRender failed\n", "Fatal error in renderer: {}\n"
+UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n"
+
+
+@pytest.mark.parametrize(
+    ("status", "messages", "log", "told"),
+    [
+        (1, PARSER.format("Cannot parse input."), "std::bad_alloc", ": scene.pov, line 2 (from {}): out of memory"),
+        (1, PARSER.format("Out of memory."), "Out of memory.", ": scene.pov, line 2 (from {}): out of memory"),
+        (-11, "", "std::bad_alloc", ": scene.pov, line 2 (from {}): out of memory"),
+        (1, RENDERER.format("Out of memory."), None, ": out of memory"),
+        (-6, UNCAUGHT.format("St9bad_alloc", "std::bad_alloc"), None, ": out of memory"),
+        (127, "povray: libX11.so.6: failed to map segment from shared object", None, ": out of memory"),
+        (127, "libX11.so.6: cannot create shared object descriptor: Cannot allocate memory", None, ": out of memory"),
+        (1, PARSER.format("Cannot parse input."), None, " failed, probably out of memory"),
+        (1, PARSER.format("Uncategorized error."), None, " failed, probably out of memory"),
+        (
+            -6,
+            UNCAUGHT.format("boost::thread_resource_error", "..."),
+            None,
+            " was killed by signal 6, perhaps out of mem",
+        ),
+        (-11, "", None, " was killed by signal 11, perhaps out of memory"),
+        (-9, "", None, " was killed by signal 9"),
+        (
+            1,
+            PARSER.format("Cannot parse input."),
+            "Too many nested symbol tables",
+            "{}): Too many nested symbol tables",
+        ),
+        (1, RENDERER.format("An internal nesting limit was reached."), None, "An internal nesting limit was reached."),
+        (-signal.SIGXFSZ, "", None, " was stopped: it may write 1024 MiB to a file"),
+        (1, "", None, " failed: it left no message"),
+    ],
+)
+def test_what_povray_said_is_told(status, messages, log, told, tmp_path):
+    """All ways in which it told of its want of memory in 200 runs, and others."""
+    (tmp_path / povray.FATAL).write_text(LOG.format(log) if log else "")
+    failure = povray._failure(SCENE, TINY, tmp_path, status, messages)
+    told = told.format(template_of(SCENE, 2))
+    assert str(failure).startswith("POV-Ray") and told in str(failure)
+    assert ("it may take 8192 MiB" in str(failure)) == ("out of mem" in told)
+    # what no other try can mend is not tried again
+    assert isinstance(failure, ChanceError) == ("killed" in told)
+
+
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "LARGEST", 1 << 20)
     refused(
@@ -173,6 +255,32 @@ def test_a_picture_is_not_larger_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "LARGEST", 1 << 13)
     with pytest.raises(PovrayError):
         run("plane { z, 5 pigment { granite scale 0.01 } finish { ambient 1 } }", tmp_path, Rendering(size=(256, 256)))
+
+
+def test_a_large_picture_takes_no_file_larger_than_itself(tmp_path, monkeypatch):
+    """POV-Ray writes 20 bytes a pixel beside it, which is more than its share from 7680x7000 on."""
+    monkeypatch.setattr(povray, "LARGEST", 1 << 20)
+    assert run("", tmp_path, Rendering(size=(320, 240), antialias="off")).stat().st_size < 1 << 20
+
+
+@pytest.mark.parametrize("kind", [resource.RLIMIT_AS, resource.RLIMIT_DATA])
+def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
+    theirs = {kind: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
+    endless = resource.RLIM_INFINITY
+    monkeypatch.setattr(resource, "getrlimit", lambda kind: (theirs.get(kind, endless), endless))
+    refused(HUNGRY["array"], tmp_path, "out of memory: it may take 300 MiB")
+    (tmp_path / "work").rename(tmp_path / "done")
+    refused('#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "may write 0.5 MiB to a file")
+
+
+def test_a_frame_under_lower_limits(tmp_path):
+    """Which no process may raise, unless it has the right to."""
+    povgen = Path(sys.executable).with_name("povgen")
+    arguments = f"{povgen} frame chess --sheet none --size 64x48 --quiet -o {tmp_path}/a.png"
+    powerless = "" if os.geteuid() else "setpriv --bounding-set=-sys_resource"
+    command = f"ulimit -v 4000000 && ulimit -f 500000 && exec {powerless} {arguments}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and (tmp_path / "a.png").is_file(), done.stderr
 
 
 # The fence itself, about Python: what POV-Ray does not even try.

@@ -400,7 +400,7 @@ def povgen(line, stdin=b""):
         file.write(stdin)
         file.seek(0)
         os.dup2(file.fileno(), 0)
-    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    timer = signal.setitimer(signal.ITIMER_REAL, PATIENCE)  # another may be set, for the whole test
     try:
         with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
             with warnings.catch_warnings():
@@ -411,9 +411,9 @@ def povgen(line, stdin=b""):
     finally:
         os.dup2(own, 0)
         os.close(own)
-        signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in kept.items():
             signal.signal(number, handler)
+        signal.setitimer(signal.ITIMER_REAL, *timer)
     for stream in (out, err):
         stream.flush()
     told = [stream.buffer.getvalue().decode() for stream in (out, err)]

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from uv import find_uv_bin
 
+pytestmark = pytest.mark.timeout(1500)  # packages come over the network
 PROJECT = Path(__file__).parents[1]
 
 

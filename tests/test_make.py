@@ -10,6 +10,7 @@ import imageio_ffmpeg
 import pytest
 from uv import find_uv_bin
 
+pytestmark = pytest.mark.timeout(1500)  # packages come over the network
 PROJECT = Path(__file__).parents[1]
 
 

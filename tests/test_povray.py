@@ -8,11 +8,13 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from conftest import wait_for
 
-from povgen import Chess, PovrayError, Rendering, Spheres, cache, frames, povray, to_pov
+from povgen import Chess, PovrayError, Rendering, Spheres, cache, frames, instruments, povray, to_pov
 
 TINY = Rendering(size=(32, 32), antialias="off")
 EMPTY = Chess(sheet="none")
@@ -97,36 +99,74 @@ def test_an_older_version(monkeypatch, tmp_path, forgotten):
 def test_killed(kills, tmp_path):
     """Once: it is tried again. Each time: it is said."""
 
+    runner = povray.Runner()
+
     def kill():
         met = set()
-        while len(met) < kills:
-            for process in povray._running - met:
-                os.kill(process.pid, signal.SIGKILL)
-                met.add(process)
-            time.sleep(0.01)
+        for _ in range(kills):
+            (process,) = wait_for(lambda: runner._running - met)
+            process.kill()
+            met.add(process)
 
     killer = threading.Thread(target=kill)
     killer.start()
     if kills < povray.TRIES:
-        assert frames.read(povray.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
+        assert frames.read(runner.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
     else:
         with pytest.raises(PovrayError, match="killed by signal 9, 2 times"):
-            povray.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
+            runner.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
     killer.join()
 
 
 def test_what_povgen_stops_is_not_tried_again(tmp_path):
+    """And nothing else is started."""
+    runner = povray.Runner()
+
     def stop():
-        while not povray._running:
-            time.sleep(0.01)
-        povray.stop()
+        wait_for(lambda: runner._running)
+        runner.stop()
 
     stopper = threading.Thread(target=stop)
     stopper.start()
     with pytest.raises(PovrayError, match="was stopped"):
-        povray.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
+        runner.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
     stopper.join()
     assert len(list(tmp_path.iterdir())) == 1
+    (tmp_path / "later").mkdir()
+    with pytest.raises(PovrayError, match="was stopped"):
+        runner.run(to_pov(EMPTY), TINY, tmp_path / "later")
+    assert not (tmp_path / "later" / "1" / povray.FATAL).exists()
+
+
+def test_one_render_does_not_stop_another(tmp_path):
+    """In another thread, whose POV-Ray takes longer than all that end meanwhile."""
+    runner = povray.Runner()
+    with ThreadPoolExecutor() as pool:
+        other = pool.submit(runner.run, to_pov(Chess()), TINY, tmp_path)
+        (process,) = wait_for(lambda: set(runner._running))
+        process.send_signal(signal.SIGSTOP)
+        frames.png(Chess(sheet="none", z1=7), TINY)
+        next(instruments.frames([instruments.Directions(sheet="none")], TINY.size))
+        list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
+        process.send_signal(signal.SIGCONT)
+        assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try
+
+
+def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
+    """And ends nothing else."""
+    other = subprocess.Popen(["sleep", "60"])
+    good = frames.to_pov
+    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("#while (1) #end" if scene.z1 > 10 else ""))
+    scenes = [EMPTY.model_copy(update={"z1": z1}) for z1 in (10, 11, 12, 13)]
+    rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 20.0}), 2)
+    next(rendered)
+    at = time.monotonic()
+    rendered.close()
+    assert time.monotonic() - at < 15
+    children = Path(f"/proc/{os.getpid()}/task").glob("*/children")
+    assert " ".join(file.read_text() for file in children).split() == [str(other.pid)]
+    other.kill()
+    other.wait()
 
 
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
@@ -141,7 +181,6 @@ def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
 def test_too_slow(tmp_path):
     with pytest.raises(PovrayError, match="longer than 0.2 s"):
         povray.run(to_pov(Chess()), Rendering(quality="high", timeout=0.2), tmp_path)
-    assert not povray._running
 
 
 def test_no_shell(tmp_path):
@@ -186,10 +225,9 @@ def test_an_interrupted_movie_goes_on(tmp_path):
     )
 
     def finished():
-        return {path: path.stat().st_mtime_ns for path in cache.rglob("*.png") if path.name != Rendering.file}
+        return {path: path.stat().st_mtime_ns for path in cache.glob("??/*.png")}
 
-    while len(finished()) < 3:
-        time.sleep(0.05)
+    wait_for(lambda: len(finished()) >= 3)
     process.send_signal(signal.SIGINT)
     message = process.communicate(timeout=20)[1]
     assert process.returncode == 130 and "goes on" in message and "Traceback" not in message
