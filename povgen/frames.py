@@ -1,15 +1,20 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
+import functools
+import json
 import os
 import re
+import struct
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, suppress
+from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 
-from povgen import cache, povray
+from povgen import cache, limits, povray
 from povgen.errors import ChanceError, InputError, PovrayError, validated
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
@@ -26,25 +31,91 @@ def default_workers() -> int:
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
-def render_png(scene: Scene, rendering: Rendering | None = None, run: Run | None = None) -> Path:
-    """The scene's frame, a PNG in the cache, rendered (by `run`, or povray.run) unless it is there already.
+def _made(scene: Scene, rendering: Rendering, run: Run | None) -> Path | bytes:
+    """Where the cache keeps the frame, which is rendered unless it is there; or its PNG file, if it cannot be kept.
 
     Raises PovrayError, which names the scene's parameters.
     """
-    rendering = rendering or validated(Rendering, {})
-    source = to_pov(scene)
-    frame = cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]))
-    if not cache.find(frame):
-        with cache.work() as folder:
-            try:
-                rendered = (run or povray.run)(source, rendering, folder)
-                if not cache.whole(rendered):
-                    raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
-                cache.keep(rendered, frame)
-            except PovrayError as error:
-                values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
-                raise type(error)(f"{error}\n  in the frame with {values}") from None
-    return frame
+    known(scene, keep=True)
+    frame = kept_at(scene, rendering)
+    if _found(frame, rendering):
+        return frame
+    png, kept = _rendered(scene, rendering, run, frame)
+    return frame if kept else png
+
+
+def kept_at(scene: Scene, rendering: Rendering) -> Path:
+    """Where the cache keeps the scene's frame."""
+    return cache.place("\0".join([povray.version(), *povray.command("povray", rendering), to_pov(scene)]), ".png")
+
+
+def _found(frame: Path, rendering: Rendering) -> bytes | None:
+    """The PNG file that the cache keeps there, if it is whole."""
+    width, height = rendering.size
+    png = cache.find(frame, most=2**20 + 6 * width * height)  # twice its colours
+    return png if png and whole(png, rendering.size) else None
+
+
+def _rendered(scene: Scene, rendering: Rendering, run: Run | None, frame: Path) -> tuple[bytes, bool]:
+    """The scene's PNG file, rendered now, and whether the cache keeps it."""
+    with cache.work() as folder:
+        try:
+            picture = (run or povray.run)(to_pov(scene), rendering, folder)
+            png = picture.read_bytes()  # once it is in the cache another povgen may remove it
+            if not whole(png, rendering.size):
+                raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
+            return png, cache.keep(picture, frame)
+        except PovrayError as error:
+            values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
+            raise type(error)(f"{error}\n  in the frame with {values}") from None
+
+
+def whole(png: bytes, size: tuple[int, int]) -> bool:
+    """Whether this is a PNG file of 8-bit RGB and this size, and whole: each of its chunks carries a checksum."""
+    from PIL import Image
+
+    # first, for the size may be such that nobody could read it
+    if not png.startswith(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + struct.pack(">IIBB", *size, 8, 2)):
+        return False
+    try:
+        with Image.open(BytesIO(png), formats=["PNG"]) as image:
+            image.verify()
+        return True
+    except (OSError, SyntaxError, ValueError):  # what Pillow raises
+        return False
+
+
+def known(scene: Scene, keep: bool = False) -> None:
+    """Take the scene's survey (`limits`) from the cache, for rays are slow to trace; or make it, and keep it there."""
+    if not scene.sheets_depth:
+        return
+    rays = limits.surveyed(scene)
+    place = cache.place(f"{_tracing()}\0{rays}", ".json")
+    data = cache.find(place, most=300)
+    with suppress(ValueError, TypeError, KeyError):  # what is damaged, or not there
+        survey = limits.Survey(**json.loads(data or b"")["survey"])
+        if data == _text(survey):
+            limits.surveys[rays] = survey
+            return
+    survey = limits.survey(scene)
+    if keep:
+        with suppress(OSError), cache.work() as folder:
+            part = folder / "survey"
+            part.write_bytes(_text(survey))
+            cache.keep(part, place)
+
+
+def _text(survey: limits.Survey) -> bytes:
+    """A survey as it is kept, with a checksum."""
+    values = survey._asdict()
+    return json.dumps({"survey": values, "sha256": sha256(repr(values).encode()).hexdigest()}).encode()
+
+
+@functools.cache
+def _tracing() -> str:
+    """What makes surveys, by its text: what another made is another's."""
+    texts = [Path(limits.__file__).with_name(f"{name}.py").read_bytes() for name in ("limits", "prism", "trace")]
+    return sha256(b"\0".join(texts)).hexdigest()
 
 
 def render_all(
@@ -54,27 +125,31 @@ def render_all(
     done: Callable[[], object] = lambda: None,
     run: Run | None = None,
     stop: Callable[[], None] = povray.stop,
-) -> Generator[Path, None, None]:
-    """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
+) -> Generator[bytes, None, None]:
+    """The PNG files of many scenes' frames in their order, rendered `workers` at a time; calls `done` after each.
 
     `run` renders in place of povray.run, and `stop` ends, at once, all that it began.
 
     Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
     ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
     """
+    cache.check()
     most = cache.limit()
     pool = ThreadPoolExecutor(workers or default_workers())
     failures = []
     try:
-        for number, frame in enumerate([pool.submit(render_png, scene, rendering, run) for scene in scenes]):
+        made = [pool.submit(_made, scene, rendering, run) for scene in scenes]
+        for number, (scene, frame) in enumerate(zip(scenes, made, strict=True)):
             try:
-                path = frame.result()
+                png = frame.result()
+                if isinstance(png, Path):
+                    png = _found(png, rendering) or _rendered(scene, rendering, run, png)[0]  # was just removed
             except ChanceError as fault:
                 failures.append(f"frame {number}: {fault}")
             else:
                 done()
                 if not failures:
-                    yield path
+                    yield png
         if failures:
             others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
             raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
@@ -99,26 +174,27 @@ def render(scene: Scene, **options) -> np.ndarray:
     Options: those of `Rendering`.
     """
     rendering = validated(Rendering, options)
-    return picture(render_png(scene, rendering), scene, rendering)
+    return picture(_one(scene, rendering), scene, rendering)
 
 
 def png(scene: Scene, rendering: Rendering) -> bytes:
     """The scene's picture as a PNG file's bytes."""
-    with closing(render_all([scene], rendering)) as frames:
-        frame = next(frames)
+    plain = _one(scene, rendering)
     if not rendering.annotated:
-        return frame.read_bytes()
+        return plain
     from povgen import encode
 
-    return encode.png(picture(frame, scene, rendering))
+    return encode.png(picture(plain, scene, rendering))
 
 
-def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
+def _one(scene: Scene, rendering: Rendering) -> bytes:
+    with closing(render_all([scene], rendering)) as frames:
+        return next(frames)
+
+
+def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
     """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
-    try:
-        plain = read(frame)
-    except FileNotFoundError:  # another povgen has cleared the cache
-        plain = read(render_png(scene, rendering))
+    plain = read(frame)
     if not rendering.annotated:
         return plain
     from povgen.annotate import annotated
@@ -126,8 +202,9 @@ def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
     return annotated(plain, scene, rendering)
 
 
-def read(frame: Path) -> np.ndarray:
-    """A frame's picture, (height, width, 3) bytes of red, green and blue."""
-    import imageio.v3 as iio
+def read(frame: Path | bytes) -> np.ndarray:
+    """The picture in a PNG file, or in such a file's bytes: (height, width, 3) bytes of red, green and blue."""
+    from PIL import Image
 
-    return iio.imread(frame)[..., :3]
+    with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:
+        return np.array(image)[..., :3]
