@@ -76,10 +76,9 @@ def check() -> None:
     except FileNotFoundError:
         mark = b""
     except OSError:
-        mark = None
-    # another povgen may be writing the tag, or was killed as it did; it puts nothing else there before
-    begun = mark is not None and MARK.startswith(mark) and names <= {TAG}
-    if mark != MARK and not begun:
+        mark = b"unreadable"
+    # another povgen may be about to write the tag, or was killed before it did; it puts nothing else there before
+    if mark != MARK and (mark or names - {TAG}):
         raise InputError(
             f"POVGEN_CACHE = {str(kept)!r}: a folder that holds other things and that povgen has not made; "
             "allowed: a new or an empty folder, or one that povgen has made"

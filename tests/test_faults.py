@@ -97,7 +97,7 @@ def test_killed_at_twenty_moments(place):
 
 
 def test_folders_of_the_killed_are_removed(tmp_path):
-    """Killed while one was made, before or after it was locked and marked, or while one was removed; not those in use."""
+    """Killed while one was made, before or after it was marked, or while one was removed; not those in use."""
     for number, content in enumerate([{}, {"lock": b""}, {"lock": output.MARK}, {"lock": output.MARK, "a.pov": b"a"}]):
         left = tmp_path / f"{output.WORK}left000{number}"
         left.mkdir(mode=0o700)
@@ -121,7 +121,7 @@ def tree(folder):
 
 
 def test_what_is_not_povgens_stays(tmp_path):
-    """Folders, links and FIFOs that bear names such as povgen gives to its own: nothing is removed, written or waited for."""
+    """Folders, links and FIFOs with names as of povgen's own: none is removed, written to or waited for."""
     other, place = tmp_path / "other", tmp_path / "place"
     for folder in (place / ".povgen-notes", place / ".povgen-abcdefg1", place / ".povgen-abcdefg2", other):
         folder.mkdir(parents=True)
