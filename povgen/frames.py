@@ -174,7 +174,7 @@ def render(scene: Scene, **options) -> np.ndarray:
     Options: those of `Rendering`.
     """
     rendering = validated(Rendering, options)
-    return picture(_one(scene, rendering), scene, rendering)
+    return picture(_one(scene, rendering), scene, rendering).copy()  # to be written to
 
 
 def png(scene: Scene, rendering: Rendering) -> bytes:
@@ -203,8 +203,8 @@ def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
 
 
 def read(frame: Path | bytes) -> np.ndarray:
-    """The picture in a PNG file, or in such a file's bytes: (height, width, 3) bytes of red, green and blue."""
+    """The picture in a PNG file, or in such a file's bytes: (height, width, 3) bytes of red, green and blue, read-only."""
     from PIL import Image
 
     with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:
-        return np.array(image)[..., :3]
+        return np.asarray(image)[..., :3]  # a copy would take as long as a third of the decoding
