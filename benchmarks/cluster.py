@@ -113,15 +113,16 @@ def own_cpu(who: int) -> float:
 
 @contextmanager
 def empty_cache() -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="povgen-") as folder, mock.patch.dict(os.environ, POVGEN_CACHE=folder):
-        yield Path(folder)
+    with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
+        with mock.patch.dict(os.environ, POVGEN_CACHE=f"{folder}/cache"):
+            yield Path(folder)
 
 
 def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
     with empty_cache() as folder, running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
-        limits.survey_rays.cache_clear()  # what is known of these scenes from the movie before
+        limits.surveys.clear()  # what is known of these scenes from the movie before
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start
@@ -132,7 +133,8 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
     """For a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
     scenes, rendering = spec(LONG).scenes("paper"), Rendering(quality=quality)
     with empty_cache() as folder:
-        picture = frames.render_png(scenes[LONG // 2], rendering)
+        picture = folder / "picture.png"
+        picture.write_bytes(frames.png(scenes[LONG // 2], rendering))
         (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)

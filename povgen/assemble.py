@@ -4,10 +4,10 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from povgen import __version__, encode, povray
+from povgen import __version__, cache, encode, povray
 from povgen.errors import InputError, validated
 from povgen.frames import picture, render_all
-from povgen.output import checked_output, work_folder
+from povgen.output import checked_output, save
 from povgen.rendering import Rendering
 from povgen.spec import MovieSpec
 
@@ -52,10 +52,10 @@ def movie(
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
         frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(work_folder(target.parent))
+        folder = opened.enter_context(cache.work())  # whose size is counted if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
-        part.replace(target)
+        save(part, target)
     return output

@@ -1,11 +1,11 @@
 """Whether everything that povgen needs is there and works."""
 
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from povgen import cache, encode, fence, frames, povray
-from povgen.errors import PovrayError
+from povgen.errors import InputError, PovrayError
+from povgen.output import temporary_folder
 from povgen.rendering import Rendering
 from povgen.scenes import Chess
 from povgen.source import to_pov
@@ -15,8 +15,8 @@ TINY = Rendering(size=(64, 48), antialias=None)
 
 def faults(report: Callable[[str], object]) -> Iterator[str]:
     """Try each part, report how it went in a line, and yield the names of those that fail."""
-    with tempfile.TemporaryDirectory() as folder:
-        frame = Path(folder) / "frame.png"
+    with temporary_folder() as folder:
+        frame = folder / "frame.png"
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
@@ -30,7 +30,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         ):
             try:
                 report(f"ok     {name}: {test()}")
-            except (PovrayError, OSError, RuntimeError) as error:
+            except (InputError, PovrayError, OSError, RuntimeError) as error:
                 report(f"FAULT  {name}: {error}\n       remedy: {remedy}")
                 yield name
 
@@ -49,8 +49,8 @@ def _fence() -> str:
 
 
 def _frame(frame: Path) -> str:
-    with tempfile.TemporaryDirectory() as folder:
-        povray.run(to_pov(Chess(sheet="detailed")), TINY, Path(folder)).rename(frame)
+    with temporary_folder() as folder:
+        povray.run(to_pov(Chess(sheet="detailed")), TINY, folder).rename(frame)
     return "a chess piece seen through 2 x 100 prisms, 64x48"
 
 

@@ -165,6 +165,7 @@ def frame(
     **values,
 ) -> None:
     """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
+    from povgen import cache
     from povgen.frames import png
     from povgen.output import checked_output, save
     from povgen.rendering import Rendering
@@ -174,6 +175,7 @@ def frame(
     made = _scene(scene, values | chosen)
     rendering = validated(Rendering, options)
     output = checked_output(output, [".png"])
+    cache.check()
     if not quiet:
         _warn([made], rendering)
     save(png(made, rendering), output)
@@ -210,6 +212,7 @@ def movie(
     **values,
 ) -> None:
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    from povgen import cache
     from povgen.assemble import movie as make
     from povgen.encode import FORMATS
     from povgen.frames import render_all, shard
@@ -228,6 +231,7 @@ def movie(
         if scheduler is not None:
             raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
         scenes = shard(scenes, part)
+    cache.check()
     if not quiet:
         _warn(scenes, rendering)
     if part is not None:
@@ -269,7 +273,7 @@ def demo(
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], _workers(workers)
     rendering = validated(Rendering, options)
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
-    cache.limit()  # would be asked for when the folder is there
+    cache.check()  # would be asked for when the folder is there
     checked_page(output)
     if not quiet:
         _warn(shown, rendering)
@@ -292,18 +296,31 @@ def check() -> None:
 def cache(
     what: Annotated[str, typer.Argument(metavar="info|clear", help="tell of the frames that are kept, or remove them")],
 ) -> None:
-    """The frames that are kept, up to POVGEN_CACHE_SIZE GiB (2) in POVGEN_CACHE: the least recently used go first."""
+    """The frames that are kept, up to POVGEN_CACHE_SIZE GiB (2) in POVGEN_CACHE: the least recently used go first.
+
+    And what povgens that were killed left, in that folder and among temporary files.
+    """
     from povgen import cache
 
     if what not in ("info", "clear"):
         raise InputError(f"{what!r}: allowed: info or clear")
-    limit = cache.limit()
+    cache.check()
     if what == "clear":
-        print(f"removed {cache.trim(-1)} frames from {cache.folder()}")
+        print(f"removed {_kinds(cache.trim(-1))} from {cache.folder()}")
+        if swept := cache.sweep():
+            print(f"removed {swept} folders that killed povgens left")
     else:
-        frames = cache.frames()
-        size = sum(size for _, size, _ in frames) / 2**30
-        print(f"{len(frames)} frames, {size:.3f} of {limit / 2**30:g} GiB, in {cache.folder()}")
+        files = cache.files()
+        size = sum(size for _, size, _ in files) / 2**30
+        kinds = _kinds([path for _, _, path in files])
+        print(f"{kinds}, {size:.3f} of {cache.limit() / 2**30:g} GiB, in {cache.folder()}")
+        if left := cache.left():
+            print(f"{len(left)} folders that killed povgens left, {sum(left) / 2**30:.3f} GiB")
+
+
+def _kinds(files: list[Path]) -> str:
+    frames = sum(path.suffix == ".png" for path in files)
+    return f"{frames} frames and {len(files) - frames} ray traces"
 
 
 @app.command()
@@ -445,6 +462,11 @@ def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Say once, of each limit that frames cross, what it is and how many do."""
     from povgen.limits import warnings
 
+    if rendering:
+        from povgen.frames import known
+
+        for scene in scenes:
+            known(scene)
     said: dict[str, list[str]] = {}
     for scene in scenes:
         for name, text in warnings(scene, rendering):
@@ -459,7 +481,7 @@ def _folder(output: Path) -> Path:
     from povgen import cache
     from povgen.output import checked_folder
 
-    cache.limit()
+    cache.check()
     return checked_folder(output)
 
 

@@ -6,7 +6,6 @@ A scene's text goes out, a PNG's bytes come back: a worker has povgen and POV-Ra
 import asyncio
 import logging
 import re
-import tempfile
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +13,7 @@ from threading import Event, Thread
 
 from povgen import __version__, povray
 from povgen.errors import ChanceError, InputError, PovrayError
+from povgen.output import temporary_folder
 from povgen.rendering import Rendering
 
 try:
@@ -132,8 +132,8 @@ def frame(wanted: str, source: str, rendering: Rendering) -> bytes:
     """A scene's picture as a PNG file's bytes, made on a worker. Raises PovrayError, which names the worker."""
     try:
         check(wanted)  # it may have come after the others were asked
-        with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
-            return povray.run(source, rendering, Path(folder)).read_bytes()
+        with temporary_folder() as folder:
+            return povray.run(source, rendering, folder).read_bytes()
     except (PovrayError, OSError) as error:
         kind = type(error) if isinstance(error, PovrayError) else PovrayError
         raise kind(f"worker {distributed.get_worker().address}: {error}") from None

@@ -1,18 +1,23 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
+import functools
+import json
 import os
 import re
+import struct
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import closing
+from contextlib import closing, suppress
+from hashlib import sha256
+from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
-from povgen import cache, povray
+from povgen import cache, limits, povray
 from povgen.errors import ChanceError, InputError, PovrayError, validated
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
@@ -39,27 +44,90 @@ def default_workers() -> int:
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
-def render_png(scene: Scene, rendering: Rendering | None = None) -> Path:
-    """The scene's frame, a PNG in the cache, rendered unless it is there already.
+def _made(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
+    """Where the cache keeps the frame, which is rendered unless it is there; or its PNG file, if it cannot be kept.
 
     Raises PovrayError, which names the scene's parameters.
     """
-    return _frame(scene, rendering or validated(Rendering, {}), to_pov(scene), povray.run)
+    frame = kept_at(source, rendering)
+    if _found(frame, rendering):
+        return frame
+    png, kept = _rendered(scene, rendering, source, runner)
+    return frame if kept else png
 
 
-def _frame(scene: Scene, rendering: Rendering, source: str, run: Callable[[str, Rendering, Path], Path]) -> Path:
-    frame = cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]))
-    if not cache.find(frame):
-        with cache.work() as folder:
-            try:
-                rendered = run(source, rendering, folder)
-                if not cache.whole(rendered):
-                    raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
-                cache.keep(rendered, frame)
-            except PovrayError as error:
-                values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
-                raise type(error)(f"{error}\n  in the frame with {values}") from None
-    return frame
+def kept_at(source: str, rendering: Rendering) -> Path:
+    """Where the cache keeps the frame of a scene's text."""
+    return cache.place("\0".join([povray.version(), *povray.command("povray", rendering), source]), ".png")
+
+
+def _found(frame: Path, rendering: Rendering) -> bytes | None:
+    """The PNG file that the cache keeps there, if it is whole."""
+    width, height = rendering.size
+    png = cache.find(frame, most=2**20 + 6 * width * height)  # twice its colours
+    return png if png and whole(png, rendering.size) else None
+
+
+def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
+    """The scene's PNG file, rendered now, and whether the cache keeps it."""
+    with cache.work() as folder:
+        try:
+            picture = runner.run(source, rendering, folder)
+            png = picture.read_bytes()  # once it is in the cache another povgen may remove it
+            if not whole(png, rendering.size):
+                raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
+            return png, cache.keep(picture, kept_at(source, rendering))
+        except PovrayError as error:
+            values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
+            raise type(error)(f"{error}\n  in the frame with {values}") from None
+
+
+def whole(png: bytes, size: tuple[int, int]) -> bool:
+    """Whether this is a PNG file of 8-bit RGB and this size, and whole: each of its chunks carries a checksum."""
+    from PIL import Image
+
+    # first, for the size may be such that nobody could read it
+    if not png.startswith(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + struct.pack(">IIBB", *size, 8, 2)):
+        return False
+    try:
+        with Image.open(BytesIO(png), formats=["PNG"]) as image:
+            image.verify()
+        return True
+    except (OSError, SyntaxError, ValueError):  # what Pillow raises
+        return False
+
+
+def known(scene: Scene, keep: bool = False) -> None:
+    """Take the scene's survey (`limits`) from the cache, for rays are slow to trace; or make it, and keep it there."""
+    if not scene.sheets_depth:
+        return
+    rays = limits.surveyed(scene)
+    place = cache.place(f"{_tracing()}\0{rays}", ".json")
+    data = cache.find(place, most=300)
+    with suppress(ValueError, TypeError, KeyError):  # what is damaged, or not there
+        survey = limits.Survey(**json.loads(data or b"")["survey"])
+        if data == _text(survey):
+            limits.surveys[rays] = survey
+            return
+    survey = limits.survey(scene)
+    if keep:
+        with suppress(OSError), cache.work() as folder:
+            part = folder / "survey"
+            part.write_bytes(_text(survey))
+            cache.keep(part, place)
+
+
+def _text(survey: limits.Survey) -> bytes:
+    """A survey as it is kept, with a checksum."""
+    values = survey._asdict()
+    return json.dumps({"survey": values, "sha256": sha256(repr(values).encode()).hexdigest()}).encode()
+
+
+@functools.cache
+def _tracing() -> str:
+    """What makes surveys, by its text: what another made is another's."""
+    texts = [Path(limits.__file__).with_name(f"{name}.py").read_bytes() for name in ("limits", "prism", "trace")]
+    return sha256(b"\0".join(texts)).hexdigest()
 
 
 def render_all(
@@ -68,40 +136,46 @@ def render_all(
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
     runner: Runner | None = None,
-) -> Generator[Path, None, None]:
-    """The frames of many scenes in their order, rendered `workers` at a time; calls `done` as each is handed out.
+) -> Generator[bytes, None, None]:
+    """The PNG files of many scenes' frames in their order, rendered `workers` at a time; calls `done` after each.
 
     `runner` renders, in place of POV-Rays here; it is stopped at the end.
 
     Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
     ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
     """
+    cache.check()
     most = cache.limit()
     runner = runner or povray.Runner()
     workers = workers or default_workers()
     pool = ThreadPoolExecutor(workers)
     todo, failures = iter(scenes), []
-    frames: deque[Future[Path]] = deque()
-    running: set[Future[Path]] = set()
+    frames: deque[tuple[str, Future[Path | bytes]]] = deque()
+    running: set[Future[Path | bytes]] = set()
     try:
-        for number in range(len(scenes)):
+        for number, scene in enumerate(scenes):
             while True:
                 running = {frame for frame in running if not frame.done()}
                 # texts are made in this thread: rays are traced for them in Python, which a signal interrupts only here
-                for scene in islice(todo, AHEAD * workers - len(running)):
-                    frames.append(pool.submit(_frame, scene, rendering, to_pov(scene), runner.run))
-                    running.add(frames[-1])
-                if frames[0].done():
+                for next_scene in islice(todo, AHEAD * workers - len(running)):
+                    known(next_scene, keep=True)
+                    source = to_pov(next_scene)
+                    frames.append((source, pool.submit(_made, next_scene, rendering, source, runner)))
+                    running.add(frames[-1][1])
+                if frames[0][1].done():
                     break
                 wait(running, return_when=FIRST_COMPLETED)
+            source, frame = frames.popleft()
             try:
-                path = frames.popleft().result()
+                png = frame.result()
+                if isinstance(png, Path):  # another povgen may just have removed it
+                    png = _found(png, rendering) or _rendered(scene, rendering, source, runner)[0]
             except ChanceError as fault:
                 failures.append(f"frame {number}: {fault}")
             else:
                 done()
                 if not failures:
-                    yield path
+                    yield png
         if failures:
             others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
             raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
@@ -126,26 +200,27 @@ def render(scene: Scene, **options) -> np.ndarray:
     Options: those of `Rendering`.
     """
     rendering = validated(Rendering, options)
-    return picture(render_png(scene, rendering), scene, rendering)
+    return picture(_one(scene, rendering), scene, rendering).copy()  # to be written to
 
 
 def png(scene: Scene, rendering: Rendering) -> bytes:
     """The scene's picture as a PNG file's bytes."""
-    with closing(render_all([scene], rendering)) as frames:
-        frame = next(frames)
+    plain = _one(scene, rendering)
     if not rendering.annotated:
-        return frame.read_bytes()
+        return plain
     from povgen import encode
 
-    return encode.png(picture(frame, scene, rendering))
+    return encode.png(picture(plain, scene, rendering))
 
 
-def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
+def _one(scene: Scene, rendering: Rendering) -> bytes:
+    with closing(render_all([scene], rendering)) as frames:
+        return next(frames)
+
+
+def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
     """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
-    try:
-        plain = read(frame)
-    except FileNotFoundError:  # another povgen has cleared the cache
-        plain = read(render_png(scene, rendering))
+    plain = read(frame)
     if not rendering.annotated:
         return plain
     from povgen.annotate import annotated
@@ -153,8 +228,9 @@ def picture(frame: Path, scene: Scene, rendering: Rendering) -> np.ndarray:
     return annotated(plain, scene, rendering)
 
 
-def read(frame: Path) -> np.ndarray:
-    """A frame's picture, (height, width, 3) bytes of red, green and blue."""
-    import imageio.v3 as iio
+def read(frame: Path | bytes) -> np.ndarray:
+    """The picture in a PNG file, or in the bytes of one: (height, width, 3) bytes of red, green and blue, read-only."""
+    from PIL import Image
 
-    return iio.imread(frame)[..., :3]
+    with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:
+        return np.asarray(image)[..., :3]  # a copy would take as long as a third of the decoding

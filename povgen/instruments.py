@@ -4,7 +4,6 @@ Places in the picture are complex numbers, tiles in the plane z = 0, as in `scen
 """
 
 import re
-import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from pydantic import Field
 from povgen import povray, prism, trace
 from povgen.errors import PovrayError
 from povgen.frames import default_workers
+from povgen.output import temporary_folder
 from povgen.rendering import Rendering
 from povgen.scenes import Chess, Scene
 from povgen.source import to_pov
@@ -87,8 +87,8 @@ def frames(scenes: Iterable[Scene], size: tuple[int, int]) -> Iterator[np.ndarra
     rendering = Linear(size)
 
     def measure(scene: Scene, source: str) -> np.ndarray:
-        with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
-            colours = _read(runner.run(source, rendering, Path(folder)))
+        with temporary_folder() as folder:
+            colours = _read(runner.run(source, rendering, folder))
         return np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan) * getattr(scene, "extent", 1)
 
     scenes, runner = list(scenes), povray.Runner()

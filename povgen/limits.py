@@ -4,7 +4,6 @@
 """
 
 from collections.abc import Iterator
-from functools import lru_cache
 from math import ceil, hypot, radians, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -41,13 +40,23 @@ class Survey(NamedTuple):
     proper: float  # the fraction on the proper path
 
 
+surveys: dict[tuple, Survey] = {}  # those that are known, by what they follow from
+
+
 def survey(scene: "Scene", side: int = 60) -> Survey:
     """What becomes of side^2 rays that the eye sends through a scene's prisms, whatever is behind them."""
-    return survey_rays(scene.sheet, scene.alpha, scene.z2, scene.E, scene.window, scene.prisms, scene.air_gap, side)
+    rays = surveyed(scene, side)
+    if rays not in surveys:
+        surveys[rays] = _survey(*rays)
+    return surveys[rays]
 
 
-@lru_cache(1024)
-def survey_rays(
+def surveyed(scene: "Scene", side: int = 60) -> tuple:
+    """All that a scene's survey follows from."""
+    return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.window, scene.prisms, scene.air_gap, side)
+
+
+def _survey(
     sheet: str, alpha: float, z2: float, E: complex, window: float, prisms: int, gap: float, side: int
 ) -> Survey:
     """Trace rays through a window of prisms, each to a random place of a square of its own.

@@ -154,9 +154,10 @@ class Scene(BaseModel):
         return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
 
     def _repr_png_(self) -> bytes:
-        from povgen.frames import render_png  # a scene that is only described needs no POV-Ray
+        from povgen.frames import png  # a scene that is only described needs no POV-Ray
+        from povgen.rendering import Rendering
 
-        return render_png(self).read_bytes()
+        return png(self, Rendering.model_validate({}))
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:

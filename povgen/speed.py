@@ -8,7 +8,6 @@ Picture errors are inside the window, against a converged picture of the same sc
 
 import os
 import platform
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -24,6 +23,7 @@ from povgen import instruments, povray, rotation
 from povgen.assemble import movie
 from povgen.errors import InputError
 from povgen.frames import read
+from povgen.output import temporary_folder
 from povgen.rendering import Rendering
 from povgen.scenes import Chess, Scene
 from povgen.source import to_pov
@@ -97,9 +97,9 @@ def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, np.ndarray]:
 
     No other child process may end meanwhile.
     """
-    with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
+    with temporary_folder() as folder:
         before = getrusage(RUSAGE_CHILDREN)
-        path = povray.run(text, rendering, Path(folder))
+        path = povray.run(text, rendering, folder)
         after = getrusage(RUSAGE_CHILDREN)
         return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read(path)
 
@@ -188,9 +188,9 @@ def movies(workers: Sequence[int], done: Callable[[str], object]) -> Iterator[tu
     """Workers, wall seconds of a movie of 61 small frames, and the fraction of the cores that was busy meanwhile."""
     cores = len(os.sched_getaffinity(0))
     for count in workers:
-        with tempfile.TemporaryDirectory(prefix="povgen-") as folder, mock.patch.dict(os.environ, POVGEN_CACHE=folder):
+        with temporary_folder() as folder, mock.patch.dict(os.environ, POVGEN_CACHE=str(folder / "cache")):
             before, start = _cpu(), time.monotonic()
-            movie("vary-alpha", Path(folder) / "movie.mp4", size=MAIN, antialias="off", workers=count)
+            movie("vary-alpha", folder / "movie.mp4", size=MAIN, antialias="off", workers=count)
             wall = time.monotonic() - start
             yield count, wall, (_cpu() - before) / wall / cores
         done(f"a movie with {count} workers")

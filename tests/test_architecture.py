@@ -32,9 +32,9 @@ def only(*allowed, of):
 def test_each_trade_has_one_house():
     assert not only("source", of="jinja2")
     assert not only("povray", of="subprocess")
-    assert not only("encode", "frames", of="imageio")  # frames only reads back the PNG that it hands out as an array
+    assert not only("encode", of="imageio")
     assert not only("drawing", of="matplotlib")
-    assert not only("annotate", "cache", of="PIL")  # the cache only asks whether a file is whole
+    assert not only("annotate", "frames", of="PIL")  # frames only reads back the PNG that it hands out as an array
     assert not only("speed", of="flip_evaluator")
     assert not only("cli", of="typer")
     assert not only("cli", of="rich")

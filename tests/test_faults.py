@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +19,7 @@ import numpy as np
 import pytest
 from conftest import wait_for
 
-from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray
+from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray, to_pov
 
 POVGEN = Path(sys.executable).with_name("povgen")
 COUNT = 12
@@ -87,21 +88,86 @@ def test_killed_at_twenty_moments(place):
 
     undisturbed = MovieSpec.parse(SPEC, "x").scenes("paper")
     for scene in undisturbed:
-        own = frames.render_png(scene, SMALL)
-        (killed,) = (path for path in finished(place) if path.name == own.name)
-        assert np.array_equal(frames.read(own), frames.read(killed))
+        (killed,) = (path for path in finished(place) if path.name == frames.kept_at(to_pov(scene), SMALL).name)
+        assert np.array_equal(frames.render(scene, size=(64, 48)), frames.read(killed))
 
 
 def test_folders_of_the_killed_are_removed(tmp_path):
-    """Killed while one was made, before or after it was locked, or while one was removed; not those in use."""
-    for number, content in enumerate([[], ["lock"], ["lock", "scene.pov"], ["scene.pov"]]):
-        left = tmp_path / f"{output.WORK}left{number}"
-        left.mkdir()
-        for name in content:
-            (left / name).touch()
+    """Killed while one was made, before or after it was marked, or while one was removed; not those in use."""
+    for number, content in enumerate([{}, {"lock": b""}, {"lock": output.MARK}, {"lock": output.MARK, "a.pov": b"a"}]):
+        left = tmp_path / f"{output.WORK}left000{number}"
+        left.mkdir(mode=0o700)
+        for name, data in content.items():
+            (left / name).write_bytes(data)
     with output.work_folder(tmp_path) as first, output.work_folder(tmp_path) as second:
         assert sorted(tmp_path.iterdir()) == sorted([first, second])
+        assert not output.left(tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def tree(folder):
+    """All that is in a folder: what it is, its mode, and what it holds or leads to."""
+    return {
+        path: (
+            path.lstat().st_mode,
+            os.readlink(path) if path.is_symlink() else path.read_bytes() if path.is_file() else None,
+        )
+        for path in folder.rglob("*")
+    }
+
+
+def test_what_is_not_povgens_stays(tmp_path):
+    """Folders, links and FIFOs with names as of povgen's own: none is removed, written to or waited for."""
+    other, place = tmp_path / "other", tmp_path / "place"
+    for folder in (place / ".povgen-notes", place / ".povgen-abcdefg1", place / ".povgen-abcdefg2", other):
+        folder.mkdir(parents=True)
+        (folder / "t").write_text("x")
+    (place / ".povgen-abcdefg2" / "lock").touch(mode=0o600)  # and more than that
+    (place / ".povgen-abcdefg2").chmod(0o700)
+    for name, lock in (("abcdefg3", b"my own lock"), ("abcdefg4", output.MARK + b" and more")):
+        (place / f".povgen-{name}").mkdir(mode=0o700)
+        (place / f".povgen-{name}" / "lock").write_bytes(lock)
+    (place / ".povgen-abcdefg5").mkdir(mode=0o755)
+    (place / ".povgen-abcdefg6").mkdir(mode=0o700)
+    os.mkfifo(place / ".povgen-abcdefg6" / "lock")
+    (place / ".povgen-abcdefg7").symlink_to(other)
+    os.mkfifo(place / ".povgen-abcdefg8")
+    (place / ".povgen-abcdefg9").mkdir(mode=0o700)
+    (other / "lock").write_bytes(output.MARK)
+    (place / ".povgen-abcdefg9" / "lock").symlink_to(other / "lock")
+    before = tree(tmp_path)
+    output.save(b"new", place / "a.pov")
+    assert output.sweep(place) == 0 and not output.left(place)
+    (place / "a.pov").unlink()
+    assert tree(tmp_path) == before
+
+
+def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
+    """In the cache and among temporary files; what one that runs uses is neither."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    script = (
+        "from povgen import cache, output; import os, pathlib, signal\n"
+        "with cache.work() as one, output.temporary_folder() as two:\n"
+        "    (one / 'deep').mkdir(); (one / 'deep' / 'movie.mp4').write_bytes(bytes(300_000))\n"
+        "    (two / 'frame.png').write_bytes(bytes(50_000))\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", script], env=environment)
+    with cache.work() as own, output.temporary_folder() as another:
+        subprocess.run([sys.executable, "-c", script], env=environment)
+        assert [size // 10_000 for size in cache.left()] == [30, 5]
+        told = [
+            subprocess.check_output([POVGEN, "cache", what], env=environment, text=True) for what in ("info", "clear")
+        ]
+        assert "\n2 folders that killed povgens left, 0.000 GiB\n" in told[0]
+        assert "\nremoved 2 folders that killed povgens left\n" in told[1]
+        assert not cache.left() and own.is_dir() and another.is_dir()
+    subprocess.run([sys.executable, "-c", script], env=environment)
+    with cache.work(), output.temporary_folder():  # the next povgen removes them, too
+        assert not cache.left()
+    assert {path.name for path in tmp_path.iterdir()} == {"cache"}
 
 
 def test_work_folders_made_at_once(tmp_path):
@@ -301,8 +367,7 @@ def test_no_room(place, what):
 def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("paper")
-    frame = frames.render_png(scene, SMALL)
-    data = frame.read_bytes()
+    data, frame = frames.png(scene, SMALL), frames.kept_at(to_pov(scene), SMALL)
     middle = len(data) // 2
     frame.write_bytes(
         {
@@ -312,8 +377,8 @@ def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
             "another file": b"GIF89a" + data,
         }[damage]
     )
-    assert frames.render_png(scene, SMALL) == frame
-    assert cache.whole(frame) and len(frame.read_bytes()) == len(data)
+    again = frames.png(scene, SMALL)
+    assert np.array_equal(frames.read(again), frames.read(data)) and frame.read_bytes() == again
 
 
 def test_two_at_once(place):
@@ -331,9 +396,10 @@ def test_two_at_once(place):
 def test_the_cache_keeps_to_its_size(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
     scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
-    *first, last = list(frames.render_all(scenes, SMALL))
-    for path in first[:4]:
-        assert cache.find(path)  # used again
+    pictures = list(frames.render_all(scenes, SMALL))
+    first = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes[:-1]]
+    for path, picture in zip(first[:4], pictures, strict=False):
+        assert cache.find(path, 10**6) == picture  # used again
     size = sum(path.stat().st_size for path in first[:5])
     monkeypatch.setenv("POVGEN_CACHE_SIZE", str(size / 2**30))
     list(frames.render_all(scenes[:1], SMALL))
@@ -344,7 +410,7 @@ def test_the_cache_keeps_to_its_size(place, monkeypatch):
     def povgen(*arguments):
         return subprocess.run([POVGEN, *arguments], env=environment, capture_output=True, text=True)
 
-    assert povgen("cache", "info").stdout.startswith(f"{len(kept)} frames, 0.000 of ")
+    assert povgen("cache", "info").stdout.startswith(f"{len(kept)} frames and 0 ray traces, 0.000 of ")
     assert povgen("cache", "clear").stdout.startswith(f"removed {len(kept)} frames")
     assert not finished(place)
     environment["POVGEN_CACHE_SIZE"] = "much"

@@ -8,7 +8,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from povgen import MovieSpec, Rendering, encode, frames, movie
+from povgen import MovieSpec, encode, frames, movie
 
 pytestmark = pytest.mark.xdist_group("movies")  # what is costly is made once
 SPEC = MovieSpec.parse(
@@ -74,7 +74,7 @@ def test_a_decoded_frame_is_its_png(made):
     scenes = SPEC.scenes("paper")
     with imageio.v2.get_reader(made, format="FFMPEG") as reader:
         for n in (0, 7, 12):
-            png = iio.imread(frames.render_png(scenes[n], Rendering(size=SIZE)))[..., :3]
+            png = frames.render(scenes[n], size=SIZE)
             decoded = reader.get_data(n)
             assert np.sqrt(((decoded.astype(float) - png) ** 2).mean()) < 8  # of 255, for lossy halved chroma
 

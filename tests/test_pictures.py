@@ -171,4 +171,4 @@ def test_every_piece_is_different_and_stands_on_the_floor():
 
 def test_a_scene_shows_itself_in_a_notebook():
     data = Spheres(sheet="none", z1=2)._repr_png_()
-    assert data.startswith(b"\x89PNG") and data == frames.render_png(Spheres(sheet="none", z1=2)).read_bytes()
+    assert data.startswith(b"\x89PNG") and data == frames.png(Spheres(sheet="none", z1=2), Rendering())

@@ -41,20 +41,20 @@ def test_qualities():
 
 
 def test_a_frame_is_rendered_once(monkeypatch):
-    first = frames.render_png(EMPTY, TINY)
-    written = first.stat().st_mtime_ns
+    first, kept = frames.png(EMPTY, TINY), frames.kept_at(to_pov(EMPTY), TINY)
+    written = kept.stat().st_mtime_ns
     monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("rendered again"))
     # no sheet, no alpha: the same text
-    assert frames.render_png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first
-    assert first.stat().st_mtime_ns == written
+    assert frames.png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first == kept.read_bytes()
+    assert kept.stat().st_mtime_ns == written
     with pytest.raises(BaseException, match="rendered again"):
-        frames.render_png(EMPTY, Rendering(size=(34, 32), antialias="off"))
+        frames.png(EMPTY, Rendering(size=(34, 32), antialias="off"))
 
 
 def test_the_cache_holds_whole_frames_only():
-    frames.render_png(Chess(sheet="none", z1=4), TINY)
-    files = [path for path in cache.folder().rglob("*") if path.is_file()]
-    assert files and all(path.suffix == ".png" for path in files)
+    frames.png(Chess(sheet="none", z1=4), TINY)
+    files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
+    assert files and set(files) == {path for _, _, path in cache.files()}
     assert not list(cache.folder().glob(".povgen-*"))
 
 
@@ -64,7 +64,7 @@ def test_a_fault_in_the_scene(monkeypatch):
 
     monkeypatch.setattr(frames, "to_pov", broken)
     with pytest.raises(PovrayError) as failure:
-        frames.render_png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
+        frames.png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
     message = str(failure.value)
     line = next(n for n, text in enumerate(broken(Chess(sheet="none", piece="pawn")).splitlines(), 1) if "Dics" in text)
     assert f"scene.pov, line {line} (from pieces/pawn.pov.j2)" in message

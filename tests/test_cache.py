@@ -1,0 +1,329 @@
+"""What is kept to be used again: what counts as kept, what is removed, and whose folder it is."""
+
+import io
+import json
+import multiprocessing
+import os
+import pwd
+import stat
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+import pytest
+from PIL import Image
+from test_faults import tree
+from test_input import refused
+
+from povgen import Chess, InputError, Rendering, Spheres, cache, encode, frames, limits, movie, output, to_pov
+
+POVGEN = Path(sys.executable).with_name("povgen")
+SCENE = Chess(sheet="none")
+SMALL = Rendering(size=(32, 34), antialias="off")
+COLOURS = np.random.default_rng(3).integers(0, 256, (34, 32, 3), np.uint8)
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    """A cache of the test's own."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def file(colours, mode=None):
+    data = io.BytesIO()
+    Image.fromarray(colours, mode).save(data, "PNG")
+    return data.getvalue()
+
+
+def stand_in(source, rendering, folder):
+    """In place of POV-Ray, whose work it is not that is tested."""
+    (folder / rendering.file).write_bytes(file(COLOURS))
+    return folder / rendering.file
+
+
+def rendered(scene=SCENE):
+    """The frame, and whether it had to be rendered."""
+    runs = []
+    (png,) = frames.render_all([scene], SMALL, run=lambda *given: runs.append(1) or stand_in(*given))
+    return frames.read(png), bool(runs)
+
+
+# ---- whose folder
+
+
+@pytest.mark.parametrize("content", ["uk/holiday.png", "a", "CACHEDIR.TAG", f"ab/{'ab' * 32}.png"])
+def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
+    """Whatever is done; and nothing in it is touched."""
+    (place / content).parent.mkdir(parents=True)
+    (place / content).write_bytes(b"Signature: 8a477f597d28d172789f06886806bc55\n")
+    before = tree(tmp_path)
+    for work in (rendered, cache.check, cache.work, lambda: frames.render(SCENE), lambda: movie("spheres", "a.gif")):
+        with pytest.raises(InputError, match=r"POVGEN_CACHE = '.*': a folder that holds other things.*; allowed: "):
+            work()
+    for arguments in (["frame", "chess"], ["demo"], ["figure", "1"], ["cache", "info"], ["cache", "clear"]):
+        assert refused(arguments, tmp_path).startswith("povgen: POVGEN_CACHE = ")
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("begun", [None, b""])
+def test_a_cache_is_marked(begun, place):
+    """Also where povgen was killed as it did so; then it may hold anything else, which stays."""
+    place.mkdir()
+    if begun is not None:
+        (place / cache.TAG).write_bytes(begun)
+    assert rendered()[1]
+    assert (place / cache.TAG).read_text().startswith("Signature: 8a477f597d28d172789f06886806bc55\n")
+    name = frames.kept_at(to_pov(SCENE), SMALL).name
+    others = "uk/holiday.png", "ab/holiday.png", f"cd/{name}", "note", f"{name[:2]}/{name}.txt"
+    for other in map(place.joinpath, others):
+        other.parent.mkdir(exist_ok=True)
+        other.write_bytes(b"x")
+    (place / "ff").symlink_to(place / "uk")
+    (place / "uk" / f"{'ff' * 32}.png").write_bytes(b"x")
+    os.mkfifo(place / "ab" / f"{'ab' * 32}.png")
+    (place / "cd" / f"{'cd' * 32}.png").symlink_to(place / "note")
+    before = tree(place)
+    assert cache.trim(-1) == [place / name[:2] / name]
+    del before[place / name[:2] / name]
+    assert tree(place) == before
+
+
+def test_several_make_a_cache_at_once(place):
+    def work(ready, told):
+        try:
+            for number in range(30):
+                os.environ["POVGEN_CACHE"] = f"{place}/{number}"
+                ready.wait(10)
+                rendered()
+            told.put("done")
+        except BaseException as error:
+            told.put(repr(error))
+
+    fork = multiprocessing.get_context("fork")
+    ready, told = fork.Barrier(3), fork.Queue()
+    workers = [fork.Process(target=work, args=(ready, told)) for _ in range(3)]
+    for worker in workers:
+        worker.start()
+    assert [told.get(timeout=60) for _ in workers] == ["done"] * 3
+    for worker in workers:
+        worker.join()
+
+
+def test_a_user_without_a_home(monkeypatch, tmp_path):
+    """Nor an entry in the system's list of users: a folder among temporary files, which is the user's alone."""
+
+    def nobody(number):
+        raise KeyError(number)
+
+    for name in ("HOME", "XDG_CACHE_HOME", "POVGEN_CACHE"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", nobody)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    own = tmp_path / f"povgen-{os.geteuid()}"
+    assert cache.folder() == own
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: Path("~/.cache", name))  # as releases before 4.4
+    assert rendered()[1] and cache.folder() == own and stat.S_IMODE(own.stat().st_mode) == 0o700
+    assert not rendered()[1]
+    for spoil in (lambda: own.chmod(0o755), lambda: own.rename(tmp_path / "a") and own.symlink_to(tmp_path / "a")):
+        spoil()
+        with pytest.raises(PermissionError, match="alone.*POVGEN_CACHE"):
+            rendered()
+
+
+# ---- what counts as kept
+
+
+def png_of(width, height, depth, colour, data):
+    def chunk(name, content):
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+WRONG = {
+    "another size": file(COLOURS[:32]),
+    "grey": file(COLOURS[..., 0]),
+    "transparent": file(np.dstack((COLOURS, COLOURS[..., :1]))),
+    "a palette": png_of(32, 34, 8, 3, b""),
+    "16 bits": png_of(32, 34, 16, 2, zlib.compress(bytes(34 * (1 + 6 * 32)))),
+    "a bomb": png_of(30000, 30000, 8, 2, zlib.compress(bytes(10**6))),
+    "no PNG": b"GIF89a" + bytes(1000),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_frame_that_cannot_be_this_one_is_rendered_again(wrong):
+    rendered()
+    kept = frames.kept_at(to_pov(SCENE), SMALL)
+    kept.write_bytes(WRONG[wrong])
+    for again in (True, False):
+        picture, ran = rendered()
+        assert np.array_equal(picture, COLOURS) and ran == again
+
+
+def test_a_file_larger_than_any_frame_is_not_read():
+    rendered()
+    kept = frames.kept_at(to_pov(SCENE), SMALL)
+    with kept.open("ab") as opened:
+        opened.truncate(2**40)
+    picture, ran = rendered()
+    assert ran and np.array_equal(picture, COLOURS) and kept.stat().st_size < 2**20
+
+
+@pytest.mark.parametrize("what", ["a folder", "a FIFO", "a link", "a shelf that is a file", "a shelf that is a link"])
+def test_what_is_in_a_frames_place_stays(what, tmp_path):
+    """The frame is delivered and not kept: what is there is not povgen's."""
+    with cache.work():
+        kept = frames.kept_at(to_pov(SCENE), SMALL)
+    if "shelf" not in what:
+        kept.parent.mkdir()
+    (tmp_path / "other").mkdir()
+    {
+        "a folder": kept.mkdir,
+        "a FIFO": lambda: os.mkfifo(kept),
+        "a link": lambda: kept.symlink_to(tmp_path / "other" / "a.png"),
+        "a shelf that is a file": lambda: kept.parent.write_bytes(b"x"),
+        "a shelf that is a link": lambda: kept.parent.symlink_to(tmp_path / "other"),
+    }[what]()
+    before = tree(tmp_path)
+    for _ in range(2):
+        picture, ran = rendered()
+        assert ran and np.array_equal(picture, COLOURS)
+    assert tree(tmp_path) == before
+
+
+def test_another_users_frame_is_used(monkeypatch):
+    rendered()
+
+    def refused(*given, **options):
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "utime", refused)
+    assert not rendered()[1]
+
+
+# ---- how long it is kept
+
+
+def test_a_time_of_use_that_is_to_come_protects_nothing():
+    scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
+    list(frames.render_all(scenes, SMALL, run=stand_in))
+    places = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes]
+    for path, hours in zip(places, (-2, 1000, -1), strict=True):
+        os.utime(path, (time.time() + 3600 * hours, path.stat().st_mtime))
+    assert [path for _, _, path in cache.files()] == [places[1], places[0], places[2]]
+    assert cache.trim(2 * len(file(COLOURS))) == [places[1]]
+
+
+def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
+    """In Python, too; and the cache keeps to its size."""
+    monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
+    done = subprocess.run(
+        [POVGEN, "frame", "chess", "--prisms", "9", "--size", "32x34", "--quiet", "-o", "z.png"], cwd=tmp_path
+    )
+    picture = frames.render(Chess(prisms=9), size=(32, 34))
+    assert done.returncode == 0 and np.array_equal(frames.read(tmp_path / "z.png"), picture)
+    assert Chess(sheet="none")._repr_png_()
+    assert not cache.files()
+
+
+def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
+    """Frames are read before another povgen can reach them, or rendered again."""
+    keep = cache.keep
+    monkeypatch.setattr(cache, "keep", lambda *given: keep(*given) and bool(cache.trim(-1)))
+    scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
+    found = [frames.read(png) for png in frames.render_all(scenes, SMALL, run=stand_in)]
+    assert np.array_equal(found, [COLOURS] * 3)
+
+
+# ---- ray traces
+
+
+def test_rays_are_traced_once(monkeypatch):
+    """They are kept, too, until what traces them is another."""
+    scene = Spheres(prisms=30, z2=7)
+    rendered(scene)
+    survey = limits.survey(scene)
+    (kept,) = (path for _, _, path in cache.files() if path.suffix == ".json")
+
+    def again():
+        traced = []
+        trace = limits._survey
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(limits, "surveys", {})
+            patch.setattr(limits, "_survey", lambda *rays: traced.append(rays) or trace(*rays))
+            _, ran = rendered(scene)
+            assert not ran and limits.survey(scene) == survey
+        return len(traced)
+
+    assert again() == 0
+    text = kept.read_text()
+    other = json.dumps({"survey": {"trace_level": 5, "proper": 0.1}, "sha256": json.loads(text)["sha256"]})
+    for damaged in (
+        "",
+        text[:20],
+        text.replace("e", "f", 1),
+        other,
+        "[" * 299,
+        "{}",
+        '{"survey": 1}',
+        text + " " * 500,
+    ):
+        kept.write_text(damaged)
+        assert again() == 1 and kept.read_text() == text and again() == 0
+    monkeypatch.setattr(frames, "_tracing", lambda: "another")
+    assert again() == 1
+
+
+def test_warnings_need_no_rays_again(monkeypatch, capsys):
+    from povgen.cli import _warn
+
+    scene = Chess(z2=2, prisms=31)
+    rendered(scene)
+    monkeypatch.setattr(limits, "surveys", {})
+    monkeypatch.setattr(limits, "_survey", lambda *rays: pytest.fail("traced again"))
+    _warn([scene], SMALL)
+    assert "z2 = 2" in capsys.readouterr().err
+
+
+# ---- outputs
+
+
+@pytest.mark.parametrize("made", ["data", "file"])
+def test_an_output_keeps_its_mode(made, tmp_path):
+    def saved(name):
+        (tmp_path / "made").write_bytes(b"new")
+        output.save(b"new" if made == "data" else tmp_path / "made", tmp_path / name)
+        assert (tmp_path / name).read_bytes() == b"new"
+        return stat.S_IMODE((tmp_path / name).stat().st_mode)
+
+    for mode in (0o600, 0o640, 0o664, 0o755):
+        (tmp_path / f"{mode}").write_bytes(b"old")
+        (tmp_path / f"{mode}").chmod(mode)
+        assert saved(f"{mode}") == mode
+    umask = os.umask(0o027)
+    try:
+        assert saved("new") == 0o640
+    finally:
+        os.umask(umask)
+
+
+def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
+    """Where it is counted if povgen is killed; and then takes its place, with the mode of what was there."""
+    seen, own = [], encode.encode
+    monkeypatch.setattr(encode, "encode", lambda *given: seen.append(given[1]) or own(*given))
+    (tmp_path / "out").mkdir()
+    target = tmp_path / "out" / "a.gif"
+    target.touch(mode=0o600)
+    movie("spheres", target, size=(32, 32), antialias="off", quality="draft")
+    assert seen[0].parent.parent == place and stat.S_IMODE(target.stat().st_mode) == 0o600
+    assert target.read_bytes().startswith(b"GIF89a") and os.listdir(tmp_path / "out") == ["a.gif"]
+    assert not list(place.glob(f"{output.WORK}*"))
