@@ -42,17 +42,25 @@ def file(colours, mode=None):
     return data.getvalue()
 
 
-def stand_in(source, rendering, folder):
+class StandIn:
     """In place of POV-Ray, whose work it is not that is tested."""
-    (folder / rendering.file).write_bytes(file(COLOURS))
-    return folder / rendering.file
+
+    ran = 0
+
+    def run(self, source, rendering, folder):
+        self.ran += 1
+        (folder / rendering.file).write_bytes(file(COLOURS))
+        return folder / rendering.file
+
+    def stop(self):
+        pass
 
 
 def rendered(scene=SCENE):
     """The frame, and whether it had to be rendered."""
-    runs = []
-    (png,) = frames.render_all([scene], SMALL, run=lambda *given: runs.append(1) or stand_in(*given))
-    return frames.read(png), bool(runs)
+    runner = StandIn()
+    (png,) = frames.render_all([scene], SMALL, runner=runner)
+    return frames.read(png), bool(runner.ran)
 
 
 # ---- whose folder
@@ -215,7 +223,7 @@ def test_another_users_frame_is_used(monkeypatch):
 
 def test_a_time_of_use_that_is_to_come_protects_nothing():
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
-    list(frames.render_all(scenes, SMALL, run=stand_in))
+    list(frames.render_all(scenes, SMALL, runner=StandIn()))
     places = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes]
     for path, hours in zip(places, (-2, 1000, -1), strict=True):
         os.utime(path, (time.time() + 3600 * hours, path.stat().st_mtime))
@@ -240,7 +248,7 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
     keep = cache.keep
     monkeypatch.setattr(cache, "keep", lambda *given: keep(*given) and bool(cache.trim(-1)))
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
-    found = [frames.read(png) for png in frames.render_all(scenes, SMALL, run=stand_in)]
+    found = [frames.read(png) for png in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
 
 
