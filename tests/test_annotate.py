@@ -278,7 +278,7 @@ def test_a_large_picture_needs_little_memory_more():
         from povgen import Chess, annotate
         from povgen.rendering import Rendering
         picture = numpy.full((4320, 7680, 3), 120, numpy.uint8)
-        peak = lambda: int(re.search("VmHWM: *([0-9]+)", open("/proc/self/status").read())[1])
+        peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()
         annotate.annotated(picture, Chess(), Rendering(size=(7680, 4320), overlay=True, caption=True))
         print((peak() - before) / 1024)"""
