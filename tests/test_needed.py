@@ -19,7 +19,7 @@ OBJECT = (
 
 
 def objects(text):
-    """Where each object of a scene's text begins and ends, those within others too; each line that makes a sheet."""
+    """Where the objects of a scene's text begin and end, those within others too, and each line that makes a sheet."""
     code = re.sub(r"//.*", lambda comment: " " * len(comment[0]), text)
     for match in re.finditer(rf"\b({OBJECT})\s*\{{", code):
         depth, end = 1, match.end()
