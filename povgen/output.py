@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from povgen import stopping
 from povgen.errors import InputError
 
 WORK, LOCK = ".povgen-", "lock"  # what folders for unfinished files begin with, and the file that their owner locks
@@ -47,14 +48,21 @@ def work_folder(parent: Path) -> Iterator[Path]:
     for left in parent.glob(f"{WORK}*"):
         with suppress(OSError), _owned(left):
             shutil.rmtree(left)
-    with ExitStack() as stack:
-        while True:
-            made = tempfile.TemporaryDirectory(prefix=WORK, dir=parent, ignore_cleanup_errors=True)
-            folder = Path(stack.enter_context(made))
-            with suppress(FileNotFoundError, BlockingIOError):  # another povgen came upon it before it was owned
-                stack.enter_context(_owned(folder))
-                break
-        yield folder
+    folder = None
+    try:
+        with ExitStack() as stack:
+            while True:
+                with stopping.lock:
+                    stopping.check()
+                    made = tempfile.TemporaryDirectory(prefix=WORK, dir=parent, ignore_cleanup_errors=True)
+                    folder = Path(stack.enter_context(made))
+                    stopping.folders.add(str(folder))
+                with suppress(FileNotFoundError, BlockingIOError):  # another povgen came upon it before it was owned
+                    stack.enter_context(_owned(folder))
+                    break
+            yield folder
+    finally:
+        stopping.folders.discard(str(folder))
 
 
 def _owned(folder: Path) -> IO[str]:
