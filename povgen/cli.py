@@ -534,6 +534,8 @@ def main() -> None:
             _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
         if isinstance(error, (PovrayError, OSError)):
             _fail(f"povgen: {error}", 1)
+        if isinstance(error, MemoryError) or str(error) == "can't start new thread":
+            _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise
     sys.exit(status)
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 
+from povgen import stopping
 from povgen.errors import InputError
 
 # What folders for unfinished files begin with; in each a file that its owner locks, with this text.
@@ -50,7 +51,11 @@ def work_folder(parent: Path) -> Iterator[Path]:
     sweep(parent)
     with ExitStack() as held, ExitStack() as made:  # the lock is held until the folder has been removed
         while True:
-            folder = Path(tempfile.mkdtemp(prefix=WORK, dir=parent))
+            with stopping.lock:
+                stopping.check()
+                folder = Path(tempfile.mkdtemp(prefix=WORK, dir=parent))
+                stopping.folders.add(str(folder))
+            made.callback(stopping.folders.discard, str(folder))
             with suppress(FileNotFoundError, BlockingIOError):  # another povgen came upon it before it was locked
                 opened = held.enter_context(_opened(folder))
                 made.callback(_remove, folder, opened)

@@ -12,14 +12,22 @@ from threading import RLock
 LONGEST = 1.5  # seconds until povgen ends, whatever is still under way
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
 
-# Held while a process is started. The handler takes it in the main thread, which may hold it already.
+# Held while a process is started, or a folder for unfinished files is made. The handler takes it in the main thread,
+# which may hold it already.
 lock = RLock()
+folders: set[str] = set()  # for unfinished files: removed by what made them, or here if that takes too long
 _number = 0
 
 
 def asked() -> bool:
     """Whether a signal has asked povgen to stop. Who holds the lock knows that it stays so."""
     return bool(_number)
+
+
+def check() -> None:
+    """Raise KeyboardInterrupt where a signal has asked povgen to stop."""
+    if _number:
+        raise KeyboardInterrupt
 
 
 def on_signals() -> None:
@@ -52,7 +60,17 @@ def _end_in_time() -> None:
     """For an exception that was lost, as in a destructor, or work that cannot be interrupted."""
     time.sleep(LONGEST)
     _kill_children()
+    _thread.start_new_thread(_remove_folders, ())
+    time.sleep(LONGEST / 5)
     _end()
+
+
+def _remove_folders() -> None:
+    import shutil
+
+    while left := [folder for folder in list(folders) if os.path.lexists(folder)]:
+        for folder in left:
+            shutil.rmtree(folder, ignore_errors=True)  # again, if a thread has just written there
 
 
 def _kill_children() -> None:
@@ -69,6 +87,7 @@ def leave() -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed, or none
             stream.flush()
+    _remove_folders()
     _end()
 
 

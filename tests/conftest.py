@@ -15,7 +15,7 @@ def cache(tmp_path_factory):
         yield
 
 
-def wait_for(condition, seconds=30):
+def wait_for(condition, seconds=60):
     """Return what the condition gives, as soon as that is true; fail where it never is."""
     end = time.monotonic() + seconds
     while not (found := condition()):

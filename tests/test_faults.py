@@ -252,17 +252,22 @@ def test_stopped_with_much_under_way(arguments, place):
 def test_stopped_though_the_exception_is_lost(tmp_path):
     """As it is in a destructor, or in code that catches all."""
     program = """if True:
-        from povgen import stopping
+        import time
+        from pathlib import Path
+        from povgen import output, stopping
         stopping.on_signals()
-        while True:
-            try:
-                __import__("time").sleep(60)
-            except BaseException:
-                pass
+        with output.work_folder(Path.cwd()) as folder:
+            (folder / "part").touch()
+            while True:
+                try:
+                    time.sleep(60)
+                except BaseException:
+                    pass
     """
-    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
-    wait_for(lambda: catches(process))
+    process = subprocess.Popen([sys.executable, "-c", program], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    wait_for(lambda: list(tmp_path.glob("*/part")))
     stop(process, signal.SIGTERM)
+    assert not list(tmp_path.iterdir())
 
 
 def test_nothing_is_started_once_povgen_stops(tmp_path, monkeypatch):
@@ -270,6 +275,9 @@ def test_nothing_is_started_once_povgen_stops(tmp_path, monkeypatch):
     with pytest.raises(PovrayError, match="POV-Ray was stopped"):
         povray.run("", SMALL, tmp_path)
     assert not (tmp_path / "1" / povray.FATAL).exists()
+    with pytest.raises(KeyboardInterrupt), output.work_folder(tmp_path / "1"):
+        pass
+    assert not list(tmp_path.glob("1/.povgen-*"))
 
 
 def test_an_ignored_signal_is_ignored(place):

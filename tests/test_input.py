@@ -208,3 +208,14 @@ def test_a_window_that_its_frame_hides(tmp_path):
     """POV-Ray does not get through an ideal sheet's camera that is inside out. Few cells, for it takes long else."""
     few, count = re.subn("(Cells +=) [0-9]+", r"\1 10", to_pov(Chess(z2=0.2, offset=(0, -10), sheet="ideal")))
     assert count == 1 and povray.run(few, Rendering(size=(32, 32), antialias="off"), tmp_path).is_file()
+
+
+@pytest.mark.parametrize("fault", [MemoryError(), RuntimeError("can't start new thread")])
+def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
+    def fails(*_):
+        raise fault
+
+    monkeypatch.setattr(MovieSpec, "scenes", fails)
+    status, out, err = povgen(["movie", "vary-alpha"], tmp_path)
+    assert (status, out) == (1, "") and err.startswith("povgen: no memory or no thread is left for povgen itself")
+    assert len(err.splitlines()) == 1 and not list(tmp_path.iterdir())
