@@ -80,8 +80,8 @@ def check() -> None:
     # another povgen may be about to write the tag, or was killed before it did; it puts nothing else there before
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
-            f"POVGEN_CACHE = {str(kept)!r}: a folder that holds other things and that povgen has not made; "
-            "allowed: a new or an empty folder, or one that povgen has made"
+            f"POVGEN_CACHE = {str(kept)!r}: a folder that holds other things and that povgen has not marked; "
+            f"allowed: a new or an empty folder, or one that povgen has made and marked ({TAG})"
         )
 
 

@@ -229,7 +229,7 @@ def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
 
 
 def read(frame: Path | bytes) -> np.ndarray:
-    """The picture in a PNG file, or in the bytes of one: (height, width, 3) bytes of red, green and blue, read-only."""
+    """The picture in a PNG file, or in its bytes: (height, width, 3) bytes of red, green and blue, read-only."""
     from PIL import Image
 
     with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:

@@ -339,7 +339,21 @@ def files():
 def place(tmp_path_factory):
     """A folder of many levels, so that .. stays in it, and quick stand-ins for what takes long."""
     global ROOT, WORK
-    from povgen import assemble, charts, check, cluster, demo, encode, figures, povray, spec, speed, stability, verify
+    from povgen import (
+        assemble,
+        charts,
+        check,
+        cluster,
+        demo,
+        encode,
+        figures,
+        frames,
+        povray,
+        spec,
+        speed,
+        stability,
+        verify,
+    )
 
     started = Path.cwd()
     own = spec.MOVIES
@@ -358,6 +372,7 @@ def place(tmp_path_factory):
         patch.setattr(spec, "MOVIES", movies)
         patch.setattr(demo, "OWN", ("vary-z1",))
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
+        patch.setattr(frames, "whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
         client = mock.MagicMock(**{"nthreads.return_value": {"worker": 1}, "run.return_value": {}})
         patch.setattr(cluster, "_connected", lambda _: client)
