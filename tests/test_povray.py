@@ -51,7 +51,8 @@ def test_a_frame_is_rendered_once(monkeypatch):
         frames.png(EMPTY, Rendering(size=(34, 32), antialias="off"))
 
 
-def test_the_cache_holds_whole_frames_only():
+def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     frames.png(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
     assert files and set(files) == {path for _, _, path in cache.files()}
