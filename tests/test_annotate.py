@@ -114,7 +114,7 @@ def test_a_movies_caption_stands_still():
 def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     scene, size = Spheres(sheet="ideal", z1=[3]), (160, 120)
     plain = render(scene, size=size, antialias="off")
-    monkeypatch.setattr(povray, "run", None)  # no need to render again
+    monkeypatch.setattr(povray.Runner, "run", None)  # no need to render again
     both = render(scene, size=size, antialias="off", caption=True, overlay=True)
     assert both.shape == plain.shape and (both != plain).any()
     assert (both == plain).all(-1).mean() > 0.5

@@ -357,7 +357,7 @@ def place(tmp_path_factory):
         patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
         patch.setattr(spec, "MOVIES", movies)
         patch.setattr(demo, "OWN", ("vary-z1",))
-        patch.setattr(povray, "run", rendered)
+        patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(encode, "encode", encoded)
         client = mock.MagicMock(**{"nthreads.return_value": {"worker": 1}, "run.return_value": {}})
         patch.setattr(cluster, "_connected", lambda _: client)

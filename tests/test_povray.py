@@ -43,7 +43,7 @@ def test_qualities():
 def test_a_frame_is_rendered_once(monkeypatch):
     first = frames.render_png(EMPTY, TINY)
     written = first.stat().st_mtime_ns
-    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("rendered again"))
+    monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered again"))
     # no sheet, no alpha: the same text
     assert frames.render_png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first
     assert first.stat().st_mtime_ns == written
