@@ -22,7 +22,11 @@ def folder() -> Path:
     kept = Path(os.environ.get("POVGEN_CACHE") or platformdirs.user_cache_path("povgen"))
     if not kept.is_absolute() and "POVGEN_CACHE" not in os.environ:  # a user without a home
         kept = Path(tempfile.gettempdir(), f"povgen-{os.getuid()}")
-    return kept.absolute()
+    try:
+        return kept.absolute()
+    except FileNotFoundError:
+        reason = "the current folder has been removed; allowed: a path from / on"
+        raise InputError(f"POVGEN_CACHE = {str(kept)!r}: {reason}") from None
 
 
 def limit() -> float:
