@@ -5,7 +5,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from povgen import __version__, cache, encode, povray
-from povgen.errors import InputError, validated
+from povgen.errors import validated
 from povgen.frames import picture, render_all
 from povgen.output import checked_output, save
 from povgen.rendering import Rendering
@@ -31,12 +31,7 @@ def movie(
         spec = MovieSpec.load(spec)
     rendering = validated(Rendering, options)
     scenes = spec.scenes(rendering.quality)
-    rate = spec.rate(rendering.quality)
-    output = checked_output(Path(output), encode.FORMATS)
-    if output.suffix.lower() == ".gif" and rate > encode.FASTEST_GIF:
-        raise InputError(
-            f"frame_rate = {rate:g}: too fast for a GIF; allowed: up to {encode.FASTEST_GIF} frames a second"
-        )
+    output, rate = checked_movie(Path(output), spec, rendering.quality), spec.rate(rendering.quality)
     sampling = "off" if rendering.antialias is None else ",".join(f"{x:g}" for x in rendering.antialias)
     tags = {
         "title": spec.title,
@@ -59,3 +54,10 @@ def movie(
         encode.encode(pictures, part, rate, tags)
         save(part, target)
     return output
+
+
+def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
+    """The path, if the movie can be written there in the format that its suffix tells. Raises InputError."""
+    if output.suffix.lower() == ".gif":
+        encode.check_gif(len(spec.sweep.values(quality)), spec.rate(quality))
+    return checked_output(output, encode.FORMATS)

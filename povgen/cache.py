@@ -29,9 +29,16 @@ HINT = "the folder for frames; POVGEN_CACHE names another"
 
 
 def folder() -> Path:
-    """Where files are kept: the folder POVGEN_CACHE or else the user's cache folder."""
+    """Where files are kept: the folder POVGEN_CACHE or else the user's cache folder.
+
+    Raises InputError for a relative path where the current folder has been removed.
+    """
     if named := os.environ.get("POVGEN_CACHE"):
-        return Path(named).absolute()
+        try:
+            return Path(named).absolute()
+        except FileNotFoundError:
+            reason = "the current folder has been removed; allowed: a path from / on"
+            raise InputError(f"POVGEN_CACHE = {named!r}: {reason}") from None
     with suppress(RuntimeError):  # of platformdirs, from 4.4 on, for a user without a home
         if (kept := platformdirs.user_cache_path("povgen")).is_absolute():
             return kept

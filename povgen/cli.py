@@ -1,11 +1,11 @@
 """The command line: reads options, calls the package, reports. All checking is done by the models it calls."""
 
 import inspect
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -43,7 +43,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
 
 def _takes(*models: str) -> Callable:
-    """Give a command, in place of its **values, an option for every field of the models, as text or flag.
+    """Give a command, in place of its **values, an option for every field of the models: text, or --x and --no-x.
 
     'scenes' stands for all scenes, 'rendering' for Rendering. The command gets a dictionary of what was given. Only the
     command that is named on the command line gets its options: the models are slow to load.
@@ -57,7 +57,7 @@ def _takes(*models: str) -> Callable:
             given = {name: arguments.pop(name) for name in fields}
             if given.get("z1") and len(given["z1"]) == 1:
                 given["z1"] = given["z1"][0]
-            given = {name: value for name, value in given.items() if value not in (None, [], False)}
+            given = {name: value for name, value in given.items() if value not in (None, [])}
             return command(**arguments, **given)
 
         parameters = [*own, *(_option(name, owners) for name, owners in fields.items())]
@@ -86,14 +86,15 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
 def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
     texts = {_about(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
-    kind: Any = bool
-    default: Any = False
-    info = typer.Option(f"--{name}", help=about)
-    if owners[0][1].annotation is not bool:
+    kind: Any
+    if owners[0][1].annotation is bool:
+        kind, info = bool, typer.Option(f"--{name}/--no-{name}", help=about)
+    else:
         # the spheres' scene takes several z1
-        kind, default = (list[str] if name == "z1" else str) | None, None
-        info = typer.Option(f"--{name}", help=about, metavar=name.upper())
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
+        kind, info = list[str] if name == "z1" else str, typer.Option(f"--{name}", help=about, metavar=name.upper())
+    # None: not given, so that a movie's spec decides
+    annotation = Annotated[kind | None, info]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
 def _about(field: "FieldInfo") -> str:
@@ -171,10 +172,10 @@ def frame(
     from povgen.rendering import Rendering
 
     values, options = _split(values)
+    output = checked_output(output, [".png"])
     chosen = _auto(values, options, tolerance, quiet, lambda values, quality: [_scene(scene, values)])
     made = _scene(scene, values | chosen)
     rendering = validated(Rendering, options)
-    output = checked_output(output, [".png"])
     cache.check()
     if not quiet:
         _warn([made], rendering)
@@ -212,24 +213,27 @@ def movie(
     **values,
 ) -> None:
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    import logging
+
     from povgen import cache
+    from povgen.assemble import checked_movie
     from povgen.assemble import movie as make
-    from povgen.encode import FORMATS
     from povgen.frames import render_all, shard
-    from povgen.output import checked_output
     from povgen.rendering import Rendering
     from povgen.spec import MovieSpec
 
     values, options = _split(values)
-    loaded = MovieSpec.load(spec)
+    loaded, count = MovieSpec.load(spec), _workers(workers)
+    output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
+    if part is None:
+        checked_movie(output, loaded, validated(Rendering, options).quality)
+    elif scheduler is not None:
+        raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
     chosen = _auto(values, options, tolerance, quiet, lambda values, q: loaded.with_fixed(values).scenes(q))
     made = loaded.with_fixed(values | chosen)
-    output = checked_output(output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4"), FORMATS)
     rendering = validated(Rendering, options)
-    scenes, count = made.scenes(rendering.quality), _workers(workers)
+    scenes = made.scenes(rendering.quality)
     if part is not None:
-        if scheduler is not None:
-            raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
         scenes = shard(scenes, part)
     cache.check()
     if not quiet:
@@ -241,6 +245,8 @@ def movie(
         if not quiet:
             print(f"rendered shard {part}: {len(scenes)} frames")
         return
+    if quiet:
+        logging.getLogger("povgen").setLevel("ERROR")
     with _progress(output.name, len(scenes), quiet) as done:
         make(made, output, workers=count, done=done, scheduler=scheduler, **options)
     if not quiet:
@@ -396,10 +402,9 @@ def chart(
 
     by_hand = speed.rewrites(peers) if peers else {}
     folder = _folder(output)
-    done = partial(print, file=sys.stderr, flush=True)
-    charts.save_frames(speed.frames(by_hand, done), folder)
-    charts.save_counts(list(speed.prism_counts(done)), folder)
-    charts.save_movies(list(speed.movies(speed.WORKERS, done)), folder)
+    charts.save_frames(speed.frames(by_hand, _say), folder)
+    charts.save_counts(list(speed.prism_counts(_say)), folder)
+    charts.save_movies(list(speed.movies(speed.WORKERS, _say)), folder)
     save(f"{speed.machine()}\n".encode(), folder / "machine.txt")
 
 
@@ -453,7 +458,7 @@ def _auto(
     through = scenes(values | {"sheet": "detailed"}, rendering.quality)
     chosen, why = choice.choose(through, rendering, limit, options.get("antialias"))
     if not quiet:
-        print(f"povgen: {why}", file=sys.stderr)
+        _say(f"povgen: {why}")
     options["antialias"] = chosen.antialias
     return {"sheet": chosen.sheet}
 
@@ -473,7 +478,7 @@ def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
             said.setdefault(name, []).append(text)
     for texts in said.values():
         also = f" (so in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
-        print(f"povgen: warning: {texts[0]}{also}", file=sys.stderr)
+        _say(f"povgen: warning: {texts[0]}{also}")
 
 
 def _folder(output: Path) -> Path:
@@ -514,13 +519,16 @@ def _progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]
             nonlocal count
             count += 1
             if count == total or count * 10 // total > (count - 1) * 10 // total:
-                print(f"{what}: {count}/{total} frames", file=sys.stderr, flush=True)
+                _say(f"{what}: {count}/{total} frames")
 
         yield line
 
 
 def main() -> None:
     """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:  # closed, as by 2>&-: the next file that is opened would take its number
+            setattr(sys, name, open(os.devnull, mode))
     if isinstance(sys.stdout, TextIOWrapper):  # a file's name need not be text
         sys.stdout.reconfigure(errors="backslashreplace")
     usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
@@ -548,5 +556,13 @@ def _line(message: str) -> str:
 
 def _fail(message: str, status: int) -> None:
     if message:
-        print(message, file=sys.stderr)
+        _say(message)
     sys.exit(status)
+
+
+def _say(message: str) -> None:
+    """Print on standard error. A message that cannot be written there stops nothing."""
+    try:
+        print(message, file=sys.stderr, flush=True)
+    except OSError:
+        sys.stderr = open(os.devnull, "w")  # else Python tries again at its end, and exits with status 120

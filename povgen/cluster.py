@@ -4,12 +4,15 @@ A scene's text goes out, a PNG's bytes come back: a worker has povgen and POV-Ra
 """
 
 import asyncio
+import concurrent.futures
 import logging
 import re
 import warnings
+from collections.abc import Coroutine
 from contextlib import suppress
 from pathlib import Path
-from threading import Event, Thread
+from threading import Thread
+from typing import Any
 
 from povgen import __version__, povray
 from povgen.errors import ChanceError, InputError, PovrayError
@@ -24,13 +27,16 @@ except ImportError:
     ) from None
 
 PATIENCE = 5.0  # seconds until the scheduler answers, and then until it has a worker
-LOST = 60.0  # seconds without any worker in mid-movie
+PULSE = 5.0  # seconds from one question to the scheduler, whether all is well, to the next
+SILENT = 5  # such questions in succession without news: the scheduler, or the worker, is given up
 # Frames under way for each thread of the workers: one is rendered while the next waits its turn at the scheduler.
 AHEAD = 2
 
 
 class Cluster:
     """A scheduler's workers, to be entered with `with`: each runs POV-Ray in as many threads as it was given.
+
+    A worker of which the scheduler hears nothing any more is dismissed, and the others render its frames.
 
     Raises InputError for what is no address, PovrayError where no scheduler answers, where it has no workers, or where
     a worker has not the povgen and the POV-Ray that are here: the message names it.
@@ -40,14 +46,15 @@ class Cluster:
         if not re.fullmatch(r"(tcp|tls)://[^\s/]+:[0-9]{1,5}", scheduler):
             raise InputError(f"scheduler = {scheduler!r}: allowed: its address, such as tcp://192.0.2.1:8786")
         self._scheduler = scheduler
+        self._no_workers = f"scheduler {scheduler}: it has no workers"
         self._versions = versions()
-        self._waiting: set[distributed.Future] = set()
-        self._stopped = Event()
+        self._over: concurrent.futures.Future[str] = concurrent.futures.Future()  # why nothing is waited for any more
+        self._dismissed: set[str] = set()
         self._client = _connected(scheduler)
+        self._watching = self._start(self._watch())
         try:
-            self._wait_for_workers(PATIENCE)
+            self.frames = AHEAD * self._result(self._threads())  # to ask for at once
             self._check()
-            self.frames = AHEAD * sum(self._client.nthreads().values())  # to ask for at once
         except BaseException:
             self.__exit__()
             raise
@@ -57,6 +64,7 @@ class Cluster:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
+        self._watching.cancel()
         with suppress(Exception), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             self._client.close(timeout=1)
@@ -66,50 +74,92 @@ class Cluster:
 
         Raises PovrayError, which names the worker where POV-Ray failed; ChanceError where worker after worker was lost.
         """
+        future = self._client.submit(frame, self._versions, source, rendering, pure=False)
         try:
-            png = self._png(source, rendering)
+            png = self._result(self._client.gather(future, asynchronous=True))
         except PovrayError:
             raise
         except distributed.scheduler.KilledWorker as lost:
             number, last = lost.allowed_failures + 1, lost.last_worker.address
             raise ChanceError(f"workers lost while they rendered it: {number}, the last {last}") from None
-        except (distributed.CancelledError, OSError):
-            gone = f"scheduler {self._scheduler}: the connection was lost"
-            raise PovrayError("POV-Ray was stopped" if self._stopped.is_set() else gone) from None
         except Exception as error:
             raise PovrayError(f"scheduler {self._scheduler}: {_line(error)}") from None
+        finally:
+            future.release()
         picture = folder / rendering.file
         picture.write_bytes(png)
         return picture
 
     def stop(self) -> None:
-        """Cancel every frame that is waited for. A POV-Ray that runs on a worker ends with its frame."""
-        self._stopped.set()
-        with suppress(Exception):
-            self._client.cancel(list(self._waiting))
+        """Wait for no frame any more. A POV-Ray that runs on a worker ends with its frame."""
+        self._end("POV-Ray was stopped")
 
-    def _png(self, source: str, rendering: Rendering) -> bytes:
-        future = self._client.submit(frame, self._versions, source, rendering, pure=False)
-        self._waiting.add(future)
-        if self._stopped.is_set():
-            future.cancel()
-        try:
-            while True:
-                with suppress(TimeoutError):
-                    return future.result(LOST)
-                self._wait_for_workers(LOST)
-        finally:
-            self._waiting.discard(future)
+    def _end(self, why: str) -> None:
+        with suppress(concurrent.futures.InvalidStateError):  # it has ended before
+            self._over.set_result(why)
 
-    def _wait_for_workers(self, seconds: float) -> None:
+    def _start(self, coroutine: Coroutine) -> concurrent.futures.Future:
+        loop: Any = self._client.loop  # tornado's, around asyncio's
+        return asyncio.run_coroutine_threadsafe(coroutine, loop.asyncio_loop)
+
+    def _result(self, coroutine: Coroutine) -> Any:
+        """What the coroutine returns. Raises PovrayError, which tells why, where all ends before that."""
+        result = self._start(coroutine)
+        concurrent.futures.wait([result, self._over], return_when=concurrent.futures.FIRST_COMPLETED)
+        if not result.done():
+            raise PovrayError(self._over.result())
         try:
-            self._client.wait_for_workers(1, timeout=seconds)
+            return result.result()
+        except (concurrent.futures.CancelledError, distributed.CancelledError, OSError):
+            raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
+
+    async def _watch(self) -> None:
+        """Ask the scheduler again and again which workers it has heard of; give up what is silent for too long."""
+        unanswered = alone = 0  # questions in succession, without an answer, and without news of any worker
+        heard: dict[str, float] = {}  # when the scheduler heard of each worker, by its own clock
+        silent: dict[str, int] = {}  # answers in succession without news of each worker
+        while True:
+            pause = asyncio.create_task(asyncio.sleep(PULSE))
+            try:
+                now = {name: worker["last_seen"] for name, worker in (await self._workers(PULSE)).items()}
+                silent = {name: silent[name] + 1 if heard.get(name) == seen else 0 for name, seen in now.items()}
+                heard, unanswered, alone = now, 0, 0 if 0 in silent.values() else alone + 1
+                for name in [name for name, times in silent.items() if times >= SILENT]:
+                    await self._dismiss(name)
+            except Exception:  # whatever it is: the scheduler does not answer as it should
+                unanswered += 1
+            if unanswered == SILENT:
+                return self._end(f"scheduler {self._scheduler}: it has not answered for {SILENT * PULSE:g} s")
+            if alone == SILENT:
+                return self._end(self._no_workers)
+            await pause
+
+    async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
+        """What the scheduler knows of its workers, by their addresses. Raises TimeoutError."""
+        return (await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"]
+
+    async def _dismiss(self, worker: str) -> None:
+        """Have the scheduler forget a worker, as Dask does itself after its worker-ttl: others get its frames."""
+        if worker not in self._dismissed:
+            self._dismissed.add(worker)
+            silence = f"worker {worker}: nothing was heard of it for {SILENT * PULSE:g} s"
+            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; it is dismissed, others do its frames")
+        forgotten = self._client.scheduler.unregister(address=worker, stimulus_id="povgen")
+        await asyncio.wait_for(forgotten, PULSE)
+
+    async def _threads(self) -> int:
+        """How many threads the workers have, as soon as there is a worker."""
+        try:
+            async with asyncio.timeout(PATIENCE):
+                while not (workers := await self._workers(PATIENCE)):
+                    await asyncio.sleep(0.1)
         except TimeoutError:
-            raise PovrayError(f"scheduler {self._scheduler}: it has no workers") from None
+            raise PovrayError(self._no_workers) from None
+        return sum(worker["nthreads"] for worker in workers.values())
 
     def _check(self) -> None:
-        told = self._client.run(check, self._versions, on_error="return")
-        faults = [(worker, fault) for worker, fault in sorted(told.items()) if fault is not None]
+        told = self._result(self._client.run(check, self._versions, on_error="return", asynchronous=True))
+        faults = [(worker, told[worker]) for worker in sorted(told) if told[worker] and worker not in self._dismissed]
         if faults:
             worker, fault = faults[0]
             others = f" ({len(faults)} of {len(told)} workers cannot be used)" if len(faults) > 1 else ""
@@ -167,7 +217,10 @@ def _connected(scheduler: str) -> distributed.Client:
         raise PovrayError(f"scheduler {scheduler}: it has Dask {answer}; wanted, as here: {distributed.__version__}")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of other versions of other packages there
-        return distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        try:
+            return distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        except OSError as error:
+            raise PovrayError(f"scheduler {scheduler}: {_line(error)}") from None
 
 
 def _line(error: BaseException) -> str:

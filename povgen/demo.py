@@ -1,7 +1,10 @@
 """The teaching page: movies, frame by frame, beside the diagram of figure 5, in a folder that needs no network."""
 
-from collections.abc import Callable, Sequence
-from contextlib import closing
+import fcntl
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -9,7 +12,7 @@ from typing import Any
 from povgen import encode, limits, prism
 from povgen.errors import InputError, validated
 from povgen.frames import picture, render_all
-from povgen.output import checked_folder, checked_output, save
+from povgen.output import checked_folder, checked_output, save, work_folder
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
 from povgen.source import to_html
@@ -19,6 +22,8 @@ OWN = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
 SHEETS = ("detailed", "ideal")
 SWEPT = {"alpha": "α from {} to {}°", "z1": "z₁ from {} to {}", "z2": "z₂ from {} to {}"}
 GENERATOR = b'<meta name="generator" content="povgen'
+# How a page names its frames; the last part is the digest of the file.
+FRAME = re.compile(rb'"frames/([0-9]+-[a-z]+-[a-z]+-[0-9]+-([0-9a-f]{8})\.webp)"')
 
 
 def demo(
@@ -31,8 +36,9 @@ def demo(
 ) -> Path:
     """Render movies through prisms and through the ideal sheet, and write a page of them into a folder.
 
-    Returns the page, index.html. It is written last, and frames that differ have names that differ: the page always
-    shows its own frames, all of them. What else is in the folder stays.
+    Returns the page, index.html. Frames that differ have names that differ, and the page is written after them: it
+    always shows its own frames, all of them. Then the frames of the page that was there before are removed, as far as
+    they are unchanged and the new page does not show them. What else is in the folder stays.
     Options: those of `Rendering`. `done` is called after each frame.
     Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
     """
@@ -49,14 +55,44 @@ def demo(
         for sheet in SHEETS
         for n, scene in enumerate(movie[sheet])
     ]
-    with closing(render_all([scene for _, scene, _ in wanted], rendering, workers, done)) as rendered:
+    rendered = render_all([scene for _, scene, _ in wanted], rendering, workers, done)
+    with work_folder(frames) as made, closing(rendered):
         for (name, scene, told_frame), frame in zip(wanted, rendered, strict=True):
             data = encode.webp(picture(frame, scene, rendering))
-            file = f"{name}-{sha256(data).hexdigest()[:8]}.webp"
-            save(data, frames / file)
+            file = f"{name}-{_digest(data)}.webp"
+            (made / file).write_bytes(data)
             told_frame["file"] = f"{frames.name}/{file}"
-    save(to_html(_data(told)).encode(), page)
+        _replace(page, frames, to_html(_data(told)).encode(), made)
     return page
+
+
+def _replace(page: Path, frames: Path, html: bytes, made: Path) -> None:
+    """Put the frames made and then the page in their places, and remove the frames that only the old page shows."""
+    with _locked(page.parent):
+        for file in made.glob("*.webp"):
+            file.replace(frames / file.name)
+        old = page.read_bytes() if page.exists() else b""
+        save(html, page)
+        for name, digest in set(FRAME.findall(old)) - set(FRAME.findall(html)):
+            file = frames / name.decode()
+            if file.is_file() and not file.is_symlink() and _digest(file.read_bytes()) == digest.decode():
+                file.unlink()
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Wait until no other povgen replaces the page in the folder."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # some network file systems have no locks of folders
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _digest(data: bytes) -> str:
+    return sha256(data).hexdigest()[:8]
 
 
 def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:

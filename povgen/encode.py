@@ -12,6 +12,8 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 
+from povgen.errors import InputError
+
 logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen says what went wrong
 # Untagged video is shown with the wrong colours by some players.
 BT709 = (
@@ -19,6 +21,9 @@ BT709 = (
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
 FASTEST_GIF = 50  # frames a second; faster ones are shown slower
+# Seconds. A GIF holds a pause in 16 bits, as hundredths of a second, and equal pictures in succession are written once,
+# with the sum of their pauses: at worst that is the whole movie.
+LONGEST_GIF = 655.35
 # A keyframe every 6 frames: players seek to any frame at once, as a slider needs.
 FORMATS = {
     ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
@@ -67,6 +72,15 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
         found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
     if found != written or not written:
         raise OSError(f"the encoder wrote {found} of {written} frames (is the disk full?)")
+
+
+def check_gif(frames: int, rate: float) -> None:
+    """Raises InputError for what a GIF cannot show at the right times: so many frames, `rate` of them a second."""
+    if rate > FASTEST_GIF or frames / rate > LONGEST_GIF:
+        raise InputError(
+            f"a GIF of {frames} frames, {rate:.4g} a second, {frames / rate:.5g} s long: "
+            f"allowed: up to {FASTEST_GIF} frames a second and up to {LONGEST_GIF} s"
+        )
 
 
 def png(picture: np.ndarray) -> bytes:

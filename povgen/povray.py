@@ -46,15 +46,8 @@ RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path(
 
 def command(binary: str, rendering: Rendering) -> list[str]:
     """POV-Ray's command line for the scene in its work folder: one thread, no display, messages kept apart."""
-    width, height = rendering.size
-    if rendering.antialias is None:
-        sampling = ["-A"]
-    else:
-        method, threshold, depth = rendering.antialias
-        # without jitter the same scene gives the same pixels
-        sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
     return [
-        *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.format, f"+W{width}", f"+H{height}", *sampling),
+        *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
         # a large picture stays in memory: POV-Ray would swap it to a place outside the fence
         *("+WT1", f"+MI{MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
@@ -68,7 +61,7 @@ def binary(name: str = "povray") -> str:
         package = "povray" if name == "povray" else "util-linux"
         what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
         raise PovrayError(f"{what}: no {name!r} on the PATH. On Debian: apt-get install {package}")
-    return found
+    return str(Path(found).absolute())  # it is started in other folders than the current one
 
 
 def memory() -> int:
@@ -101,7 +94,10 @@ def _limits() -> list[str]:
 def version() -> str:
     """POV-Ray's version, such as '3.7.0.10.unofficial'. Raises PovrayError if it is too old or does not say."""
     try:
-        process = subprocess.run([binary(), "--version"], capture_output=True, text=True, errors="replace", timeout=60)
+        # POV-Ray does not end where the current folder has been removed
+        process = subprocess.run(
+            [binary(), "--version"], cwd="/", capture_output=True, text=True, errors="replace", timeout=60
+        )
     except subprocess.TimeoutExpired:
         raise PovrayError(f"{binary()} --version does not end") from None
     found = re.search(r"POV-Ray (\d+)\.(\d+)\S*", process.stdout + process.stderr)

@@ -73,6 +73,18 @@ class Rendering(BaseModel):
         return {"size": preset["size"], "antialias": preset["antialias"], **values}
 
     @property
+    def picture_options(self) -> list[str]:
+        """POV-Ray's options for this format, size and antialiasing."""
+        width, height = self.size
+        if self.antialias is None:
+            sampling = ["-A"]
+        else:
+            method, threshold, depth = self.antialias
+            # without jitter the same scene gives the same pixels
+            sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
+        return [*self.format, f"+W{width}", f"+H{height}", *sampling]
+
+    @property
     def annotated(self) -> bool:
         """Whether something is drawn over POV-Ray's picture."""
         return self.caption or self.overlay

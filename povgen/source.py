@@ -7,6 +7,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__, prism
+from povgen.rendering import Rendering
 from povgen.scenes import Scene
 
 TEMPLATES = Path(__file__).with_name("templates")
@@ -23,7 +24,8 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
-    environment.globals.update(version=__version__, prism=prism)
+    options = " ".join(Rendering.model_validate({}).picture_options)
+    environment.globals.update(version=__version__, prism=prism, options=options)
     return environment
 
 

@@ -75,7 +75,7 @@ class MovieSpec(BaseModel):
                 data = opened.read(LONGEST + 1)
             if len(data) > LONGEST:
                 raise ValueError(f"longer than {LONGEST} bytes")
-            text = data.decode()
+            text = data.decode("utf-8-sig")  # some editors begin a file with a byte order mark
         except (OSError, ValueError) as error:  # ValueError: too long, not UTF-8, or a NUL in the name
             own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
             reason = "not UTF-8" if isinstance(error, UnicodeError) else getattr(error, "strerror", error)

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import distributed
@@ -19,7 +20,7 @@ import numpy as np
 import pytest
 from conftest import wait_for
 
-from povgen import InputError, MovieSpec, PovrayError, Rendering, cluster, frames, to_pov
+from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, cluster, frames, movie, to_pov
 from povgen.cluster import Cluster
 from povgen.errors import ChanceError
 
@@ -119,6 +120,12 @@ class Machines:
 
     def kill(self, name):
         self.processes[name].kill()
+
+    @contextmanager
+    def frozen(self, name):
+        self.processes[name].send_signal(signal.SIGSTOP)
+        yield
+        self.processes[name].send_signal(signal.SIGCONT)
 
     def addresses(self, *names):
         """The workers' addresses, as soon as they are at work."""
@@ -237,14 +244,18 @@ def test_unfit_workers_that_come_late(tmp_path):
                 there.run(to_pov(SCENES[0]), SMALL, tmp_path)
 
 
-@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_stopped(shared, number, status):
+@pytest.mark.parametrize(
+    "number, status, frozen", [(signal.SIGINT, 130, False), (signal.SIGTERM, 143, False), (signal.SIGINT, 130, True)]
+)
+def test_stopped(shared, number, status, frozen):
+    """At once, though the scheduler may be frozen."""
     shutil.rmtree(shared.client / "cache", ignore_errors=True)
     process = shared.movie("--workers", "4")
     wait_for(lambda: len(shared.finished()) >= 2)
-    at = time.monotonic()
-    process.send_signal(number)
-    message = process.communicate(timeout=20)[1]
+    with shared.frozen("scheduler") if frozen else nullcontext():
+        at = time.monotonic()
+        process.send_signal(number)
+        message = process.communicate(timeout=20)[1]
     assert time.monotonic() - at < 2 * max(1, os.getloadavg()[0] / os.cpu_count())  # tests run beside each other
     assert process.returncode == status, message
     assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n")
@@ -274,8 +285,14 @@ def test_another_dask_is_named(shared, monkeypatch):
         Cluster(shared.address)
 
 
-def test_workers_or_the_scheduler_lost(monkeypatch, tmp_path):
-    monkeypatch.setattr(cluster, "LOST", 1)
+@pytest.fixture
+def soon(monkeypatch):
+    """What is silent is given up after 5 s, not 25."""
+    monkeypatch.setattr(cluster, "PULSE", 1)
+    assert cluster.SILENT == 5
+
+
+def test_workers_or_the_scheduler_lost(soon, tmp_path):
     source = to_pov(SCENES[0].model_copy(update={"sheet": "detailed"}))
     large = Rendering(size=(2400, 1800))  # takes long
     with Machines(tmp_path) as machines:
@@ -293,6 +310,52 @@ def test_workers_or_the_scheduler_lost(monkeypatch, tmp_path):
                 with pytest.raises(PovrayError, match=said) as fault:
                     there.run(source, large, tmp_path)
                 assert isinstance(fault.value, ChanceError) == (name == "one") and "\n" not in str(fault.value)
+
+
+def test_a_frozen_scheduler(soon, tmp_path):
+    """It is told, and nothing waits for it any more."""
+    with Machines(tmp_path) as machines:
+        machines.scheduler()
+        machines.worker("one")
+        machines.addresses("one")
+        with ThreadPoolExecutor() as pool, Cluster(machines.address) as there:
+            large = Rendering(size=(2400, 1800))  # takes long
+            waiting = [pool.submit(there.run, to_pov(Chess()), large, tmp_path) for _ in range(3)]
+            time.sleep(1)
+            machines.processes["scheduler"].send_signal(signal.SIGSTOP)
+            waiting.append(pool.submit(there.run, to_pov(Chess()), SMALL, tmp_path))
+            for frame in waiting:
+                with pytest.raises(PovrayError, match=f"{machines.address}: it has not answered for 5 s"):
+                    frame.result(60)
+
+
+@pytest.mark.parametrize("when", ["at the start", "in mid-movie"])
+def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
+    """It is named, and its frames are given to others. Where there are no others, that is told."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    with ThreadPoolExecutor() as pool, Machines(tmp_path) as machines:
+        machines.scheduler()
+        machines.worker("one")
+        machines.worker("two")
+        one, _ = machines.addresses("one", "two")
+
+        def freeze(name="one"):
+            machines.processes[name].send_signal(signal.SIGSTOP)
+
+        if when == "at the start":
+            freeze()
+        # few at once: most frames are still to come when the first is done
+        options = {"size": (64, 48), "scheduler": machines.address, "workers": 4, "done": freeze}
+        pool.submit(movie, MovieSpec.parse(SPEC, "x"), tmp_path / "a.gif", **options).result(200)
+        told = [record.message for record in caplog.records if record.name == "povgen"]
+        silent = f"worker {one}: nothing was heard of it for 5 s; it is dismissed, others do its frames"
+        assert told == [f"povgen: warning: {silent}"] and len(list(tmp_path.glob("cache/??/*.png"))) == COUNT
+        if when == "in mid-movie":
+            with Cluster(machines.address) as there:
+                freeze("two")
+                alone = pool.submit(there.run, to_pov(Chess()), SMALL, tmp_path)
+                with pytest.raises(PovrayError, match=f"{machines.address}: it has no workers"):
+                    alone.result(200)
 
 
 def test_no_scheduler(monkeypatch, tmp_path):

@@ -557,15 +557,21 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
 # ---- The folder ----
 
 
-def test_a_page_keeps_its_frames_and_the_users_files(tmp_path):
+def test_a_page_takes_the_place_of_another(tmp_path):
+    """The frames that only the other showed go; the user's files stay."""
     (tmp_path / "mine.txt").write_text("mine")
     short = spec("spheres", {"prisms": 30, "z1": [1, 3]}, "alpha", 10, 20, 2, title="Short")
     page = demo([short], tmp_path, size=(64, 48), antialias="off")
-    first = {path: path.read_bytes() for path in (tmp_path / "frames").iterdir()}
-    assert len(first) == 4 and all(path.name in page.read_text() for path in first)
+    first, *others = sorted((tmp_path / "frames").iterdir())
+    assert len(others) == 3 and all(path.name in page.read_text() for path in (first, *others))
+    # a frame that the user changed, and one that no page of povgen's shows
+    mine = {first: b"mine", first.with_name(f"7{others[0].name}"): others[0].read_bytes()}
+    for path, data in mine.items():
+        path.write_bytes(data)
     demo([short.model_copy(update={"title": "Other"})], tmp_path, size=(48, 48), antialias="off")
-    assert all(path.read_bytes() == data for path, data in first.items())
-    assert not any(path.name in page.read_text() for path in first)
+    shown = set(re.findall(r"[^/]*[.]webp", page.read_text()))
+    assert len(shown) == 4 and {path.name for path in (tmp_path / "frames").iterdir()} - shown == {p.name for p in mine}
+    assert all(path.read_bytes() == data for path, data in mine.items())
     assert (tmp_path / "mine.txt").read_text() == "mine"
     assert {path.name for path in tmp_path.iterdir()} == {"mine.txt", "index.html", "frames"}
 
@@ -602,3 +608,15 @@ def test_the_command(tmp_path):
     for wrong in (["nowhere"], ["--quality", "best"], ["--workers", "0"], ["-o", "a page/index.html"]):
         done = subprocess.run([povgen, "demo", *wrong], cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+
+
+def test_a_page_that_fails_leaves_the_other_whole(tmp_path, monkeypatch):
+    """A fault while frames are made, and one when all are there."""
+    short = spec("spheres", {"prisms": 30, "z1": [1, 3]}, "alpha", 10, 20, 2, title="Short")
+    page = demo([short], tmp_path, size=(64, 48), antialias="off")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    for what in ("picture", "to_html"):
+        with monkeypatch.context() as patch, pytest.raises(ZeroDivisionError):
+            patch.setattr(f"povgen.demo.{what}", lambda *_: 1 / 0)
+            demo([short], tmp_path, size=(48, 48), antialias="off")
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before and page in before

@@ -233,7 +233,7 @@ def words(draw, command, name, values):
     """A parameter as words of a command line."""
     kind, option = parameters(command)[name]
     if kind is bool:
-        return [option]
+        return [draw(st.sampled_from(option.split("/")))]
     value = draw(values)
     if kind is Path or name in ("spec", "specs"):
         assume(value in ELSEWHERE or (WORK / value).is_relative_to(WORK) and value.count("..") < 3)

@@ -157,7 +157,9 @@ def test_spec_with_scenes_own_words(tmp_path):
     (tmp_path / "spec.toml").write_text(SPEC)
     assert ".webm" in refused(["movie", "spec.toml", "-o", "movie.avi"], tmp_path)
     (tmp_path / "fast.toml").write_text(SPEC.replace("frame_rate = 10", "frame_rate = 60"))
-    assert "GIF" in refused(["movie", "fast.toml", "-o", "x.gif"], tmp_path)
+    assert "60 a second" in refused(["movie", "fast.toml", "-o", "x.gif"], tmp_path)
+    (tmp_path / "slow.toml").write_text(SPEC.replace("= 10", "= 0.1").replace("frames = 5", "frames = 66"))
+    assert "a GIF of 66 frames, 0.1 a second, 660 s long: " in refused(["movie", "slow.toml", "-o", "x.GIF"], tmp_path)
     assert "ghost" in refused(["movie", "spheres", "--ghost"], tmp_path)
     message = refused(["frame", "spheres", "--z1", "0.05"], tmp_path)
     limit = float(message.rsplit(">", 1)[1])
@@ -219,3 +221,20 @@ def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
     status, out, err = povgen(["movie", "vary-alpha"], tmp_path)
     assert (status, out) == (1, "") and err.startswith("povgen: no memory or no thread is left for povgen itself")
     assert len(err.splitlines()) == 1 and not list(tmp_path.iterdir())
+
+
+def test_a_flag_in_a_spec_is_taken_back(tmp_path):
+    """By --no-ghost; without it the spec decides. The shard has no frames, so nothing is rendered."""
+    (tmp_path / "spec.toml").write_text(SPEC.replace("z1 = 2", "z1 = 2\nghost = true"))
+    single = ["movie", "spec.toml", "--sheet", "single", "--shard", "9/9"]
+    assert "ghost = true" in refused(single, tmp_path)
+    assert povgen([*single, "--no-ghost"], tmp_path)[0] == 0
+    plain, ghost, none = (povgen(["pov", "chess", *flag], tmp_path)[1] for flag in ([], ["--ghost"], ["--no-ghost"]))
+    assert plain == none != ghost
+    assert "ghost" in refused(["pov", "spheres", "--no-ghost"], tmp_path)
+    assert "--no-caption" in povgen(["frame", "--help"], tmp_path)[1]
+
+
+def test_a_spec_with_a_byte_order_mark(tmp_path):
+    (tmp_path / "spec.toml").write_text(SPEC, encoding="utf-8-sig")
+    assert MovieSpec.load(tmp_path / "spec.toml") == MovieSpec.parse(SPEC, "spec")

@@ -7,6 +7,7 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from PIL import Image
 
 from povgen import MovieSpec, encode, frames, movie
 
@@ -115,3 +116,20 @@ def test_gif(folder):
 
 def test_only_whole_movies_are_left(folder, made):
     assert all(not path.name.startswith(".") for path in folder.iterdir())
+
+
+def test_a_gif_is_as_long_as_its_movie(tmp_path, rng):
+    """Whatever its rate and length, and though equal pictures in succession are written once."""
+    for number in range(30):
+        count, alike = int(rng.integers(2, 60)), int(rng.integers(1, 60))
+        rate = min(50, max(count / encode.LONGEST_GIF, 10 ** rng.uniform(-2, 1.7)))
+        shades = [np.full((4, 6, 3), 20 * (n // alike) % 250, np.uint8) for n in range(count)]
+        encode.check_gif(count, rate)
+        encode.encode(shades, tmp_path / "a.gif", rate, {})
+        with Image.open(tmp_path / "a.gif") as gif:
+            pauses = []
+            for n in range(gif.n_frames):
+                gif.seek(n)
+                pauses.append(gif.info["duration"])
+        assert sum(pauses) == 10 * round(100 * count / rate), (number, count, alike, rate)
+        assert len(pauses) == -(-count // alike)

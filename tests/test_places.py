@@ -159,6 +159,8 @@ def test_folders_that_cannot_be_written_to(open_folder):
     ):
         told = as_nobody(open_folder, *arguments, status=2, **own).stderr
         assert "shut/" in told and "allowed" in told and len(told.splitlines()) <= 2
+    (open_folder / "a.toml").write_text(SPEC)
+    as_nobody(open_folder / "shut", "movie", "../a.toml", *TINY, "--shard", "1/3", **own)
     told = as_nobody(
         open_folder, "frame", "chess", *TINY, status=1, POVGEN_CACHE=str(open_folder / "shut" / "c")
     ).stderr
@@ -188,3 +190,44 @@ def test_on_a_terminal_and_without(tmp_path):
         shown += more
     os.close(ours)
     assert process.wait() == 0 and b"3/3" in shown and b"\x1b[" in shown
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>/dev/full"])
+def test_standard_files_that_are_closed(closed, tmp_path):
+    """Exit status and files as with them; what would be told there gets into nothing else."""
+    (tmp_path / "a.toml").write_text(SPEC)
+    script = f'"$0" "$@" {closed}'
+    run = ["sh", "-c", script, POVGEN, "movie", "a.toml", *TINY, "-o", "a.mp4"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout == ("" if ">&- " in closed else "wrote a.mp4\n")
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
+    run = ["sh", "-c", script, POVGEN, "frame", "chess", "--alpha", "nan"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
+
+
+def test_the_current_folder_removed(tmp_path):
+    """What needs it is refused in a line that names it; all else works."""
+    (tmp_path / "a.toml").write_text(SPEC)
+    script = 'mkdir gone; cd gone; rmdir ../gone; exec "$0" "$@"'
+
+    def gone(*arguments, **environment):
+        run = ["sh", "-c", script, POVGEN, *arguments]
+        return subprocess.run(
+            run, cwd=tmp_path, env={**os.environ, **environment}, capture_output=True, text=True, timeout=120
+        )
+
+    done = gone("movie", tmp_path / "a.toml", *TINY, "-o", tmp_path / "a.mp4")
+    assert done.returncode == 0 and (tmp_path / "a.mp4").exists(), done.stderr
+    done = gone("check", PATH=f".:{os.environ['PATH']}")
+    assert done.returncode == 0 and "FAULT" not in done.stdout
+    for arguments, named, environment in (
+        (["frame", "chess", *TINY], "output = 'frame.png'", {}),
+        (["movie", "vary-z1", *TINY], "output = 'vary-z1.mp4'", {}),
+        (["movie", "a.toml"], "a.toml", {}),
+        (["demo"], "output = 'demo'", {}),
+        (["cache", "info"], "POVGEN_CACHE = 'cache'", {"POVGEN_CACHE": "cache"}),
+    ):
+        done = gone(*arguments, **environment)
+        assert done.returncode == 2 and done.stderr.startswith(f"povgen: {named}: "), done.stderr
+        assert "allowed: " in done.stderr and len(done.stderr.splitlines()) == 1

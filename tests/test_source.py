@@ -1,10 +1,11 @@
 """The .pov text: legible, only what the scene shows, frames that differ in their parameters alone."""
 
 import re
+import subprocess
 
 import pytest
 
-from povgen import Chess, Spheres, to_pov
+from povgen import Chess, Spheres, frames, render, to_pov
 from povgen.instruments import Directions, Piece, Positions
 from povgen.scenes import PIECES
 from povgen.source import TEMPLATES, template_of
@@ -85,3 +86,11 @@ def test_every_part_begins_with_its_name():
 
 def test_pieces_are_those_that_have_a_template():
     assert {path.name.removesuffix(".pov.j2") for path in (TEMPLATES / "pieces").glob("*.j2")} == {*PIECES, "turned"}
+
+
+def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
+    scene = Chess(sheet="none")
+    (tmp_path / "scene.pov").write_text(to_pov(scene))
+    (command,) = re.findall(r"^//   (povray .*)$", to_pov(scene), flags=re.M)
+    subprocess.run([*command.split(), "-D", "+Oown.png"], cwd=tmp_path, check=True, capture_output=True)
+    assert (frames.read(tmp_path / "own.png") == render(scene)).all()
