@@ -175,7 +175,7 @@ def trace_level(size=TINY) -> Iterator[Map]:
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
         inside, direction = instruments.rays(scene, size)
-        found = instruments.traced(scene, direction, FACES)
+        found = instruments.traced(scene, direction, 255)
         leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
         for level in levels:
             map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
