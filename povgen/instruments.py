@@ -49,6 +49,10 @@ class _Instrument(Scene):
         return self.gap
 
     @property
+    def distances(self) -> tuple[float, ...]:
+        return ()
+
+    @property
     def max_trace_level(self) -> int:
         return self.trace_level or super().max_trace_level
 
@@ -72,6 +76,10 @@ class Positions(_Instrument):
     z1: float
     L: complex = 0j
     extent: float = Field(0.3, description="half the square's side, tiles")
+
+    @property
+    def distances(self) -> tuple[float, ...]:
+        return (self.z1,)
 
 
 class Piece(Chess):
@@ -137,14 +145,15 @@ def window(scene: Scene, size: tuple[int, int]) -> tuple[slice, slice]:
     return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
 
 
-def traced(scene: Scene, direction: np.ndarray, most: int = 60) -> trace.Rays:
-    """The exact ray trace of a scene of prisms for rays from its eye, up to `most` faces each.
+def traced(scene: Scene, direction: np.ndarray, most: int = 60, origin: np.ndarray | None = None) -> trace.Rays:
+    """The exact ray trace of a scene of prisms for rays from its eye, or from origins (n, 3), up to `most` faces each.
 
     A ray that meets the frame behind the sheets ends there.
     """
     sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
-    eye = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(eye, direction, sheets, scene.window, scene.prisms, scene.air_gap, most)
+    if origin is None:
+        origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
+    found = trace.trace(origin, direction, sheets, scene.window, scene.prisms, scene.air_gap, most)
     side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
     leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
     free = found.end <= trace.End.BACK

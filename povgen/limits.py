@@ -3,8 +3,9 @@
 `povgen verify --stability` measures each anew and fails where one no longer holds.
 """
 
+from cmath import rect
 from collections.abc import Iterator
-from math import ceil, hypot, radians, sqrt
+from math import ceil, hypot, inf, radians, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -21,12 +22,14 @@ PRISMS = 3000
 GAP = (1e-4, 0.09)
 # (d) The fraction of the window's pixels that may stay black, for want of trace level, though light comes through.
 LOST = 0.05
+# The most faces that rays are traced through to find that level. A max_trace_level of 240 can crash POV-Ray.
+FACES = 180
 # (e) The least fraction of them on the prisms' proper path.
 PROPER = 0.25
-# (f) Error of the ideal sheet's camera off the axis, pixels of 1280x960, over sin(2 field angle)/(cells^2 z2); and
-# what it may be.
-GRID = 270
+# (f) The error that the ideal sheet's camera may have off the axis, pixels of 1280x960, and the most cells a side to
+# keep it: POV-Ray takes some 1.3 CPU s to read these.
 GRID_ERROR = 0.03
+CELLS = 100
 # (g) Pixels per prism below which a picture without antialiasing is as far from right as pixels taken at random.
 PIXELS_PER_PRISM = 1.2
 # (h) alpha, degrees, below which parallel prisms make dark bands.
@@ -71,22 +74,41 @@ def _survey(
     x, y = (places.reshape(2, -1) / side - 0.5) * window
     direction = np.column_stack((x - E.real, y - E.imag, np.full(len(x), z2)))
     eye = np.array([[E.real, E.imag, -z2]])
-    found = trace.trace(eye, direction, trace.sheets(sheet, radians(alpha), window, prisms, gap), window, prisms, gap)
-    faces = np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))
-    # 0.9: what a picture loses may be a little more than the sample
-    return Survey(max(5, int(faces[-int(0.9 * LOST * len(x))]) + 1), float(found.proper.mean()))
-
-
-def field(scene: "Scene") -> float:
-    """Tangent of the field angle of the window's farthest corner."""
-    half = scene.window / 2
-    return hypot(half + abs(scene.E.real), half + abs(scene.E.imag)) / scene.z2
+    glass = trace.sheets(sheet, radians(alpha), window, prisms, gap)
+    found = trace.trace(eye, direction, glass, window, prisms, gap)
+    faces = np.where(found.end == trace.End.FRAME, 0, found.count)
+    # 0.8: what a picture loses may be a little more than the sample
+    lost = int(0.8 * LOST * len(x))
+    unfinished = found.end == trace.End.UNFINISHED
+    if unfinished.sum() >= lost:  # the level is among them
+        longer = trace.trace(eye, direction[unfinished], glass, window, prisms, gap, FACES)
+        faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
+    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.proper.mean()))
 
 
 def grid_cells(scene: "Scene") -> int:
-    """The least number of cells a side for the ideal sheet's camera off the axis."""
-    tangent = min(1, field(scene))  # sin(2 angle) is greatest at 45 degrees
-    return ceil(sqrt(GRID * 2 * tangent / (1 + tangent**2) / GRID_ERROR / scene.z2))
+    """The least number of cells a side at which the ideal sheet's camera keeps GRID_ERROR, CELLS at most."""
+    return ceil(min(CELLS, max(1, sqrt(grid_error(scene, 1) / GRID_ERROR))))
+
+
+def grid_error(scene: "Scene", cells: int) -> float:
+    """The most by which the ideal sheet's camera shows an object aside, for an eye aside: pixels of 1280x960.
+
+    POV-Ray interpolates between unit vectors. Within a triangle whose longest side is d that tells the direction to a
+    place up to d^2 sin(2 field angle)/(8 z2) tiles aside (docs/sheets.md); it errs by |P| times that where it is seen.
+    """
+    half = scene.window / 2
+    x, y = abs(scene.E.real), abs(scene.E.imag)
+    nearest, farthest = hypot(max(0, x - half), max(0, y - half)), hypot(x + half, y + half)
+    tangent = min(max(1, nearest / scene.z2), farthest / scene.z2)  # sin(2 angle) is greatest at 45 degrees
+    aside = 2 * (scene.window / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
+    return aside * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view_height * 960
+
+
+def _P(scene: "Scene", z1: float) -> float:
+    """|P| of eq. 7, as `rotation.P`, without numpy, which is slow to load."""
+    inverse = abs(1 + rect(scene.z2 / z1, radians(scene.alpha)))
+    return 1 / inverse if inverse else inf
 
 
 def units_per_tile(prisms: int) -> int:
@@ -130,16 +152,21 @@ def _prediction(scene: "Scene", rendering: "Rendering | None") -> Iterator[tuple
     z1, alpha = np.array(scene.distances), radians(scene.alpha)
     with np.errstate(all="ignore"):
         if scene.sheet == "ideal":
-            limit, found = CONDITION, rotation.condition(scene.z2 / z1, alpha)
+            found = rotation.condition(scene.z2 / z1, alpha)
+            # for an eye aside the camera may err by a pixel before that
+            right = found / grid_error(scene, scene.cells) if scene.E else np.inf
+            limit = np.broadcast_to(np.fmin(CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
             thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
             # what enters one sheet at a prism's edge leaves it half a pitch off
             moved = scene.seen(scene.L, z1) - thin if two else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
-            limit, found = CORRECTION, np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
+            found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
+            limit = np.full(len(found), CORRECTION)
             what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
-    worst = np.argmax(found)
-    if found[worst] > limit:
+    worst = np.argmax(found / limit)
+    if found[worst] > limit[worst]:
         where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
         much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
-        yield names[0], f"{', '.join(names)}: at {where} {what} {much}; beyond {limit} its prediction is off by pixels"
+        text = f"{', '.join(names)}: at {where} {what} {much}; beyond {limit[worst]:.3g}"
+        yield names[0], f"{text} its prediction is off by pixels"

@@ -8,7 +8,7 @@ import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import degrees, radians
+from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
@@ -17,15 +17,15 @@ from povgen.instruments import Directions, Positions
 from povgen.limits import (
     CONDITION,
     CORRECTION,
+    FACES,
     GAP,
-    GRID,
     GRID_ERROR,
     LOST,
     PARALLEL,
     PIXELS_PER_PRISM,
     PRISMS,
     PROPER,
-    field,
+    grid_error,
     survey,
     warnings,
 )
@@ -81,9 +81,10 @@ def pole(size=TINY) -> Iterator[Map]:
     x, y = "condition number |1 − P|", "error of position (px)"
     map = Map("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
-        for M, _, place, thin in _near_pole(toward, 10.0 ** np.arange(0.5, 7.5, 0.5), size, sheet="ideal"):
-            map.add(f"eq. 7, {toward}", M, px(abs(place - thin)))
-        map.limit("ideal", f"eq. 7, {toward}", CONDITION)
+        for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
+            for M, _, place, thin in _near_pole(toward, 10.0 ** np.arange(0.5, 7.5, 0.5), size, sheet="ideal", E=E):
+                map.add(series, M, px(abs(place - thin)))
+            map.limit("ideal", series, CONDITION)
     yield map
 
 
@@ -104,14 +105,13 @@ def prediction(conditions=(1, 1.5, 2, 3, 4, 6, 8), size=TINY) -> Iterator[Map]:
     yield map
 
 
-def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, **values):
+def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, E=-0.2 + 0j, **values):
     """Condition number, scene, where its object is seen and where eq. 7 has it, tiles: towards the pole."""
     scenes = []
     for M in conditions:
         # near the pole |1 - P| is 1/|alpha - pi|, or z2/|z2 - z1|
         angle = 180 - degrees(2 * np.arcsin(0.5 / M))
         alpha, z1 = (angle, z2) if toward[0] == "α" else (180.0, z2 - z2 / (M + 1))
-        E = -0.2 + 0j
         L = rotation.object_position(P, E, z1, z2, radians(alpha))
         extent = 0.3 / rotation.M(z2 / z1, radians(alpha))
         scenes.append(Positions(alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=extent, **values))
@@ -148,7 +148,7 @@ def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=T
 def _wrong(scene: Directions, size) -> tuple[float, float, float]:
     """The fractions of proper pixels that are wrong, of pixels that are proper, and of stray ones that are wrong."""
     inside, direction = instruments.rays(scene, size)
-    found = instruments.traced(scene, direction)
+    found = instruments.traced(scene, direction, scene.max_trace_level)
     (told,) = instruments.frames([scene], size)
     wrong = ~(np.linalg.norm(told[inside] - found.direction, axis=1) < 1e-3)
     stray = (found.end <= End.BACK) & (found.count < scene.max_trace_level) & ~found.proper
@@ -161,19 +161,21 @@ def trace_level(size=TINY) -> Iterator[Map]:
     The limit is the level that povgen takes for the scene.
     """
     map = Map("trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * LOST, "")
-    levels = np.arange(5, 61)
+    levels = np.arange(5, FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
         ("z2 = 6", Directions(sheet="detailed")),
         ("z2 = 6, α = 150°", Directions(sheet="detailed", alpha=150)),
         ("z2 = 6, N = 1000", Directions(sheet="detailed", prisms=1000)),
         ("z2 = 6, E = 3i", Directions(sheet="detailed", E=3j)),
+        ("z2 = 1.5, E = 5.1i, N = 1059", Directions(sheet="detailed", z2=1.5, E=5.1j, alpha=50, prisms=1059)),
+        ("z2 = 0.92, E = 8.2i, N = 678", Directions(sheet="detailed", z2=0.92, E=8.2j, alpha=-71, prisms=678)),
         ("z2 = 60", Directions(sheet="detailed", z2=60)),
         ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, E=8j)),
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
         inside, direction = instruments.rays(scene, size)
-        found = instruments.traced(scene, direction)
+        found = instruments.traced(scene, direction, 255)
         leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
         for level in levels:
             map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
@@ -208,25 +210,40 @@ def _warned(alpha: float, z2: float) -> bool:
     return any(name == "z2" for name, _ in warnings(Directions(sheet="detailed", alpha=alpha, z2=z2)))
 
 
-def grid(size=TINY) -> Iterator[Map]:
-    """(f) The ideal sheet's camera off the axis: error of what is seen at z1 = z2, over cells^2 z2; wide fields too."""
-    x = "cells² z2 / sin(2 field angle)"
-    map = Map("grid", "(f) cells of the ideal camera", x, "worst error of position (px)", GRID_ERROR, "xy")
-    scenes = [
-        Positions(sheet="ideal", alpha=66, z1=z2, z2=z2, E=E, grid=cells, extent=2)
-        for z2, E in ((20, 0.5 - 0.5j), (6, 0.5 - 0.5j), (6, 3 - 1j), (2, 0.5 - 0.5j), (1, 0.5 - 0.5j))
-        for cells in (6, 12, 24, 48, 96)
-    ]
+ASIDE = (  # z2, E, alpha, z1/z2: wide fields, eyes far aside, near the pole, objects far off
+    (20, 0.5 - 0.5j, 66, 1),
+    (6, 3 - 1j, 66, 1),
+    (6, 8.6j, 162.5, 1),
+    (6, 8.6j, -170, 1.1),
+    (2, 0.5 - 0.5j, 66, 1),
+    (2, 8.6j, 120, 1),
+    (1, 0.5 - 0.5j, 0, 30),
+    (60, 8.6j, 150, 0.8),
+)
+
+
+def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
+    """(f) The ideal sheet's camera off the axis: the error of what is seen, over the most that it should be."""
+    x = "the most that the error should be (px)"
+    # 0.011 px of it are the 16 bits that tell the place
+    map = Map("grid", "(f) cells of the ideal camera", x, "worst error of position (px)", GRID_ERROR + 0.011, "xy")
     place = instruments.pixels(size)
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-        inside, _ = instruments.rays(scene, size)
-        inside &= ~np.isnan(told[..., 0])
-        predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * rotation.one_minus_P(1, radians(66))
-        error = abs(predicted - place[inside]).max()
-        scaled = scene.cells**2 * scene.z2 / np.sin(2 * min(np.arctan(field(scene)), np.pi / 4))
-        map.add(f"z2 = {scene.z2:g}, E = {scene.E.real:g}{scene.E.imag:+g}i", scaled, px(error))
-    for series in dict.fromkeys(name for name, _, _ in map.rows):
-        map.limit("ideal", series, GRID / GRID_ERROR, rising=False)
+    for z2, E, alpha, ratio in scenes:
+        z1 = ratio * z2
+        seen = rotation.one_minus_P(1 / ratio, radians(alpha))
+        # the square lies across the whole window
+        values = {"E": E, "L": rotation.object_position(0, E, z1, z2, radians(alpha)), "extent": 2 / abs(seen)}
+        values |= {"sheet": "ideal", "alpha": alpha, "z1": z1, "z2": z2}
+        enough = ceil(sqrt(grid_error(Positions(**values), 1) / GRID_ERROR))
+        cut = [Positions(**values, grid=max(1, enough // part)) for part in (8, 4, 2, 1)]
+        for scene, told in zip(cut, instruments.frames(cut, size), strict=True):
+            inside, _ = instruments.rays(scene, size)
+            inside &= ~np.isnan(told[..., 0])
+            predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * seen
+            error = abs(predicted - place[inside]).max(initial=0)
+            series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
+            map.add(series, grid_error(scene, scene.cells), px(error) if inside.sum() > 100 else np.nan)
+        map.limit("ideal", series, GRID_ERROR, "px")
     yield map
 
 
