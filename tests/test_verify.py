@@ -184,6 +184,30 @@ def test_rounding_decides_for_few_rays():
         assert verify._sensitive(scene, direction).mean() < most
 
 
+def traced_frames(scenes, size):
+    """As `instruments.frames` for `Positions`, by the ray trace."""
+    for scene in scenes:
+        inside, direction = instruments.rays(scene, size)
+        found = instruments.traced(scene, direction, most=20)
+        on = found.position + ((scene.z1 - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
+        on[found.end != End.THROUGH] = np.nan
+        told = np.full((*inside.shape, 3), np.nan)
+        told[inside] = on - (scene.L.real, scene.L.imag, scene.z1)
+        yield told
+
+
+@pytest.mark.parametrize("prisms", [50, 200])
+def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkeypatch):
+    """docs/accuracy.md: below |alpha| = 800 deg/N it leaves much of eq. 7's error, above it little."""
+    monkeypatch.setattr(instruments, "frames", traced_frames)
+    left = []
+    for alpha in (0, 400 / prisms, 800 / prisms):
+        scenes = verify.targets("detailed", 6, seed=3, E=0j, alphas=(alpha, alpha), prisms=prisms)
+        thin, thick = verify.errors(scenes, SIZE)
+        left.append(thick / thin)
+    assert left[0] > 0.8 and left[1] > 0.2 and left[2] < 0.1, left
+
+
 def test_the_index_of_glass_turns_no_ray_on_the_designed_path(monkeypatch):
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = instruments.Directions(z2=2)
