@@ -137,7 +137,7 @@ def check(number: int) -> Found:
 
 
 def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
-    """Movie and choice; the worst FLIP of frames that were not tried, over the tolerance; the trial, in converged frames."""
+    """Movie and choice; worst FLIP of frames not tried, in tolerances; CPU seconds of the trial, in frames."""
     size = (160, 120)
     scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("draft")]
     chosen = tried(scenes, size, tolerance)
@@ -150,12 +150,11 @@ def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
 def main(count: int) -> bool:
     KEPT.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(PROCESSES) as pool:
-        films = [pool.submit(check_movie, *movie) for movie in MOVIES]
         found = []
         for number, one in enumerate(pool.map(check, range(count))):
             found.append(one)
             print(f"{number}: {one}", file=sys.stderr, flush=True)
-        movies = [film.result() for film in films]
+        movies = list(pool.map(check_movie, *zip(*MOVIES, strict=True)))
     missed = [one for one in found if one.missed]
     far = [one for one in found if one.missed and one.flip > 1.1 * one.tolerance]
     dear = [one for one in found if not one.missed and one.dearer > 1.5]

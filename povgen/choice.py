@@ -27,11 +27,11 @@ FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
 # on or near the front of FLIP against cost (docs/speed.md); the dearest stand-in costs about as much as the first of
 # the prisms.
 STAND_IN = ("off", "1,0.1,2", "1,0.1,4")
-PRISMS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4", "1,0.1,5", "1,0.1,6")
+PRISMS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
-SHARE = 0.1  # of the window's pixels that a trial renders
-SIDE = 8  # of its blocks, pixels: many small blocks tell more of the window than a few large ones
-BLOCKS = 12  # at most, in a row and in a column
+SHARE = 0.13  # of the window's pixels that a trial renders, at most
+SIDE = 7  # of its blocks, pixels, about: many small blocks tell more of the window than a few large ones
+MOSAIC = 20, 100  # the least and the greatest side of all blocks together, pixels
 FRAMES = 8  # of a movie that are tried, at most
 MARGIN = 1.5  # standard errors of the mean over the blocks by which a picture must keep its tolerance
 ALLOWED = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
@@ -160,8 +160,9 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
         return None
     y, x = instruments.window(scene, size)
     height, width = y.stop - y.start, x.stop - x.start
-    side = min(SIDE, height, width)
-    count = int(np.clip(round(sqrt(SHARE * height * width) / side), 2, BLOCKS))
+    whole = min(float(np.clip(sqrt(SHARE * height * width), *MOSAIC)), height, width)
+    count = max(2, round(whole / SIDE))
+    side = max(1, int(whole / count))
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)
     columns = x.start + ((np.arange(count) + shift[1]) / count * (width - side)).round().astype(int)
