@@ -17,7 +17,7 @@ MAY := $(filter 0,$(shell id -u))$(SUDO)
 install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench clean help
+.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -64,7 +64,6 @@ verify: $(VENV)/charts-ready  ## every picture against the equations, and where 
 
 chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --peers benchmarks -o docs/chart
-	cp docs/chart/frames.csv povgen/measured.csv
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
 	@mkdir -p build
@@ -73,6 +72,9 @@ bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside o
 cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs: tables, and build/cluster.json
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/cluster.py
+
+auto-check: $(VENV)/charts-ready  ## what --sheet auto promises, on 100 random scenes: a table; goes on where it stopped
+	$(VENV)/bin/python benchmarks/auto_check.py
 
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
 	rm -rf $(VENV) build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache

@@ -28,6 +28,7 @@ KEPT = Path("build/auto-check")
 SCENES = 100
 SEED = 2009
 MOVIES = (("vary-alpha", 0.15), ("vary-z1", 0.1), ("spheres", 0.3))  # and a tolerance of each
+CHOICE = Path(choice.__file__).read_text()  # a trial is kept for as long as this does not change
 PROCESSES = len(os.sched_getaffinity(0))
 
 
@@ -59,7 +60,7 @@ def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
 
     height = 2 * round(spread(60, 240))
     shared = dict(prisms=round(spread(15, 600)), alpha=round(float(rng.uniform(-180, 180)), 1), z2=spread(2, 25))
-    z1, piece, tolerance = spread(1, 20), str(rng.choice(list(PIECES))), spread(0.05, 0.5)
+    z1, piece, tolerance = spread(1, 20), str(rng.choice(list(PIECES))), spread(0.08, 0.5)
     if rng.integers(2):
         scene: Scene = Spheres(**shared)
     else:
@@ -70,7 +71,7 @@ def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
 
 def kept(text: str, what: object, make) -> dict:
     """What `make` returns, from the file of an earlier run where there is one."""
-    key = "\0".join([text, json.dumps(what), Path(choice.__file__).read_text() if what == "trial" else ""])
+    key = "\0".join([text, json.dumps(what), CHOICE if what == "trial" else ""])
     path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
     if not path.is_file():
         save(json.dumps(make()).encode(), path)
