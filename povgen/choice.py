@@ -29,8 +29,9 @@ FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
 STAND_IN = ("off", "1,0.1,2", "1,0.1,4")
 PRISMS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
-SHARE = 0.125  # of the window's pixels that a trial renders, at most
+SHARE = 0.15  # of the window's pixels that a trial renders, at most
 SIDE = 10  # of its blocks, pixels, about: many small blocks tell more of the window than a few large ones
+LEAST = 4  # blocks in a row and in a column
 MOSAIC = 20, 100  # the least and the greatest side of all blocks together, pixels
 FRAMES = 8  # of a movie that are tried, at most
 MARGIN = 0.8  # standard errors of the mean over the blocks by which a picture must keep its tolerance
@@ -163,7 +164,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     y, x = instruments.window(scene, size)
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(SHARE * height * width), *MOSAIC)), height, width)
-    count = max(2, round(whole / SIDE))
+    count = max(LEAST, round(whole / SIDE))
     side = max(1, int(whole / count))
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)

@@ -22,7 +22,7 @@ POVGEN = Path(sys.executable).with_name("povgen")
 CHART = Path(__file__).parents[1] / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)
-SMALL = Rendering(size=(120, 90))
+SMALL = Rendering(size=(160, 120))
 LADDER = [*(("ideal", sampling) for sampling in STAND_IN), *(("detailed", sampling) for sampling in PRISMS)]
 
 
@@ -72,17 +72,15 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
 @pytest.mark.parametrize(
     ("scene", "tolerance"),
     [
-        (Chess(), 0.135),
+        (Chess(), 0.105),
         (Chess(alpha=180), 0.24),  # prisms that lie along the pixels' rows and beat with them
-        (Spheres(alpha=-40, z2=12, prisms=300), 0.19),  # each a quarter of a pixel wide
-        (Chess(z2=3, prisms=50), 0.5),  # more stray light, which the ideal sheet does not show
+        (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
     ],
     ids=str,
 )
 def test_only_the_choice_keeps_the_picture(scene, tolerance):
-    chosen, why = choose([scene], SMALL, Tolerance(flip=tolerance))
+    chosen, _ = choose([scene], SMALL, Tolerance(flip=tolerance))
     error = picture_error(scene, chosen.sheet, chosen.antialias)
-    print(chosen, why, error)
     assert error <= tolerance and abs(chosen.flip - error) < 0.2 * error
     place = LADDER.index((chosen.sheet, chosen.antialias))
     assert not place or picture_error(scene, *LADDER[place - 1]) > tolerance
