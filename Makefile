@@ -23,11 +23,12 @@ install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get ins
 # after an upgrade of Python, or in a copy of the checkout, whose .venv runs the original's code, the environment is
 # made anew.
 WHOLE = $$(python3 -VV) in $(CURDIR)
-$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/python -c '' 2> /dev/null || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
+$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/python -c '' 2> /dev/null \
+  || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
 # Installs into the environment, which is not whole until that has ended: what was interrupted is made anew.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(WHOLE)" > $(READY)
 
-.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench clean help
+.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -74,7 +75,6 @@ verify: $(VENV)/charts-ready  ## every picture against the equations, and where 
 
 chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --peers benchmarks -o docs/chart
-	cp docs/chart/frames.csv povgen/measured.csv
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
 	@mkdir -p build
@@ -83,6 +83,9 @@ bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside o
 cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs: tables, and build/cluster.json
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/cluster.py
+
+auto-check: $(VENV)/charts-ready  ## what --sheet auto promises, on 100 random scenes: a table; goes on where it stopped
+	$(VENV)/bin/python benchmarks/auto_check.py
 
 clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
 	$(if $(wildcard $(OURS)),rm -rf $(VENV) $(OURS))

@@ -1,31 +1,40 @@
 """The cheapest model of the sheets, and sampling, that keeps a picture within a tolerance: `--sheet auto`.
 
-Position errors follow from the scene's own numbers, by eq. 7 and the paraxial prediction; picture errors and CPU
-seconds from what `povgen chart` measured of one scene (measured.csv), by the pitch of the prisms in pixels, and from
-how much worse others are (`BEATS`, `STRAY`). What is right is the picture through the scene's own prisms, converged.
+Position errors follow from the scene's own numbers, by eq. 7 and the paraxial prediction. Picture errors are measured:
+candidates are rendered in small blocks of the scene's own window, and compared with what is right there, the picture
+through the scene's own prisms, converged.
 """
 
-import csv
 import re
+import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
-from math import inf, radians, sqrt
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from math import inf, isnan, nan, radians, sqrt
 from pathlib import Path
 
 import numpy as np
 
-from povgen import limits, rotation
-from povgen.errors import InputError
+from povgen import instruments, limits, povray, rotation, speed
+from povgen.errors import InputError, validated
+from povgen.frames import default_workers, read
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
+from povgen.source import Mosaic, to_pov
 
-MEASURED = Path(__file__).with_name("measured.csv")
 FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
-# How many times the chart's FLIP a picture's may be: through prisms by alpha (degrees), for where those of the near
-# sheet lie along the pixels' rows or diagonals they beat with them; of the ideal sheet by the share of stray light.
-BEATS = ((0, 66, 80, 90, 95, 100, 120, 150, 165, 180), (1.1, 1.1, 1.2, 1.55, 1.7, 1.5, 1.1, 1.1, 1.35, 2.75))
-STRAY = 1.15, 0.4  # factor; share of stray light in the chart's scene
+# Samplings, the cheapest first, for prisms and for the sheet that stands in for them, which needs fewer rays. Each is
+# on or near the front of FLIP against cost (docs/speed.md); the dearest stand-in costs about as much as the first of
+# the prisms.
+STAND_IN = ("off", "1,0.1,2", "1,0.1,4")
+PRISMS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
+CONVERGED = speed.CONVERGED
+SHARE = 0.15  # of the window's pixels that a trial renders, at most
+SIDE = 10  # of its blocks, pixels, about: many small blocks tell more of the window than a few large ones
+LEAST = 4  # blocks in a row and in a column
+MOSAIC = 20, 100  # the least and the greatest side of all blocks together, pixels
+FRAMES = 8  # of a movie that are tried, at most
+MARGIN = 0.8  # standard errors of the mean over the blocks by which a picture must keep its tolerance
 ALLOWED = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
 
 
@@ -50,91 +59,141 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model and a sampling, what it costs (CPU seconds of a 320x240 frame) and how far off it is expected to be."""
+    """A model of the sheets and a sampling, how far off it is, and by how much its FLIP may be more; nan: not tried."""
 
     sheet: str
     antialias: str
-    cpu: float
     px: float
-    flip: float
-
-    def meets(self, tolerance: Tolerance) -> bool:
-        """Whether both errors are within the tolerance."""
-        return self.px <= tolerance.px and self.flip <= tolerance.flip
+    flip: float = nan
+    margin: float = nan
 
     def __str__(self) -> str:
-        return f"sheet {self.sheet}, antialias {self.antialias} ({self.px:.2g} px, {self.flip:.2g} FLIP)"
+        flip = "" if isnan(self.flip) else f", {self.flip:.2g}±{self.margin:.1g} FLIP"
+        return f"sheet {self.sheet}, antialias {self.antialias} ({self.px:.2g} px{flip})"
 
 
-def candidates(scenes: Sequence[Scene], rendering: Rendering, antialias: str | None = None) -> list[Candidate]:
-    """What could make the pictures of scenes with detailed sheets, the cheapest first, with the worst of their errors.
+class _Part(Rendering):
+    """A mosaic, which may be smaller than any picture."""
 
-    All measured samplings, or one. Raises InputError where that one is not measured.
-    """
-    pixels = [scene.window / scene.view_height * rendering.size[1] / scene.prisms for scene in scenes]
-    measured = _measured()
-    samplings = dict.fromkeys(sampling for _, sampling in measured)
-    if antialias is not None and antialias not in samplings:
-        raise InputError(f"antialias = {antialias!r}: not measured; allowed with sheet auto: {' '.join(samplings)}")
-    off = {
-        sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
-        for sheet in ("none", "ideal", "detailed")
-    }
-    worse = {"detailed": [_beats(scene) for scene in scenes], "ideal": [_stray(scene) for scene in scenes]}
-    ghost = any(getattr(scene, "ghost", False) for scene in scenes)
-    unturned = all(scene.alpha % 360 == 0 for scene in scenes)
-    found = []
-    for (sheet, sampling), table in measured.items():
-        if antialias in (None, sampling):
-            costs, errors = (np.interp(np.log(pixels), np.log(table[0]), y) for y in table[1:])
-            cpu, flip = float(np.max(costs)), float(np.max(errors * worse[sheet]))
-            found.append(Candidate(sheet, sampling, cpu, off[sheet], flip))
-            if sheet == "ideal" and not ghost:
-                # no sheet: saves the ideal one's camera alone, and the picture is another unless alpha is 0
-                found.append(Candidate("none", sampling, 0.99 * cpu, off["none"], flip if unturned else 1.0))
-    return sorted(found, key=lambda candidate: candidate.cpu)
+    size: tuple[int, int]
 
 
 def choose(
     scenes: Sequence[Scene], rendering: Rendering, tolerance: Tolerance, antialias: str | None = None
 ) -> tuple[Candidate, str]:
-    """The cheapest candidate that meets the tolerance in every scene, and why, in a line.
+    """The cheapest sheets and sampling for scenes with detailed sheets that meet the tolerance, and why, in a line.
 
-    Raises InputError where none does.
+    Positions are predicted in every scene; pictures are tried in `FRAMES` of them at most. `antialias` stands for all
+    samplings. Raises InputError where none meets it, or where flip-evaluator is missing; PovrayError.
     """
-    ranked = candidates(scenes, rendering, antialias)
-    n = next((n for n, candidate in enumerate(ranked) if candidate.meets(tolerance)), None)
-    if n is None:
-        best = min(ranked, key=lambda candidate: (candidate.px > tolerance.px, candidate.flip))
-        raise InputError(f"tolerance: none meets it; the nearest is {best}; allowed: no less than that")
-    cheaper = f"; the next cheaper, {ranked[n - 1]}, is not" if n else ""
-    return ranked[n], f"{ranked[n]}: the cheapest within tolerance{cheaper}"
+    # POV-Ray's own picture has no sheet where light is not turned
+    plain = all(scene.alpha % 360 == 0 and not getattr(scene, "ghost", False) for scene in scenes)
+    stand_in = "none" if plain else "ideal"
+    off = {
+        sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
+        for sheet in (stand_in, "detailed")
+    }
+    ladders = [
+        [Candidate(sheet, sampling, off[sheet]) for sampling in ([antialias] if antialias else samplings)]
+        for sheet, samplings in ((stand_in, STAND_IN), ("detailed", PRISMS))
+    ]
+    kept = [ladder for ladder in ladders if ladder[0].px <= tolerance.px]
+    reason = f"; {ladders[0][0]} is not" if len(kept) < len(ladders) else ""
+    if tolerance.flip == inf:
+        return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
+    trial = _Trial(scenes, rendering.size)
+    for ladder in kept:
+        low, high = 0, len(ladder)  # the cheapest that will do is among these, or there is none
+        while low < high:
+            middle = (low + high) // 2
+            tried = ladder[middle] = trial.of(ladder[middle])
+            if tried.flip + tried.margin <= tolerance.flip:
+                high = middle
+            else:
+                low, reason = middle + 1, f"; the next cheaper, {tried}, is not"
+        if low < len(ladder):
+            return ladder[low], f"{ladder[low]}: the cheapest within tolerance{reason}"
+    best = min((c for ladder in kept for c in ladder if not isnan(c.flip)), key=lambda c: c.flip + c.margin)
+    raise InputError(f"tolerance: none meets it; the nearest is {best}; allowed: no less than that")
 
 
-@cache
-def _measured() -> dict[tuple[str, str], tuple[list[float], list[float], list[float]]]:
-    """For each sheet and sampling: pixels per prism, CPU seconds as of 320x240, and mean FLIP against prisms."""
-    tables: dict = {}
-    with MEASURED.open(newline="") as file:
-        for row in csv.DictReader(file):
-            if row["method"] in ("ideal", "detailed") and not row["antialias"].startswith("box"):
-                x, cpu, flip = tables.setdefault((row["method"], row["antialias"]), ([], [], []))
-                height = int(row["height"])
-                x.append(Scene.window / Scene.view_height * height / 100)
-                cpu.append(float(row["CPU s"]) * (240 / height) ** 2)
-                flip.append(float(row["FLIP against prisms"]))
-    return tables
+class _Trial:
+    """What candidates make of a few small blocks of a few scenes' windows, against what is right there."""
+
+    def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]):
+        _flip_or_refuse()
+        chosen = np.unique(np.linspace(0, len(scenes) - 1, FRAMES).round().astype(int))
+        self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
+        self.right = self._pictures("detailed", CONVERGED)
+
+    def of(self, candidate: Candidate) -> Candidate:
+        """The candidate with its mean FLIP, and the margin, in the scene where they are worst."""
+        pictures = self._pictures(candidate.sheet, candidate.antialias)
+        worst = (0.0, 0.0)  # where the window shows nothing
+        for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
+            blocks = _flip(picture, right, part.side)
+            if candidate.sheet == "detailed":
+                # FLIP minds a pixel's surroundings. Noise at the edges of a block counts for too much beside other
+                # blocks, and for as much too little beside the block itself (3 %, in the mean of 14 scenes).
+                blocks = (blocks + _flip(picture, right, part.side, part.side // 2)) / 2
+            margin = MARGIN * float(blocks.std(ddof=1)) / sqrt(blocks.size)
+            worst = max(worst, (float(blocks.mean()), margin), key=sum)
+        return replace(candidate, flip=worst[0], margin=worst[1])
+
+    def _pictures(self, sheet: str, antialias: str) -> list[np.ndarray]:
+        def render(scene: Scene, part: Mosaic) -> np.ndarray:
+            size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
+            text = to_pov(scene.model_copy(update={"sheet": sheet}), part)
+            with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
+                return read(povray.run(text, validated(_Part, {"size": size, "antialias": antialias}), Path(folder)))
+
+        pool = ThreadPoolExecutor(default_workers())
+        try:
+            return list(pool.map(render, *zip(*self.mosaics, strict=True))) if self.mosaics else []
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            povray.stop()
+            pool.shutdown()
 
 
-def _beats(scene: Scene) -> float:
-    """By how much the prisms' FLIP may exceed the chart's."""
-    return float(np.interp(abs((scene.alpha + 180) % 360 - 180), *BEATS))
+def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
+    """Blocks of the window's pixels, each at random in a part of the window of its own; None where it is not seen."""
+    inside, _ = instruments.rays(scene, size)
+    if not inside.any():
+        return None
+    y, x = instruments.window(scene, size)
+    height, width = y.stop - y.start, x.stop - x.start
+    whole = min(float(np.clip(sqrt(SHARE * height * width), *MOSAIC)), height, width)
+    count = max(LEAST, round(whole / SIDE))
+    side = max(1, int(whole / count))
+    shift = np.random.default_rng(1).uniform(size=(2, count, count))
+    rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)
+    columns = x.start + ((np.arange(count) + shift[1]) / count * (width - side)).round().astype(int)
+    return Mosaic(size, side, np.stack((columns, rows), axis=-1).tolist())
 
 
-def _stray(scene: Scene) -> float:
-    """By how much the ideal sheet's FLIP may exceed the chart's."""
-    factor, share = STRAY
-    return factor * sqrt((1 - limits.survey(scene).proper) / share)
+def _flip(picture: np.ndarray, right: np.ndarray, side: int, around: int = 0) -> np.ndarray:
+    """Mean FLIP of each block of a mosaic, (rows, columns), with `around` pixels of itself, repeated, about each."""
+    extent, columns = side + 2 * around, picture.shape[1] // side
+    index = np.arange(-around, side + around) % side
+
+    def repeated(mosaic: np.ndarray) -> np.ndarray:
+        blocks = mosaic.reshape(-1, side, columns, side, 3)[:, index][:, :, :, index]
+        return blocks.reshape(-1, columns * extent, 3)
+
+    off = speed.flip(repeated(picture), repeated(right)).reshape(-1, extent, columns, extent)
+    inner = slice(around, around + side)
+    return off[:, inner, :, inner].mean((1, 3))
+
+
+def _flip_or_refuse() -> None:
+    try:
+        import flip_evaluator  # noqa: F401
+    except ImportError:
+        allowed = "pip install 'povgen[charts]', or a tolerance in px alone"
+        raise InputError(
+            f"tolerance in flip: needs flip-evaluator, which is not installed; allowed: {allowed}"
+        ) from None
 
 
 def _position_error(scene: Scene, sheet: str) -> float:

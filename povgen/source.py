@@ -1,8 +1,9 @@
 """From a scene to the text that POV-Ray reads, from movies to a page: the one place where templates are rendered."""
 
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
@@ -29,10 +30,21 @@ def _environment() -> Environment:
     return environment
 
 
-def to_pov(scene: Scene) -> str:
-    """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone."""
+class Mosaic(NamedTuple):
+    """Blocks of a picture's pixels, to be rendered side by side in place of the whole picture."""
+
+    size: tuple[int, int]  # of the whole picture, pixels
+    side: int  # of a block, pixels
+    blocks: Sequence[Sequence[tuple[int, int]]]  # in rows: column and row of each block's upper left pixel
+
+
+def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
+    """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone.
+
+    With a mosaic the camera sees its blocks alone.
+    """
     template = _environment().get_template(f"{scene.name}.pov.j2")
-    return template.render(scene=scene, solid="merge" if getattr(scene, "ghost", False) else "union")
+    return template.render(scene=scene, mosaic=mosaic, solid="merge" if getattr(scene, "ghost", False) else "union")
 
 
 def to_html(page: dict[str, Any]) -> str:

@@ -118,12 +118,18 @@ def sample(text: str, sampling: str, size: tuple[int, int]) -> tuple[float, np.n
 
 def picture_error(picture: np.ndarray, reference: np.ndarray, scene: Scene) -> tuple[float, float]:
     """RMS difference (0 to 1) and mean FLIP of two pictures, bytes, inside the window."""
-    import flip_evaluator
-
     height, width = reference.shape[:2]
     window = instruments.window(scene, (width, height))
-    a, b = (np.ascontiguousarray(image[window] / np.float32(255), np.float32) for image in (reference, picture))
-    return rms(a - b), float(flip_evaluator.evaluate(a, b, "LDR", applyMagma=False)[1])
+    a, b = (image[window].astype(float) / 255 for image in (reference, picture))
+    return rms(a - b), float(flip(picture[window], reference[window]).mean())
+
+
+def flip(picture: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """FLIP of each pixel of two pictures, (height, width, 3) bytes."""
+    import flip_evaluator
+
+    a, b = (np.ascontiguousarray(image / np.float32(255), np.float32) for image in (reference, picture))
+    return flip_evaluator.evaluate(a, b, "LDR", applyMagma=False)[0][..., 0]
 
 
 def frames(peers: dict[str, Callable[[str], str]], done: Callable[[str], object]) -> list[Point]:

@@ -10,28 +10,31 @@ import numpy as np
 import pytest
 
 from povgen import Chess, Rendering, Spheres, rotation, speed, to_pov
-from povgen.choice import MEASURED, Tolerance, candidates, choose
+from povgen.choice import MOSAIC, PRISMS, SHARE, STAND_IN, Tolerance, choose, mosaic
 from povgen.errors import InputError
-from povgen.instruments import Positions
+from povgen.instruments import Positions, window
 from povgen.rendering import QUALITIES
+from povgen.source import Mosaic
 from povgen.verify import located
 
 pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")
+CHART = Path(__file__).parents[1] / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)
 SMALL = Rendering(size=(160, 120))
+LADDER = [*(("ideal", sampling) for sampling in STAND_IN), *(("detailed", sampling) for sampling in PRISMS)]
 
 
 @cache
 def converged(scene):
-    return speed.sample(to_pov(scene), "1,0.001,6", SMALL.size)[1]
+    return speed.sample(to_pov(scene), speed.CONVERGED, SMALL.size)[1]
 
 
-def picture_error(scene, candidate):
-    """Mean FLIP of a candidate's picture, rendered, against the converged one through the scene's prisms."""
-    text = to_pov(scene.model_copy(update={"sheet": candidate.sheet}))
-    return speed.picture_error(speed.sample(text, candidate.antialias, SMALL.size)[1], converged(scene), scene)[1]
+def picture_error(scene, sheet, antialias):
+    """Mean FLIP of a picture, rendered, against the converged one through the scene's prisms."""
+    text = to_pov(scene.model_copy(update={"sheet": sheet}))
+    return speed.picture_error(speed.sample(text, antialias, SMALL.size)[1], converged(scene), scene)[1]
 
 
 def position_error(scene, sheet):
@@ -62,42 +65,79 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
     chosen, _ = choose([scene], PAPER, Tolerance(px=tolerance))
     assert chosen.sheet == sheet
     assert position_error(scene, sheet) <= tolerance
-    cheaper = [candidate.sheet for candidate in candidates([scene], PAPER) if candidate.cpu < chosen.cpu]
-    for other in {"ideal": {"none"}, "detailed": {"none", "ideal"}, "none": set()}[sheet]:
-        assert other in cheaper
-        if other == "ideal":
-            assert position_error(scene, other) > tolerance
-        else:
-            assert scene.alpha % 360  # light is not turned at all
+    if sheet == "detailed":
+        assert position_error(scene, "ideal") > tolerance
 
 
 @pytest.mark.parametrize(
     ("scene", "tolerance"),
     [
-        *((Chess(), tolerance) for tolerance in (0.125, 0.1, 0.45)),
-        *((Chess(alpha=150, z1=4, piece="rook"), tolerance) for tolerance in (0.125, 0.1, 0.45)),
-        (Chess(alpha=180), 0.24),  # prisms that lie along the pixels' rows
-        (Chess(z2=3), 0.52),  # more stray light
-        (Chess(z2=3), 0.44),
+        (Chess(), 0.105),
+        (Chess(alpha=180), 0.24),  # prisms that lie along the pixels' rows and beat with them
+        (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
     ],
     ids=str,
 )
 def test_only_the_choice_keeps_the_picture(scene, tolerance):
     chosen, _ = choose([scene], SMALL, Tolerance(flip=tolerance))
-    assert picture_error(scene, chosen) <= tolerance
-    ranked = candidates([scene], SMALL)
-    cheaper = ranked[ranked.index(chosen) - 1]
-    assert picture_error(scene, cheaper) > tolerance
+    error = picture_error(scene, chosen.sheet, chosen.antialias)
+    assert error <= tolerance and abs(chosen.flip - error) < 0.2 * error
+    place = LADDER.index((chosen.sheet, chosen.antialias))
+    assert not place or picture_error(scene, *LADDER[place - 1]) > tolerance
 
 
 def test_a_movie_gets_one_choice_that_holds_in_every_frame():
     scenes = [Chess(alpha=alpha) for alpha in (0, 90, 180)]
     chosen, why = choose(scenes, PAPER, Tolerance(px=3.5))
-    alone = [next(c for c in candidates([scene], PAPER) if c.sheet == chosen.sheet) for scene in scenes]
-    assert chosen.sheet == "ideal" and chosen.px == max(c.px for c in alone) > min(c.px for c in alone)
+    alone = [choose([scene], PAPER, Tolerance(px=3.5))[0].px for scene in scenes]
+    assert chosen.sheet == "ideal" and chosen.px == max(alone) > min(alone)
     assert chosen.sheet in why and chosen.antialias in why
     spheres, _ = choose([Spheres()], PAPER, Tolerance(px=0.01))
     assert spheres.sheet == "detailed"
+
+    tiny, tolerance = Rendering(size=(64, 48)), Tolerance(px=0.01, flip=0.9)
+    chosen, _ = choose(scenes, tiny, tolerance)
+    alone = [choose([scene], tiny, tolerance)[0].flip for scene in scenes]
+    assert (chosen.sheet, chosen.antialias) == ("detailed", "off") and chosen.flip in alone
+    assert chosen.flip >= sorted(alone)[1]  # the worst, by FLIP and its margin
+
+
+@pytest.mark.parametrize("scene", [Chess(sheet="none"), Chess(sheet="ideal"), Chess(alpha=20, z2=12)], ids=str)
+def test_a_mosaic_is_parts_of_the_picture(scene):
+    size, side = (160, 120), 8
+    rows, columns = window(scene, size)
+    blocks = [[(columns.start + 3 + 20 * i, rows.start + 5 + 18 * j) for i in range(4)] for j in range(4)]
+    _, whole = speed.sample(to_pov(scene), "off", size)
+    _, parts = speed.sample(to_pov(scene, Mosaic(size, side, blocks)), "off", (32, 32))
+    right = np.vstack([np.hstack([whole[y : y + side, x : x + side] for x, y in row]) for row in blocks])
+    assert (abs(parts.astype(int) - right).max(-1) < 8).mean() > 0.9
+
+
+@pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
+def test_a_trial_renders_little_and_all_over_the_window(size):
+    scene = Chess(offset=(0.3, -1.6))
+    part = mosaic(scene, size)
+    rows, columns = window(scene, size)
+    y, x = np.array(part.blocks)[..., 1], np.array(part.blocks)[..., 0]
+    assert rows.start <= y.min() and y.max() + part.side <= rows.stop
+    assert columns.start <= x.min() and x.max() + part.side <= columns.stop
+    height, width = rows.stop - rows.start, columns.stop - columns.start
+    assert y.size * part.side**2 <= max(SHARE * height * width, MOSAIC[0] ** 2)
+    assert y.size * part.side**2 <= MOSAIC[1] ** 2 and y.max() - y.min() > height / 4 and x.max() - x.min() > width / 4
+    assert mosaic(scene, size) == part
+
+
+def test_nothing_is_tried_where_nothing_is_seen():
+    hidden = Chess(offset=(0, -9), z2=0.3)
+    assert mosaic(hidden, SIZE) is None
+    assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
+
+
+def test_flip_is_needed_for_pictures_alone(monkeypatch):
+    monkeypatch.setitem(sys.modules, "flip_evaluator", None)
+    with pytest.raises(InputError, match=r"povgen\[charts\]"):
+        choose([Chess()], SMALL, Tolerance(flip=0.2))
+    assert choose([Chess()], SMALL, Tolerance(px=0.1))[0].sheet == "detailed"
 
 
 @pytest.mark.parametrize(
@@ -123,8 +163,8 @@ def test_the_command(tmp_path):
     for arguments, word in (
         (["frame", "chess", "--sheet", "auto"], "--tolerance"),
         (["frame", "chess", "--tolerance", "1px"], "--sheet auto"),
-        (["frame", "chess", "--sheet", "auto", "--tolerance", "0.0001flip"], "nearest"),
-        (["frame", "chess", "--sheet", "auto", "--tolerance", "1px", "--antialias", "2,0.77,1"], "not measured"),
+        (["frame", "chess", "--sheet", "auto", "--tolerance", "0.0001flip", "--size", "32x32"], "nearest"),
+        (["frame", "chess", "--sheet", "auto", "--tolerance", "1px", "--antialias", "3,0.77,1"], "antialias"),
     ):
         done = povgen(*arguments)
         assert done.returncode == 2 and word in done.stderr and len(done.stderr.splitlines()) <= 2, done
@@ -132,7 +172,7 @@ def test_the_command(tmp_path):
 
 def test_qualities_lie_on_the_front():
     """No sampling that was measured costs less and is nearer to right, by RMS or by FLIP."""
-    rows = [row for row in csv.DictReader(MEASURED.open()) if row["method"] == "detailed" and row["height"] == "240"]
+    rows = [row for row in csv.DictReader(CHART.open()) if row["method"] == "detailed" and row["height"] == "240"]
     for quality in ("draft", "paper", "high"):
         sampling = QUALITIES[quality]["antialias"]
         (own,) = (row for row in rows if row["antialias"] == sampling)

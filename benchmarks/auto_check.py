@@ -1,0 +1,193 @@
+"""What `--sheet auto` promises, on scenes drawn at random, as a table: `make auto-check`.
+
+What is measured is kept in build/auto-check: a run that was stopped goes on, and nothing is rendered twice. CPU seconds
+are the operating system's account of the POV-Ray processes, of whole frames and of whole trials.
+"""
+
+import json
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from math import exp, inf, log
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from povgen import Chess, Rendering, Spheres, choice, speed, to_pov
+from povgen.errors import InputError
+from povgen.output import save
+from povgen.scenes import PIECES, Scene
+from povgen.spec import MovieSpec
+
+KEPT = Path("build/auto-check")
+SCENES = 100
+SEED = 2009
+MOVIES = (("vary-alpha", 0.15), ("vary-z1", 0.1), ("spheres", 0.3))  # and a tolerance of each
+CHOICE = Path(choice.__file__).read_text()  # a trial is kept for as long as this does not change
+PROCESSES = len(os.sched_getaffinity(0))
+
+
+@dataclass
+class Found:
+    """What became of one scene: the choice, what the trial said, and what whole frames say."""
+
+    scene: str
+    tolerance: float
+    sheet: str | None  # None: refused, as nothing keeps the tolerance
+    antialias: str | None
+    flip: float  # of the whole window; where refused, of the best candidate
+    expected: float
+    dearer: float  # CPU seconds of the choice, over those of the cheapest candidate that keeps the tolerance
+    trial: float  # CPU seconds, over those of a converged frame
+
+    @property
+    def missed(self) -> bool:
+        return self.sheet is not None and self.flip > self.tolerance
+
+
+def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
+    """Scene, size and tolerance (mean FLIP) of one of the random scenes."""
+    rng = np.random.default_rng((SEED, number))
+
+    def spread(least: float, greatest: float) -> float:
+        """Evenly in the logarithm, to three digits."""
+        return float(f"{exp(rng.uniform(log(least), log(greatest))):.3g}")
+
+    height = 2 * round(spread(60, 240))
+    shared = dict(prisms=round(spread(15, 600)), alpha=round(float(rng.uniform(-180, 180)), 1), z2=spread(2, 25))
+    z1, piece, tolerance = spread(1, 20), str(rng.choice(list(PIECES))), spread(0.08, 0.5)
+    if rng.integers(2):
+        scene: Scene = Spheres(**shared)
+    else:
+        clear = Chess(**shared | {"z1": 5}).depth / 2 + 0.45  # of the sheets' frame
+        scene = Chess(**shared, z1=max(z1, round(clear, 2)), piece=piece)
+    return scene, (2 * round(height * 2 / 3), height), tolerance
+
+
+def kept(text: str, what: object, make) -> dict:
+    """What `make` returns, from the file of an earlier run where there is one."""
+    key = "\0".join([text, json.dumps(what), CHOICE if what == "trial" else ""])
+    path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
+    if not path.is_file():
+        save(json.dumps(make()).encode(), path)
+    return json.loads(path.read_text())
+
+
+def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
+    """CPU seconds and picture of what is right."""
+    text = to_pov(scene)
+    path = KEPT / f"{sha256(f'{text}{size}'.encode()).hexdigest()[:32]}.npz"
+    if not path.is_file():
+        cpu, picture = speed.sample(text, choice.CONVERGED, size)
+        with path.with_suffix(".part").open("wb") as file:
+            np.savez_compressed(file, cpu=cpu, picture=picture)
+        path.with_suffix(".part").rename(path)
+    with np.load(path) as data:
+        return float(data["cpu"]), data["picture"]
+
+
+def measured(scene: Scene, size: tuple[int, int], candidate: tuple[str, str]) -> tuple[float, float]:
+    """CPU seconds and mean FLIP of a candidate's whole frame."""
+
+    def make() -> list[float]:
+        cpu, picture = speed.sample(text, candidate[1], size)
+        return [cpu, speed.picture_error(picture, converged(scene, size)[1], scene)[1]]
+
+    text = to_pov(scene.model_copy(update={"sheet": candidate[0]}))
+    cpu, flip = kept(text, [size, candidate], make)
+    return cpu, flip
+
+
+def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> dict:
+    """What was chosen, and the CPU seconds of the trial."""
+
+    def make() -> dict:
+        before = getrusage(RUSAGE_CHILDREN)
+        try:
+            chosen, _ = choice.choose(scenes, Rendering(size=size), choice.Tolerance(flip=tolerance))
+            found = asdict(chosen)
+        except InputError:
+            found = {"sheet": None, "antialias": None, "flip": inf, "margin": 0}
+        after = getrusage(RUSAGE_CHILDREN)
+        return found | {"cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
+
+    return kept("".join(map(to_pov, scenes)) + f"{size} {tolerance}", "trial", make)
+
+
+def check(number: int) -> Found:
+    """Choose for one of the random scenes, and render what is needed to judge it."""
+    scene, size, tolerance = draw(number)
+    chosen = tried([scene], size, tolerance)
+    order = [("ideal", sampling) for sampling in choice.STAND_IN]
+    order += [("detailed", sampling) for sampling in choice.PRISMS]
+    refused = chosen["sheet"] is None
+    place = len(order) - 1 if refused else order.index((chosen["sheet"], chosen["antialias"]))
+    cpu, flip = measured(scene, size, order[place])
+    dearer = inf if refused and flip <= tolerance else 1.0
+    if not refused:
+        costs = [measured(scene, size, candidate) for candidate in order[:place]]
+        dearer = max([1.0, *(cpu / cost for cost, error in costs if error <= tolerance)])
+    trial = chosen["cpu"] / converged(scene, size)[0]
+    name = f"{scene.name} {size[0]}x{size[1]} N {scene.prisms} α {scene.alpha} z2 {scene.z2:g}"
+    return Found(name, tolerance, chosen["sheet"], chosen["antialias"], flip, chosen["flip"], dearer, trial)
+
+
+def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
+    """Movie and choice; worst FLIP of frames not tried, in tolerances; CPU seconds of the trial, in frames."""
+    size = (160, 120)
+    scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("draft")]
+    chosen = tried(scenes, size, tolerance)
+    between = [scenes[round((k + 0.5) * (len(scenes) - 1) / 7)] for k in range(7)]
+    flip = max(measured(scene, size, (chosen["sheet"], chosen["antialias"]))[1] for scene in between)
+    cost = float(np.mean([converged(scene, size)[0] for scene in between]))
+    return f"{name}: {chosen['sheet']} {chosen['antialias']}", flip / tolerance, chosen["cpu"] / cost
+
+
+def main(count: int) -> bool:
+    KEPT.mkdir(parents=True, exist_ok=True)
+    with ProcessPoolExecutor(PROCESSES) as pool:
+        found = []
+        for number, one in enumerate(pool.map(check, range(count))):
+            found.append(one)
+            print(f"{number}: {one}", file=sys.stderr, flush=True)
+        movies = list(pool.map(check_movie, *zip(*MOVIES, strict=True)))
+    missed = [one for one in found if one.missed]
+    far = [one for one in found if one.missed and one.flip > 1.1 * one.tolerance]
+    dear = [one for one in found if not one.missed and one.dearer > 1.5]
+    share = max(one.trial for one in found)
+    rows = [
+        ("tolerance kept, scenes", len(found) - len(missed), 0.98 * count, True),
+        ("missed by more than 10 %, scenes", len(far), 0, False),
+        ("at most 1.5 times as dear as the cheapest that keeps it, scenes", len(found) - len(dear), 0.9 * count, True),
+        ("greatest cost of a trial, converged frames", share, 0.2, False),
+        ("greatest cost of a movie's trial, converged frames", max(cost for *_, cost in movies), 2, False),
+        (
+            "worst FLIP of a movie's frames that were not tried, tolerances",
+            max(worst for _, worst, _ in movies),
+            1.1,
+            False,
+        ),
+    ]
+    table = Table("", "measured", "bound", "", title=f"--sheet auto on {count} random scenes")
+    for what, value, bound, least in rows:
+        holds = value >= bound if least else value <= bound
+        table.add_row(what, f"{value:.3g}", f"{'≥' if least else '≤'} {bound:g}", "ok" if holds else "FAILS")
+    console = Console(width=120)
+    console.print(table)
+    refused = sum(one.sheet is None for one in found)
+    ideal = sum(one.sheet == "ideal" for one in found)
+    console.print(f"chosen: {ideal} ideal, {count - ideal - refused} detailed, {refused} refused")
+    for one in missed + dear:
+        console.print(one)
+    for movie in movies:
+        console.print(*movie)
+    return all(value >= bound if least else value <= bound for _, value, bound, least in rows)
+
+
+if __name__ == "__main__":
+    sys.exit(not main(int(sys.argv[1]) if len(sys.argv) > 1 else SCENES))
