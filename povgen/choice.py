@@ -6,18 +6,17 @@ through the scene's own prisms, converged.
 """
 
 import re
-import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
-from pathlib import Path
 
 import numpy as np
 
 from povgen import instruments, limits, povray, rotation, speed
 from povgen.errors import InputError, validated
 from povgen.frames import default_workers, read
+from povgen.output import temporary_folder
 from povgen.rendering import Rendering
 from povgen.scenes import Scene
 from povgen.source import Mosaic, to_pov
@@ -141,18 +140,19 @@ class _Trial:
         return replace(candidate, flip=worst[0], margin=worst[1])
 
     def _pictures(self, sheet: str, antialias: str) -> list[np.ndarray]:
-        def render(scene: Scene, part: Mosaic) -> np.ndarray:
+        def render(source: str, part: Mosaic) -> np.ndarray:
             size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
-            text = to_pov(scene.model_copy(update={"sheet": sheet}), part)
-            with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
-                return read(povray.run(text, validated(_Part, {"size": size, "antialias": antialias}), Path(folder)))
+            with temporary_folder() as folder:
+                return read(runner.run(source, validated(_Part, {"size": size, "antialias": antialias}), folder))
 
-        pool = ThreadPoolExecutor(default_workers())
+        runner, pool = povray.Runner(), ThreadPoolExecutor(default_workers())
         try:
-            return list(pool.map(render, *zip(*self.mosaics, strict=True))) if self.mosaics else []
+            # texts are made in this thread: rays are traced for them in Python, which a signal interrupts only here
+            texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
+            return list(pool.map(render, texts, [part for _, part in self.mosaics]))
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-            povray.stop()
+            runner.stop()
             pool.shutdown()
 
 
