@@ -262,9 +262,10 @@ def test_a_killed_povray_is_tried_again(place, monkeypatch):
     met, communicate = [], subprocess.Popen.communicate
 
     def struck(process, *arguments, **options):
-        met.append(process)
-        if len(met) in (1, 3, 5):  # the first try of three frames
-            process.kill()
+        if "+Iscene.pov" in process.args:
+            met.append(process)
+            if len(met) in (1, 3, 5):  # the first try of three frames
+                process.kill()
         return communicate(process, *arguments, **options)
 
     monkeypatch.setattr(subprocess.Popen, "communicate", struck)
