@@ -171,6 +171,18 @@ def test_stopped_while_it_is_loaded(module, place):
         stop(process)
 
 
+@pytest.mark.parametrize("becomes", ["raise", "raise ImportError from None", "pass"])
+@pytest.mark.parametrize("command", [(POVGEN,), (sys.executable, "-m", "povgen")], ids=["povgen", "python -m povgen"])
+def test_stopped_in_an_import(command, becomes, place):
+    """Whatever the module that is loaded then makes of the exception."""
+    slow = f"import time\nopen('loaded', 'w')\ntry: time.sleep(60)\nexcept BaseException: {becomes}\n"
+    (place / "modules").mkdir()
+    (place / "modules" / "typer.py").write_text(slow)
+    process = start(place, command=command, PYTHONPATH=str(place / "modules"))
+    wait_for((place / "loaded").exists)
+    stop(process)
+
+
 @pytest.mark.parametrize("arguments", [["movie", "vary-alpha", "--quality", "high", "--quiet"], ["verify"]])
 def test_stopped_with_much_under_way(arguments, place):
     """All workers have begun, frame after frame is prepared in Python; later too."""
