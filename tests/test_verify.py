@@ -38,11 +38,11 @@ def test_bounds_hold(name):
 
 @pytest.mark.parametrize("name", REDUCED)
 def test_bounds_fail_for_another_scene(name, monkeypatch):
-    """Half a degree in alpha turns every check red, but for two that are of lengths."""
+    """Half a degree in alpha turns every check red, but for three that are of lengths."""
     render = instruments.frames
 
     def other(scene):
-        if name == "hyperbola":
+        if name in ("hyperbola", "finite prisms"):
             change = {"L": scene.L + 0.05}
         elif name == "real image":
             change = {"z2": 0.98 * scene.z2}
@@ -110,7 +110,7 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
     [
         (
             stability.pole,
-            {"size": SIZE},
+            {"conditions": (3, 1e7), "size": SIZE},
             lambda y: y["eq. 7, α → 180°"][0] < 0.05 and np.isnan(y["eq. 7, z1 → z2"][-1]),
         ),
         (
