@@ -34,6 +34,7 @@ from povgen.trace import End
 from povgen.verify import SMALL, Measured, fractions, located, px, rms, transverse
 
 TINY = (320, 240)
+CONDITIONS = tuple(10.0 ** np.arange(0.5, 7.5, 0.5))
 RENDERED = ", by POV-Ray"  # ends the name of a series beside the one that the exact ray trace makes
 
 
@@ -76,13 +77,13 @@ class Map:
         self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
 
 
-def pole(size=TINY) -> Iterator[Map]:
+def pole(conditions=CONDITIONS, size=TINY) -> Iterator[Map]:
     """(a) Measured against predicted position as alpha -> 180 deg and as z1 -> z2, by the condition number of P."""
     x, y = "condition number |1 − P|", "error of position (px)"
     map = Map("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
-            for M, _, place, thin in _near_pole(toward, 10.0 ** np.arange(0.5, 7.5, 0.5), size, sheet="ideal", E=E):
+            for M, _, place, thin in _near_pole(toward, conditions, size, sheet="ideal", E=E):
                 map.add(series, M, px(abs(place - thin)))
             map.limit("ideal", series, CONDITION)
     yield map

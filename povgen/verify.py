@@ -280,7 +280,7 @@ def finite_prisms(
 
 
 # |alpha|, degrees: from and to where the paraxial prediction for 100 prisms is measured, and what it may leave
-RANGES = (((0, 0), 1.6), ((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
+RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
 def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:

@@ -38,16 +38,16 @@ def test_bounds_hold(name):
 
 @pytest.mark.parametrize("name", REDUCED)
 def test_bounds_fail_for_another_scene(name, monkeypatch):
-    """Half a degree in alpha turns every check red, but for two that are of lengths and one of a rate."""
+    """Half a degree in alpha turns every check red, but for three that are of lengths."""
     render = instruments.frames
 
     def other(scene):
-        if name == "hyperbola":
+        if name in ("hyperbola", "finite prisms"):
             change = {"L": scene.L + 0.05}
         elif name == "real image":
             change = {"z2": 0.98 * scene.z2}
         else:
-            change = {"alpha": scene.alpha + (1 if name == "finite prisms" else 0.5)}
+            change = {"alpha": scene.alpha + 0.5}
         return scene.model_copy(update=change)
 
     monkeypatch.setattr(instruments, "frames", lambda scenes, size: render([other(s) for s in scenes], size))
@@ -110,7 +110,7 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
     [
         (
             stability.pole,
-            {"size": SIZE},
+            {"conditions": (3, 1e7), "size": SIZE},
             lambda y: y["eq. 7, α → 180°"][0] < 0.05 and np.isnan(y["eq. 7, z1 → z2"][-1]),
         ),
         (
@@ -293,8 +293,8 @@ def test_no_warning_without_cause():
         (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "proper path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
-        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "9", "alpha = 179", "z1 = 5", "moves the object by"]),
-        (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "9", "moves the object by"]),
+        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "9", "alpha = 179", "z1 = 5", "moves the piece by"]),
+        (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "9", "moves the piece by"]),
         (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "150", "573 times"]),
         # an eye aside: the camera's cells are not small enough before that
         (
