@@ -120,7 +120,7 @@ class _Trial:
     """What candidates make of a few small blocks of a few scenes' windows, against what is right there."""
 
     def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]):
-        _flip_or_refuse()
+        speed.flip_evaluator()  # missed before anything is rendered
         chosen = np.unique(np.linspace(0, len(scenes) - 1, FRAMES).round().astype(int))
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
         self.right = self._pictures("detailed", CONVERGED)
@@ -184,16 +184,6 @@ def _flip(picture: np.ndarray, right: np.ndarray, side: int, around: int = 0) ->
     off = speed.flip(repeated(picture), repeated(right)).reshape(-1, extent, columns, extent)
     inner = slice(around, around + side)
     return off[:, inner, :, inner].mean((1, 3))
-
-
-def _flip_or_refuse() -> None:
-    try:
-        import flip_evaluator  # noqa: F401
-    except ImportError:
-        allowed = "pip install 'povgen[charts]', or a tolerance in px alone"
-        raise InputError(
-            f"tolerance in flip: needs flip-evaluator, which is not installed; allowed: {allowed}"
-        ) from None
 
 
 def _position_error(scene: Scene, sheet: str) -> float:

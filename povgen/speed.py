@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
+from types import ModuleType
 from unittest import mock
 
 import numpy as np
@@ -125,11 +126,19 @@ def picture_error(picture: np.ndarray, reference: np.ndarray, scene: Scene) -> t
 
 
 def flip(picture: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """FLIP of each pixel of two pictures, (height, width, 3) bytes."""
-    import flip_evaluator
-
+    """FLIP of each pixel of two pictures, (height, width, 3) bytes. Raises InputError where it cannot be measured."""
     a, b = (np.ascontiguousarray(image / np.float32(255), np.float32) for image in (reference, picture))
-    return flip_evaluator.evaluate(a, b, "LDR", applyMagma=False)[0][..., 0]
+    return flip_evaluator().evaluate(a, b, "LDR", applyMagma=False)[0][..., 0]
+
+
+def flip_evaluator() -> ModuleType:
+    """What measures FLIP. Raises InputError where it is not installed."""
+    try:
+        import flip_evaluator
+    except ImportError:
+        text = "FLIP is measured with flip-evaluator, which is not installed: pip install 'povgen[charts]'"
+        raise InputError(f"{text}; tolerances in px do without") from None
+    return flip_evaluator
 
 
 def frames(peers: dict[str, Callable[[str], str]], done: Callable[[str], object]) -> list[Point]:
