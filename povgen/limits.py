@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 # (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
 # correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.
 CONDITION = 150
-CORRECTION = 9
+CORRECTION = 8
 # (b) Most prisms at which no more than 1 in 10,000 rays on the proper path goes astray.
 PRISMS = 3000
 # (c) Widths of the air gap, in units of the pitch, between which it matters little: narrower POV-Ray misses it.
