@@ -216,7 +216,7 @@ def test_at_the_pole_there_is_nothing_to_mark(sheet):
         (Spheres(alpha=175, z1=[2, 5.5]), {}, None),
         (Spheres(alpha=175, z1=[2, 5.5]), {"overlay": True}, "overlay: at alpha = 175 and z1 = 5.5 the prisms' size"),
         (Spheres(alpha=175, z1=[5.5, 2]), {"caption": True}, "caption: at alpha = 175 and z1 = 5.5 the prisms' size"),
-        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 34.7 pixels of 1280x960; beyond 9"),
+        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 34.7 pixels of 1280x960; beyond 8"),
         (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prisms' size moves the object infinitely"),
         (
             Spheres(alpha=179.9, sheet="ideal"),
