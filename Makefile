@@ -5,7 +5,7 @@ QUALITY ?= paper
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
-SOURCES := $(wildcard povgen/*.py templates/*.j2 templates/*/*.j2)
+SOURCES := $(wildcard povgen/*.py povgen/*/*.py templates/*.j2 templates/*/*.j2)
 READY := $(VENV)/ready
 # Says that make made the environment, and may therefore remove it.
 OURS := $(VENV)-made-by-make

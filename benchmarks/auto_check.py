@@ -18,17 +18,18 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from povgen import Chess, Rendering, Spheres, choice, speed, to_pov
+from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
-from povgen.output import save
-from povgen.scenes import PIECES, Scene
-from povgen.spec import MovieSpec
+from povgen.files import save
+from povgen.measure import auto, speed
+from povgen.scene.models import PIECES, Scene
+from povgen.scene.spec import MovieSpec
 
 KEPT = Path("build/auto-check")
 SCENES = 100
 SEED = 2009
 MOVIES = (("vary-alpha", 0.3), ("vary-z1", 0.2), ("spheres", 0.3))  # and a tolerance of each
-CHOICE = Path(choice.__file__).read_text()  # a trial is kept for as long as this does not change
+CHOICE = Path(auto.__file__).read_text()  # a trial is kept for as long as this does not change
 PROCESSES = len(os.sched_getaffinity(0))
 
 
@@ -83,7 +84,7 @@ def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
     text = to_pov(scene)
     path = KEPT / f"{sha256(f'{text}{size}'.encode()).hexdigest()[:32]}.npz"
     if not path.is_file():
-        cpu, picture = speed.sample(text, choice.CONVERGED, size)
+        cpu, picture = speed.sample(text, auto.CONVERGED, size)
         with path.with_suffix(".part").open("wb") as file:
             np.savez_compressed(file, cpu=cpu, picture=picture)
         path.with_suffix(".part").rename(path)
@@ -109,7 +110,7 @@ def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> dict:
     def make() -> dict:
         before = getrusage(RUSAGE_CHILDREN)
         try:
-            chosen, _ = choice.choose(scenes, Rendering(size=size), choice.Tolerance(flip=tolerance))
+            chosen, _ = auto.choose(scenes, Rendering(size=size), auto.Tolerance(flip=tolerance))
             found = asdict(chosen)
         except InputError:
             found = {"sheet": None, "antialias": None, "flip": inf, "margin": 0}
@@ -123,8 +124,8 @@ def check(number: int) -> Found:
     """Choose for one of the random scenes, and render what is needed to judge it."""
     scene, size, tolerance = draw(number)
     chosen = tried([scene], size, tolerance)
-    order = [("ideal", sampling) for sampling in choice.STAND_IN]
-    order += [("detailed", sampling) for sampling in choice.PRISMS]
+    order = [("ideal", sampling) for sampling in auto.STAND_IN]
+    order += [("detailed", sampling) for sampling in auto.PRISMS]
     refused = chosen["sheet"] is None
     place = len(order) - 1 if refused else order.index((chosen["sheet"], chosen["antialias"]))
     cpu, flip = measured(scene, size, order[place])

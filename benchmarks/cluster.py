@@ -23,8 +23,11 @@ import distributed
 from rich.console import Console
 from rich.table import Table
 
-from povgen import MovieSpec, Rendering, frames, limits, movie, speed, to_pov
-from povgen.cluster import Cluster
+from povgen import MovieSpec, Rendering, movie, to_pov
+from povgen.measure import speed
+from povgen.rendering import frames
+from povgen.rendering.cluster import Cluster
+from povgen.scene import limits
 
 DASK = Path(sys.executable).with_name("dask")
 THREADS = frames.WORKERS_PER_CORE

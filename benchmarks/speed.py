@@ -19,7 +19,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from povgen import Chess, Rendering, prism, speed, to_pov, trace
+from povgen import Chess, Rendering, to_pov
+from povgen.measure import speed
+from povgen.optics import prism, trace
 
 HERE = Path(__file__).parent
 PLAIN = Rendering(size=(640, 480), antialias="off")

@@ -8,13 +8,13 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOME = {
-    "Chess": "scenes",
-    "Spheres": "scenes",
-    "to_pov": "source",
-    "Rendering": "povray",
-    "render": "frames",
-    "MovieSpec": "spec",
-    "movie": "assemble",
+    "Chess": "scene.models",
+    "Spheres": "scene.models",
+    "to_pov": "scene.sdl",
+    "Rendering": "rendering.settings",
+    "render": "rendering.frames",
+    "MovieSpec": "scene.spec",
+    "movie": "video.build",
     "InputError": "errors",
     "PovrayError": "errors",
 }

@@ -4,15 +4,15 @@ from povgen import stopping
 
 
 def main() -> None:
-    """Run the command line, as povgen.cli.main.
+    """Run the command line, as povgen.cli.app.main.
 
     Exit status 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM, which leave no process and no part of a file behind.
     """
     stopping.on_signals()
     try:
-        from povgen import cli
+        from povgen.cli import app
 
-        cli.main()
+        app.main()
     except BaseException:  # whatever became of the handler's exception on its way here
         if not stopping.asked():
             stopping.off_signals()

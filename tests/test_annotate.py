@@ -8,21 +8,26 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 
-from povgen import Chess, MovieSpec, Spheres, annotate, instruments, limits, movie, povray, render, rotation, verify
-from povgen.instruments import Positions
-from povgen.rendering import Rendering
+from povgen import Chess, MovieSpec, Spheres, movie, render
+from povgen.measure import probes, verify
+from povgen.measure.probes import Positions
+from povgen.optics import rotation
+from povgen.rendering import povray
+from povgen.rendering.settings import Rendering
+from povgen.scene import limits
+from povgen.video import overlay
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
 
 
 def drawn(scene, size=(640, 480), **options):
-    return annotate.annotated(BLANK[size], scene, Rendering(size=size, **options)).astype(int)
+    return overlay.annotated(BLANK[size], scene, Rendering(size=size, **options)).astype(int)
 
 
 def yellow(picture):
     """Where the marks are, as seen in the plane z = 0."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    place = instruments.pixels(picture.shape[1::-1])
+    place = probes.pixels(picture.shape[1::-1])
     return place[(red > 200) & (green > 190) & (blue < 110)]
 
 
@@ -38,14 +43,14 @@ def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
 def test_every_sphere_has_its_mark_on_the_circle():
     scene = Spheres(alpha=90, z1=[1.5, 6, 24])
     marks = yellow(drawn(scene, overlay=True))
-    ((line,), _), *others = annotate.loci(scene)
+    ((line,), _), *others = overlay.loci(scene)
     assert not others  # no circle of constant r for each
-    assert len(annotate.positions(scene)) == 3
-    for place in annotate.positions(scene):
+    assert len(overlay.positions(scene)) == 3
+    for place in overlay.positions(scene):
         assert abs(marks - place).min() < scene.view_height / 480 * 4
         assert abs(line - place).min() < 0.01
     ideal = Spheres(alpha=60, sheet="ideal", z1=[6])
-    ((line,), _), (turned, _) = annotate.loci(ideal)
+    ((line,), _), (turned, _) = overlay.loci(ideal)
     # constant alpha: L and E are seen at one angle from everywhere; constant r: distances to them are in one ratio
     assert np.allclose(np.angle((line - ideal.E) / (ideal.L - line)), radians(60), atol=1e-9)
     turned = np.concatenate(turned)
@@ -94,7 +99,7 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
         angles, at = dense(-180, 180, -180, *alphas), scene.distances[0]
         true.append((scene.seen(scene.L, at, angles), scene.visible(scene.L, at, angles)))
     places = np.concatenate([place[visible] for place, visible in true])
-    monkeypatch.setattr(annotate, "positions", lambda scene: [])
+    monkeypatch.setattr(overlay, "positions", lambda scene: [])
     changed = (drawn(scene, overlay=True) != 120).any(-1)
     assert changed.sum() > 500
     assert not (near(places, 0) & ~changed).any()
@@ -114,9 +119,9 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
 def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     """By every pixel that shows a place in its designed position, and by every place that should be shown."""
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
-    (told,) = instruments.frames([scene], (160, 120))
-    inside, _ = instruments.rays(scene, (160, 120))
-    shown, place = scene.L + verify.transverse(told), instruments.pixels((160, 120))
+    (told,) = probes.frames([scene], (160, 120))
+    inside, _ = probes.rays(scene, (160, 120))
+    shown, place = scene.L + verify.transverse(told), probes.pixels((160, 120))
     coarse = 2.5 * scene.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
     designed = inside & (abs(scene.seen(shown, 2) - place) < 0.04 + coarse)
     hidden = designed & ~scene.visible(shown, 2)
@@ -136,8 +141,8 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
 )
 def test_no_mark_where_the_frame_hides_the_object(scene):
     picture = drawn(scene, overlay=True)
-    assert not len(yellow(picture)) and not annotate.positions(scene)
-    drawn_at = instruments.pixels((640, 480))[(picture != 120).any(-1)]
+    assert not len(yellow(picture)) and not overlay.positions(scene)
+    drawn_at = probes.pixels((640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
     assert reach < scene.window / 2 + 4 * scene.view_height / 480  # half a line's width
@@ -152,14 +157,14 @@ def test_a_single_sheet_shows_a_place_where_it_is_marked():
 def test_the_overlay_leaves_the_rest_of_the_picture():
     scene = Chess(sheet="ideal", alpha=90)
     changed = (drawn(scene, overlay=True) != 120).any(-1)
-    place = instruments.pixels((640, 480))[changed]
-    curves = np.concatenate([piece for pieces, _ in annotate.loci(scene) for piece in pieces])
+    place = probes.pixels((640, 480))[changed]
+    curves = np.concatenate([piece for pieces, _ in overlay.loci(scene) for piece in pieces])
     assert 500 < changed.sum() < 20000
     assert max(abs(curves - z).min() for z in place[::7]) < 0.06
 
 
 def test_the_caption_tells_what_the_equations_say():
-    assert annotate.facts(Chess(alpha=66, sheet="ideal")) == {
+    assert overlay.facts(Chess(alpha=66, sheet="ideal")) == {
         "alpha": "66°",
         "z1": "2",
         "z2": "6",
@@ -167,7 +172,7 @@ def test_the_caption_tells_what_the_equations_say():
         "nu": f"{np.degrees(rotation.nu(3, radians(66))):.1f}°",
         "M": f"{rotation.M(3, radians(66)):.3g}",
     }
-    assert list(annotate.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
+    assert list(overlay.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
 
 
 @pytest.mark.parametrize(
@@ -190,14 +195,14 @@ def test_the_caption_tells_what_the_equations_say():
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, told):
-    assert [annotate.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == told
+    assert [overlay.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == told
 
 
 @pytest.mark.parametrize("prisms", [20, 100])
 def test_nu_and_M_are_those_of_prisms_of_this_size(prisms):
     scenes = [Positions(prisms=prisms, z1=2, L=L, extent=0.6) for L in (0.25 + 0.3j, -0.3 + 0.1j, 0.2 - 0.3j)]
     a = np.mean([seen.a for _, seen in verify.located(scenes, (320, 240))])
-    told = annotate.facts(Chess(prisms=prisms))
+    told = overlay.facts(Chess(prisms=prisms))
     # eqs. 8 and 9 say 15.0 degrees and 0.851
     assert float(told["nu"].removesuffix("°")) == pytest.approx(np.degrees(np.angle(a)), abs=10 / prisms)
     assert float(told["M"]) == pytest.approx(abs(a), abs=0.2 / prisms)
@@ -261,14 +266,14 @@ def test_the_caption_is_legible_and_whole(size):
 def test_a_movies_caption_stands_still(scenes, monkeypatch):
     """Every fact begins at the same place in all frames."""
     places = []
-    write = annotate.ImageDraw.ImageDraw.text
+    write = overlay.ImageDraw.ImageDraw.text
     monkeypatch.setattr(
-        annotate.ImageDraw.ImageDraw, "text", lambda draw, *a, **b: (places.append(a[:1]), write(draw, *a, **b))
+        overlay.ImageDraw.ImageDraw, "text", lambda draw, *a, **b: (places.append(a[:1]), write(draw, *a, **b))
     )
     for scene in scenes:
         for size in BLANK:
             drawn(scene, size, caption=True)
-    assert len(set(places)) == len(BLANK) * len(annotate.facts(scenes[0]))
+    assert len(set(places)) == len(BLANK) * len(overlay.facts(scenes[0]))
 
 
 def test_a_large_picture_needs_little_memory_more():
@@ -276,11 +281,11 @@ def test_a_large_picture_needs_little_memory_more():
     code = """if True:
         import re, numpy
         from povgen import Chess, annotate
-        from povgen.rendering import Rendering
+        from povgen.rendering.settings import Rendering
         picture = numpy.full((4320, 7680, 3), 120, numpy.uint8)
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()
-        annotate.annotated(picture, Chess(), Rendering(size=(7680, 4320), overlay=True, caption=True))
+        overlay.annotated(picture, Chess(), Rendering(size=(7680, 4320), overlay=True, caption=True))
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     assert 50 < float(done.stdout) < 200

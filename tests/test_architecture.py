@@ -24,38 +24,38 @@ def only(*allowed, of):
     """Which modules import something beginning with `of`, beside those allowed."""
     return {
         path.stem
-        for path in HOUSE.glob("*.py")
+        for path in HOUSE.rglob("*.py")
         if path.stem not in allowed and any(name == of or name.startswith(of + ".") for name in imports(path))
     }
 
 
 def test_each_trade_has_one_house():
-    assert not only("source", of="jinja2")
+    assert not only("sdl", of="jinja2")
     assert not only("povray", of="subprocess")
     assert not only("encode", of="imageio")
-    assert not only("drawing", of="matplotlib")
-    assert not only("annotate", "frames", of="PIL")  # frames only reads back the PNG that it hands out as an array
+    assert not only("plotting", of="matplotlib")
+    assert not only("overlay", "frames", of="PIL")  # frames only reads back the PNG that it hands out as an array
     assert not only("speed", of="flip_evaluator")
-    assert not only("cli", of="typer")
-    assert not only("cli", of="rich")
+    assert not only("app", of="typer")
+    assert not only("app", of="rich")
     assert not only("cluster", of="distributed") and not only(of="dask")
 
 
 def test_the_mathematics_is_numpy_alone():
-    assert imports(HOUSE / "rotation.py") == {"numpy"}
-    assert imports(HOUSE / "prism.py") <= {"math"} | {f"math.{name}" for name in vars(math)}
+    assert imports(HOUSE / "optics" / "rotation.py") == {"numpy"}
+    assert imports(HOUSE / "optics" / "prism.py") <= {"math"} | {f"math.{name}" for name in vars(math)}
     for name in ("paraxial", "trace"):
-        own = {"povgen", "povgen.prism"}
-        assert {module.split(".")[0] for module in imports(HOUSE / f"{name}.py") - own} <= {
+        own = {"povgen.optics", "povgen.optics.prism"}
+        assert {module.split(".")[0] for module in imports(HOUSE / "optics" / f"{name}.py") - own} <= {
             *("numpy", "dataclasses", "enum")
         }
 
 
 def test_the_ray_trace_shares_nothing_with_what_builds_the_mesh():
-    assert not imports(HOUSE / "source.py") & {"povgen.trace", "povgen.paraxial"}
+    assert not imports(HOUSE / "scene" / "sdl.py") & {"povgen.optics.trace", "povgen.optics.paraxial"}
     mesh = (HOUSE / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))
 
 
 def test_scenes_know_nothing_of_files_and_processes():
-    assert not imports(HOUSE / "scenes.py") & {"pathlib", "os", "povgen.povray", "povgen.source", "povgen.encode"}
+    assert not imports(HOUSE / "scene" / "models.py") & {"pathlib", "os", "povgen.scene.sdl"}

@@ -21,7 +21,10 @@ from PIL import Image
 from test_faults import tree
 from test_input import refused
 
-from povgen import Chess, InputError, Rendering, Spheres, cache, encode, frames, limits, movie, output, to_pov
+from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
+from povgen.rendering import cache, frames
+from povgen.scene import limits
+from povgen.video import encode
 
 POVGEN = Path(sys.executable).with_name("povgen")
 SCENE = Chess(sheet="none")
@@ -227,7 +230,7 @@ def test_a_time_of_use_that_is_to_come_protects_nothing():
     places = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes]
     for path, hours in zip(places, (-2, 1000, -1), strict=True):
         os.utime(path, (time.time() + 3600 * hours, path.stat().st_mtime))
-    assert [path for _, _, path in cache.files()] == [places[1], places[0], places[2]]
+    assert [path for _, _, path in cache.entries()] == [places[1], places[0], places[2]]
     assert cache.trim(2 * len(file(COLOURS))) == [places[1]]
 
 
@@ -240,7 +243,7 @@ def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
     picture = frames.render(Chess(prisms=9), size=(32, 34))
     assert done.returncode == 0 and np.array_equal(frames.read(tmp_path / "z.png"), picture)
     assert Chess(sheet="none")._repr_png_()
-    assert not cache.files()
+    assert not cache.entries()
 
 
 def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
@@ -260,7 +263,7 @@ def test_rays_are_traced_once(monkeypatch):
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
     survey = limits.survey(scene)
-    (kept,) = (path for _, _, path in cache.files() if path.suffix == ".json")
+    (kept,) = (path for _, _, path in cache.entries() if path.suffix == ".json")
 
     def again():
         traced = []
@@ -292,7 +295,7 @@ def test_rays_are_traced_once(monkeypatch):
 
 
 def test_warnings_need_no_rays_again(monkeypatch, capsys):
-    from povgen.cli import _warn
+    from povgen.cli.app import _warn
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
@@ -309,7 +312,7 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
 def test_an_output_keeps_its_mode(made, tmp_path):
     def saved(name):
         (tmp_path / "made").write_bytes(b"new")
-        output.save(b"new" if made == "data" else tmp_path / "made", tmp_path / name)
+        files.save(b"new" if made == "data" else tmp_path / "made", tmp_path / name)
         assert (tmp_path / name).read_bytes() == b"new"
         return stat.S_IMODE((tmp_path / name).stat().st_mode)
 
@@ -334,4 +337,4 @@ def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
     movie("spheres", target, size=(32, 32), antialias="off", quality="draft")
     assert seen[0].parent.parent == place and stat.S_IMODE(target.stat().st_mode) == 0o600
     assert target.read_bytes().startswith(b"GIF89a") and os.listdir(tmp_path / "out") == ["a.gif"]
-    assert not list(place.glob(f"{output.WORK}*"))
+    assert not list(place.glob(f"{files.WORK}*"))

@@ -9,13 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from povgen import Chess, Rendering, Spheres, rotation, speed, to_pov
-from povgen.choice import MOSAIC, PRISMS, SHARE, STAND_IN, Tolerance, choose, mosaic
+from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
-from povgen.instruments import Positions, window
-from povgen.rendering import QUALITIES
-from povgen.source import Mosaic
-from povgen.verify import located
+from povgen.measure import speed
+from povgen.measure.auto import MOSAIC, PRISMS, SHARE, STAND_IN, Tolerance, choose, mosaic
+from povgen.measure.probes import Positions, window
+from povgen.measure.verify import located
+from povgen.optics import rotation
+from povgen.rendering.settings import QUALITIES
+from povgen.scene.sdl import Mosaic
 
 pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")

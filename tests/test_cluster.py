@@ -20,9 +20,10 @@ import numpy as np
 import pytest
 from conftest import wait_for
 
-from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, cluster, frames, movie, to_pov
-from povgen.cluster import Cluster
+from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, to_pov
 from povgen.errors import ChanceError
+from povgen.rendering import cluster, frames
+from povgen.rendering.cluster import Cluster
 
 pytestmark = pytest.mark.xdist_group("cluster")  # what is costly is made once
 BIN = Path(sys.executable).parent

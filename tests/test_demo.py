@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect, sync_playwright
 
-from povgen import Chess, InputError, MovieSpec, frames, limits, paraxial, rotation
-from povgen.demo import SHEETS, demo, scenes
-from povgen.scenes import Scene
+from povgen import Chess, InputError, MovieSpec
+from povgen.optics import paraxial, rotation
+from povgen.rendering import frames
+from povgen.scene import limits
+from povgen.scene.models import Scene
+from povgen.teach.page import SHEETS, demo, scenes
 
 pytestmark = pytest.mark.xdist_group("demo")  # what is costly is made once
 SIZE = (160, 120)
@@ -577,7 +580,7 @@ def test_a_page_takes_the_place_of_another(tmp_path):
 
 
 def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeypatch):
-    monkeypatch.setattr("povgen.demo.render_all", None)
+    monkeypatch.setattr("povgen.teach.page.render_all", None)
     folder = tmp_path / "page"
     for specs, words in (
         ([], "one or more"),
@@ -617,6 +620,6 @@ def test_a_page_that_fails_leaves_the_other_whole(tmp_path, monkeypatch):
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
     for what in ("picture", "to_html"):
         with monkeypatch.context() as patch, pytest.raises(ZeroDivisionError):
-            patch.setattr(f"povgen.demo.{what}", lambda *_: 1 / 0)
+            patch.setattr(f"povgen.teach.page.{what}", lambda *_: 1 / 0)
             demo([short], tmp_path, size=(48, 48), antialias="off")
         assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before and page in before

@@ -14,7 +14,7 @@ import notebook  # docs/notebook.py
 import pytest
 from nbclient import NotebookClient
 
-from povgen.cli import app
+from povgen.cli.app import app
 
 PROJECT = Path(__file__).parents[1]
 PAGES = [

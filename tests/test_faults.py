@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 from conftest import wait_for
 
-from povgen import MovieSpec, PovrayError, Rendering, cache, frames, movie, output, povray, to_pov
+from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
+from povgen.rendering import cache, frames, povray
 
 POVGEN = Path(sys.executable).with_name("povgen")
 COUNT = 12
@@ -94,14 +95,14 @@ def test_killed_at_twenty_moments(place):
 
 def test_folders_of_the_killed_are_removed(tmp_path):
     """Killed while one was made, before or after it was marked, or while one was removed; not those in use."""
-    for number, content in enumerate([{}, {"lock": b""}, {"lock": output.MARK}, {"lock": output.MARK, "a.pov": b"a"}]):
-        left = tmp_path / f"{output.WORK}left000{number}"
+    for number, content in enumerate([{}, {"lock": b""}, {"lock": files.MARK}, {"lock": files.MARK, "a.pov": b"a"}]):
+        left = tmp_path / f"{files.WORK}left000{number}"
         left.mkdir(mode=0o700)
         for name, data in content.items():
             (left / name).write_bytes(data)
-    with output.work_folder(tmp_path) as first, output.work_folder(tmp_path) as second:
+    with files.work_folder(tmp_path) as first, files.work_folder(tmp_path) as second:
         assert sorted(tmp_path.iterdir()) == sorted([first, second])
-        assert not output.left(tmp_path)
+        assert not files.left(tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -124,7 +125,7 @@ def test_what_is_not_povgens_stays(tmp_path):
         (folder / "t").write_text("x")
     (place / ".povgen-abcdefg2" / "lock").touch(mode=0o600)  # and more than that
     (place / ".povgen-abcdefg2").chmod(0o700)
-    for name, lock in (("abcdefg3", b"my own lock"), ("abcdefg4", output.MARK + b" and more")):
+    for name, lock in (("abcdefg3", b"my own lock"), ("abcdefg4", files.MARK + b" and more")):
         (place / f".povgen-{name}").mkdir(mode=0o700)
         (place / f".povgen-{name}" / "lock").write_bytes(lock)
     (place / ".povgen-abcdefg5").mkdir(mode=0o755)
@@ -133,11 +134,11 @@ def test_what_is_not_povgens_stays(tmp_path):
     (place / ".povgen-abcdefg7").symlink_to(other)
     os.mkfifo(place / ".povgen-abcdefg8")
     (place / ".povgen-abcdefg9").mkdir(mode=0o700)
-    (other / "lock").write_bytes(output.MARK)
+    (other / "lock").write_bytes(files.MARK)
     (place / ".povgen-abcdefg9" / "lock").symlink_to(other / "lock")
     before = tree(tmp_path)
-    output.save(b"new", place / "a.pov")
-    assert output.sweep(place) == 0 and not output.left(place)
+    files.save(b"new", place / "a.pov")
+    assert files.sweep(place) == 0 and not files.left(place)
     (place / "a.pov").unlink()
     assert tree(tmp_path) == before
 
@@ -148,14 +149,14 @@ def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     script = (
         "from povgen import cache, output; import os, pathlib, signal\n"
-        "with cache.work() as one, output.temporary_folder() as two:\n"
+        "with cache.work() as one, files.temporary_folder() as two:\n"
         "    (one / 'deep').mkdir(); (one / 'deep' / 'movie.mp4').write_bytes(bytes(300_000))\n"
         "    (two / 'frame.png').write_bytes(bytes(50_000))\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", script], env=environment)
-    with cache.work() as own, output.temporary_folder() as another:
+    with cache.work() as own, files.temporary_folder() as another:
         subprocess.run([sys.executable, "-c", script], env=environment)
         assert [size // 10_000 for size in cache.left()] == [30, 5]
         told = [
@@ -165,7 +166,7 @@ def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
         assert "\nremoved 2 folders that killed povgens left\n" in told[1]
         assert not cache.left() and own.is_dir() and another.is_dir()
     subprocess.run([sys.executable, "-c", script], env=environment)
-    with cache.work(), output.temporary_folder():  # the next povgen removes them, too
+    with cache.work(), files.temporary_folder():  # the next povgen removes them, too
         assert not cache.left()
     assert {path.name for path in tmp_path.iterdir()} == {"cache"}
 
@@ -175,7 +176,7 @@ def test_work_folders_made_at_once(tmp_path):
 
     def use(number):
         for _ in range(100):
-            with output.work_folder(tmp_path) as folder:
+            with files.work_folder(tmp_path) as folder:
                 (folder / "part").write_text(str(number))
                 assert (folder / "part").read_text() == str(number)
 
@@ -256,7 +257,7 @@ def test_stopped_though_the_exception_is_lost(tmp_path):
         from pathlib import Path
         from povgen import output, stopping
         stopping.on_signals()
-        with output.work_folder(Path.cwd()) as folder:
+        with files.work_folder(Path.cwd()) as folder:
             (folder / "part").touch()
             while True:
                 try:
@@ -275,7 +276,7 @@ def test_nothing_is_started_once_povgen_stops(tmp_path, monkeypatch):
     with pytest.raises(PovrayError, match="POV-Ray was stopped"):
         povray.run("", SMALL, tmp_path)
     assert not (tmp_path / "1" / povray.FATAL).exists()
-    with pytest.raises(KeyboardInterrupt), output.work_folder(tmp_path / "1"):
+    with pytest.raises(KeyboardInterrupt), files.work_folder(tmp_path / "1"):
         pass
     assert not list(tmp_path.glob("1/.povgen-*"))
 
@@ -309,7 +310,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     striker = threading.Thread(target=strike)
     striker.start()
     output = place / "a.mp4"
-    output.write_bytes(b"kept")
+    files.write_bytes(b"kept")
     try:
         with pytest.raises(PovrayError) as failure:
             movie(place / "z2.toml", output, size=(64, 48), timeout=5)
@@ -320,7 +321,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     assert len(met) == povray.TRIES and f"{said}" in message and f"{povray.TRIES} times" in message
     assert f"1 of {COUNT} frames failed" in message and "frame 4: " in message and f"z2 = {scenes[4].z2}" in message
     assert len(finished(place)) == COUNT - 1
-    assert output.read_bytes() == b"kept" and not processes(place)
+    assert files.read_bytes() == b"kept" and not processes(place)
 
 
 def test_a_killed_povray_is_tried_again(place, monkeypatch):

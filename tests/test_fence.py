@@ -13,9 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from povgen import PovrayError, Rendering, fence, povray
+from povgen import PovrayError, Rendering
 from povgen.errors import ChanceError
-from povgen.source import template_of
+from povgen.rendering import povray, sandbox
+from povgen.scene.sdl import template_of
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
 SHORT = TINY.model_copy(update={"timeout": 1.0})
@@ -26,7 +27,7 @@ camera {{ location -3*z look_at 0 }}
 light_source {{ -9, 1 }}
 sphere {{ 0, 1 pigment {{ rgb 1 }} }}
 """
-landlock = pytest.mark.skipif(not fence.version(), reason="this kernel has no Landlock")
+landlock = pytest.mark.skipif(not sandbox.version(), reason="this kernel has no Landlock")
 
 
 def run(tried, folder, rendering=TINY):
@@ -287,11 +288,11 @@ def test_a_frame_under_lower_limits(tmp_path):
 
 
 def test_results_and_exceptions_are_passed_on():
-    assert fence.within(lambda: 7) == 7
-    assert fence.within(lambda: None) is None
+    assert sandbox.within(lambda: 7) == 7
+    assert sandbox.within(lambda: None) is None
     for error in (ValueError("own"), KeyboardInterrupt(), SystemExit(3)):
         with pytest.raises(type(error)) as raised:
-            fence.within(lambda error=error: raise_(error))
+            sandbox.within(lambda error=error: raise_(error))
         assert raised.value is error
 
 
@@ -320,7 +321,7 @@ def allowed(places, work):
 
     folders = {name: [places / name] for name in ("read", "run", "write")}
     system = [path for path in povray.RUN if path.exists()] + [Path("/bin"), Path("/usr/bin")]
-    within = fence.within(
+    within = sandbox.within(
         lambda: {name for name in (*folders, "outside") if possible(name)},
         read=folders["read"],
         run=folders["run"] + system,
@@ -356,30 +357,30 @@ def test_what_is_started_is_fenced_in_as_well(places):
     """And what that starts."""
     command = ["/bin/sh", "-c", f"echo x > {places}/write/new; exec /bin/sh -c 'echo x > {places}/outside/new'"]
     system = [path for path in [*povray.RUN, Path("/bin"), Path("/usr/bin")] if path.exists()]
-    done = fence.within(
+    done = sandbox.within(
         lambda: subprocess.run(command, stderr=subprocess.PIPE), run=system, write=[places / "write", Path(os.devnull)]
     )
     assert done.returncode and b"denied" in done.stderr
     assert (places / "write/new").exists() and not (places / "outside/new").exists()
 
 
-@pytest.mark.skipif(fence.version() < 4, reason="this kernel's Landlock does not know of networks")
+@pytest.mark.skipif(sandbox.version() < 4, reason="this kernel's Landlock does not know of networks")
 def test_no_network():
     with socket.create_server(("127.0.0.1", 0)) as server:
         place = server.getsockname()
         with pytest.raises(PermissionError):
-            fence.within(lambda: socket.create_connection(place, timeout=5))
+            sandbox.within(lambda: socket.create_connection(place, timeout=5))
         with pytest.raises(PermissionError):
-            fence.within(lambda: socket.create_server(("127.0.0.1", 0)))
+            sandbox.within(lambda: socket.create_server(("127.0.0.1", 0)))
         socket.create_connection(place, timeout=5).close()  # it is there, for who may
 
 
-@pytest.mark.skipif(fence.version() < 6, reason="this kernel's Landlock does not know of signals")
+@pytest.mark.skipif(sandbox.version() < 6, reason="this kernel's Landlock does not know of signals")
 def test_no_signals():
     other = subprocess.Popen(["sleep", "60"])
     try:
         with pytest.raises(PermissionError):
-            fence.within(lambda: os.kill(other.pid, signal.SIGKILL))
+            sandbox.within(lambda: os.kill(other.pid, signal.SIGKILL))
         assert other.poll() is None
     finally:
         other.kill()

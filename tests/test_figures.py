@@ -6,10 +6,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from povgen import rotation, verify
-from povgen.figures import FIGURES, save_figure
-from povgen.frames import read
-from povgen.rendering import Rendering
+from povgen.measure import verify
+from povgen.optics import rotation
+from povgen.rendering.frames import read
+from povgen.rendering.settings import Rendering
+from povgen.teach.figures import FIGURES, save_figure
 
 pytestmark = pytest.mark.xdist_group("figures")  # what is costly is made once
 DRAWINGS = {1, 2, 5}

@@ -34,9 +34,9 @@ from hypothesis import strategies as st
 
 from povgen import InputError, MovieSpec, to_pov
 from povgen.errors import validated
-from povgen.rendering import Rendering
-from povgen.scenes import SCENES
-from povgen.spec import Sweep
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import SCENES
+from povgen.scene.spec import Sweep
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, which counts them
 LEAST = 2000  # cases, of all tests in this file
@@ -62,7 +62,7 @@ def cases(count):
 @cache
 def cli(command):
     """povgen's command line as it is for this command: each gets its options only where it is named, see cli._takes."""
-    found = importlib.util.find_spec("povgen.cli")
+    found = importlib.util.find_spec("povgen.cli.app")
     module = importlib.util.module_from_spec(found)
     given, sys.argv = sys.argv, ["povgen", command]
     try:
@@ -339,21 +339,12 @@ def files():
 def place(tmp_path_factory):
     """A folder of many levels, so that .. stays in it, and quick stand-ins for what takes long."""
     global ROOT, WORK
-    from povgen import (
-        assemble,
-        charts,
-        check,
-        cluster,
-        demo,
-        encode,
-        figures,
-        frames,
-        povray,
-        spec,
-        speed,
-        stability,
-        verify,
-    )
+    from povgen.cli import checkup
+    from povgen.measure import charts, speed, stability, verify
+    from povgen.rendering import cluster, frames, povray
+    from povgen.scene import spec
+    from povgen.teach import figures, page
+    from povgen.video import build, encode
 
     started = Path.cwd()
     own = spec.MOVIES
@@ -370,7 +361,7 @@ def place(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
         patch.setattr(spec, "MOVIES", movies)
-        patch.setattr(demo, "OWN", ("vary-z1",))
+        patch.setattr(page, "OWN", ("vary-z1",))
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(frames, "whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
@@ -385,8 +376,8 @@ def place(tmp_path_factory):
         for name in ("save_frames", "save_counts", "save_movies"):
             patch.setattr(charts, name, lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
-        patch.setattr(check, "faults", lambda report: [])
-        assert assemble.encode is encode and demo.encode is encode
+        patch.setattr(checkup, "faults", lambda report: [])
+        assert build.encode is encode and page.encode is encode
         new_folder()
         yield
     os.chdir(started)
@@ -839,7 +830,7 @@ def test_a_title_is_text(title):
     text = SPEC.replace('"A movie"', quoted(title).replace("\x7f", "\\u007f"))
     written = {}
     with pytest.MonkeyPatch.context() as patch:
-        from povgen import encode
+        from povgen.video import encode
 
         patch.setattr(encode, "encode", lambda *given: written.update(given[-1]) or given[1].touch())
         assert tried_spec(text, "titles")[0] == 0

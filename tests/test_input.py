@@ -10,7 +10,8 @@ import traceback
 import pytest
 from PIL import Image
 
-from povgen import Chess, MovieSpec, Rendering, Spheres, frames, movie, povray, to_pov
+from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
+from povgen.rendering import frames, povray
 
 SPEC = """
 title = "A movie"
@@ -41,8 +42,8 @@ def povgen(arguments, folder):
                     os.dup2(file.fileno(), number)
                 sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
                 sys.argv = ["povgen", *arguments]
-                sys.modules.pop("povgen.cli", None)  # which is made for the command in sys.argv
-                importlib.import_module("povgen.cli").main()
+                sys.modules.pop("povgen.cli.app", None)  # which is made for the command in sys.argv
+                importlib.import_module("povgen.cli.app").main()
             except SystemExit as done:
                 status = done.code or 0
             except BaseException:

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from povgen import Rendering, instruments, povray, prism, rotation, to_pov
-from povgen.instruments import Directions, Piece, Positions, locate
-from povgen.trace import End
+from povgen import Rendering, to_pov
+from povgen.measure import probes
+from povgen.measure.probes import Directions, Piece, Positions, locate
+from povgen.optics import prism, rotation
+from povgen.optics.trace import End
+from povgen.rendering import povray
 
 SIZE = (320, 240)
 
@@ -15,7 +18,7 @@ A = 0.7 * np.exp(0.5j)
 
 def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
     """Pixels of a picture and what they tell: an object of that radius, seen at `place` as a d + b conj(d)."""
-    pixels = instruments.pixels(SIZE).ravel()
+    pixels = probes.pixels(SIZE).ravel()
     off = pixels - place
     size = abs(a) ** 2 - abs(b) ** 2
     told = (np.conj(a) * off - b * np.conj(off)) / size
@@ -52,8 +55,8 @@ def test_nothing_is_located_where_nothing_is_seen():
 
 def test_directions_to_16_bits():
     scene = Directions(sheet="none", E=0.4 - 0.2j)
-    (told,) = instruments.frames([scene], SIZE)
-    inside, direction = instruments.rays(scene, SIZE)
+    (told,) = probes.frames([scene], SIZE)
+    inside, direction = probes.rays(scene, SIZE)
     told = told[inside]
     free = ~np.isnan(told[:, 0])  # the frame's inner walls hide some
     assert free.mean() > 0.95
@@ -62,8 +65,8 @@ def test_directions_to_16_bits():
 
 def test_positions_to_16_bits():
     scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
-    (told,) = instruments.frames([scene], SIZE)
-    pixels = instruments.pixels(SIZE)
+    (told,) = probes.frames([scene], SIZE)
+    pixels = probes.pixels(SIZE)
     on = ~np.isnan(told[..., 0])
     there = pixels[on] * 9 / 6 - scene.L
     assert abs(told[on][:, 0] + 1j * told[on][:, 1] - there).max() < 1e-4
@@ -73,21 +76,21 @@ def test_positions_to_16_bits():
 
 def test_a_piece_tells_places_on_it():
     scene = Piece(sheet="none", piece="king", z1=3)
-    (told,) = instruments.frames([scene], SIZE)
+    (told,) = probes.frames([scene], SIZE)
     on = ~np.isnan(told[..., 0])
     x, y, z = told[on].T
     seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
-    assert abs(seen - instruments.pixels(SIZE)[on]).max() < 1e-3
+    assert abs(seen - probes.pixels(SIZE)[on]).max() < 1e-3
     assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
 def test_apparent_place_of_what_is_seen_through_prisms():
     """Stray light of real prisms; eq. 7, for infinitely fine ones, is off by three pixels of 1280x960."""
     scene = Positions(sheet="detailed", alpha=120, z1=2, L=0.5 + 0.2j, extent=0.4)
-    (told,) = instruments.frames([scene], SIZE)
-    inside, _ = instruments.rays(scene, SIZE)
+    (told,) = probes.frames([scene], SIZE)
+    inside, _ = probes.rays(scene, SIZE)
     told = told[inside][:, 0] + 1j * told[inside][:, 1]
-    seen = locate(instruments.pixels(SIZE)[inside], told, scene.extent)
+    seen = locate(probes.pixels(SIZE)[inside], told, scene.extent)
     pixel = 3.85 / 960
     assert abs(seen.place - scene.seen(scene.L, scene.z1)) < 0.5 * pixel
     ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
@@ -97,14 +100,14 @@ def test_apparent_place_of_what_is_seen_through_prisms():
 def test_a_ray_that_misses_an_edge_does_not_end_povray():
     """With glass alike to the last digit POV-Ray counts no face of such a ray and runs out of its stack."""
     scene = Directions(sheet="detailed", prisms=1600, alpha=164.25621174099547, z2=6.242736035399125)
-    next(instruments.frames([scene], (640, 480)))
+    next(probes.frames([scene], (640, 480)))
 
 
 def test_what_povray_says_of_an_instrument(monkeypatch):
     """A failing POV-Ray is reported, not measured."""
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
     with pytest.raises(povray.PovrayError):
-        next(instruments.frames([Directions(sheet="none")], SIZE))
+        next(probes.frames([Directions(sheet="none")], SIZE))
 
 
 @pytest.mark.parametrize("sheet", ["detailed", "single"])
@@ -117,9 +120,9 @@ def test_few_prisms_are_those_of_the_ray_trace(sheet):
         values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
         scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
     stray = []
-    for scene, told in zip(scenes, instruments.frames(scenes, (160, 120)), strict=True):
-        inside, direction = instruments.rays(scene, (160, 120))
-        found = instruments.traced(scene, direction)
+    for scene, told in zip(scenes, probes.frames(scenes, (160, 120)), strict=True):
+        inside, direction = probes.rays(scene, (160, 120))
+        found = probes.traced(scene, direction)
         off = np.linalg.norm(told[inside] - found.direction, axis=1)
         shown = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
         assert found.proper.sum() > 500 and (off[found.proper] < 1e-3).all(), scene
@@ -137,14 +140,14 @@ def test_few_prisms_are_those_of_the_ray_trace(sheet):
 def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     """Narrower than the window, or much wider; in its first row and last column POV-Ray's camera is off."""
     scenes = [Directions(sheet=sheet, alpha=alpha, E=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
-    none, ideal, turned = (told[1:, :-1] for told in instruments.frames(scenes, size))
+    none, ideal, turned = (told[1:, :-1] for told in probes.frames(scenes, size))
     pixel = Directions.view_height / size[1]
     seen = ~np.isnan(none[..., 0])
     assert (np.isnan(ideal[..., 0]) == seen).mean() < 2e-3  # what the frame hides
     off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
     assert off.max() < 0.15 * pixel / 6 + 5e-5  # interpolation, and 16 bits
 
-    inside, direction = instruments.rays(scenes[2], size)
+    inside, direction = probes.rays(scenes[2], size)
     expected = np.full((*inside.shape, 3), np.nan)
     expected[inside] = rotation.rotate(direction, np.radians(66))
     off = np.linalg.norm(turned - expected[1:, :-1], axis=-1)

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from povgen import MovieSpec, encode, frames, movie
+from povgen import MovieSpec, movie
+from povgen.rendering import frames
+from povgen.video import encode
 
 pytestmark = pytest.mark.xdist_group("movies")  # what is costly is made once
 SPEC = MovieSpec.parse(

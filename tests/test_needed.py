@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from povgen import Chess, Rendering, Spheres, frames, povray, to_pov
-from povgen.scenes import PIECES
+from povgen import Chess, Rendering, Spheres, to_pov
+from povgen.rendering import frames, povray
+from povgen.scene.models import PIECES
 
 RENDERING = Rendering(size=(320, 240), antialias="off")
 OBJECT = (

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen import paraxial, prism, rotation
-from povgen.trace import pair, trace
+from povgen.optics import paraxial, prism, rotation
+from povgen.optics.trace import pair, trace
 
 ANGLE = st.floats(-np.pi, np.pi)
 DISTANCE = st.floats(0.5, 50)

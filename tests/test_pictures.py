@@ -5,7 +5,10 @@ from math import radians
 import numpy as np
 import pytest
 
-from povgen import Chess, Rendering, Spheres, frames, instruments, povray, render, rotation, to_pov
+from povgen import Chess, Rendering, Spheres, render, to_pov
+from povgen.measure import probes
+from povgen.optics import rotation
+from povgen.rendering import frames, povray
 
 WIDTH, HEIGHT = SIZE = 320, 240
 TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
@@ -75,7 +78,7 @@ def test_no_sky_below_the_horizon(offset, alpha):
     scene = Chess(sheet="ideal", alpha=alpha, offset=offset)
     image = picture(scene)
     sky = image[..., 2] > image[..., 0] + 70  # below the horizon it is of a deep blue
-    inside, direction = instruments.rays(scene, SIZE)
+    inside, direction = probes.rays(scene, SIZE)
     down = Y < scene.E.imag
     down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
     assert down.sum() > 5000 and not (sky & down).any()

@@ -14,7 +14,9 @@ from pathlib import Path
 import pytest
 from conftest import wait_for
 
-from povgen import Chess, PovrayError, Rendering, Spheres, cache, frames, instruments, povray, to_pov
+from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
+from povgen.measure import probes
+from povgen.rendering import cache, frames, povray
 
 TINY = Rendering(size=(32, 32), antialias="off")
 EMPTY = Chess(sheet="none")
@@ -55,7 +57,7 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     frames.png(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
-    assert files and set(files) == {path for _, _, path in cache.files()}
+    assert files and set(files) == {path for _, _, path in cache.entries()}
     assert not list(cache.folder().glob(".povgen-*"))
 
 
@@ -147,7 +149,7 @@ def test_one_render_does_not_stop_another(tmp_path):
         (process,) = wait_for(lambda: set(runner._running))
         process.send_signal(signal.SIGSTOP)
         frames.png(Chess(sheet="none", z1=7), TINY)
-        next(instruments.frames([instruments.Directions(sheet="none")], TINY.size))
+        next(probes.frames([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
         process.send_signal(signal.SIGCONT)
         assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen import rotation
+from povgen.optics import rotation
 
 mpmath.mp.dps = 50
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)

@@ -5,10 +5,11 @@ import subprocess
 
 import pytest
 
-from povgen import Chess, Spheres, frames, render, to_pov
-from povgen.instruments import Directions, Piece, Positions
-from povgen.scenes import PIECES
-from povgen.source import TEMPLATES, template_of
+from povgen import Chess, Spheres, render, to_pov
+from povgen.measure.probes import Directions, Piece, Positions
+from povgen.rendering import frames
+from povgen.scene.models import PIECES
+from povgen.scene.sdl import TEMPLATES, template_of
 
 SHEETS = ("detailed", "ideal", "single", "none")
 

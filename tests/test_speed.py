@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from povgen import Chess, speed, to_pov
-from povgen.cli import app
+from povgen import Chess, to_pov
+from povgen.cli.app import app
 from povgen.errors import InputError
+from povgen.measure import speed
 
 PEERS = Path(__file__).parents[1] / "benchmarks"
 

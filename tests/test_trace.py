@@ -5,8 +5,8 @@ from math import asin, pi, sin, tan
 import numpy as np
 import pytest
 
-from povgen import prism
-from povgen.trace import End, Face, Sheet, pair, trace
+from povgen.optics import prism
+from povgen.optics.trace import End, Face, Sheet, pair, trace
 
 WINDOW = 2.4
 

@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from povgen import Chess, Rendering, Spheres, instruments, limits, prism, stability, verify
-from povgen.stability import Map
-from povgen.trace import End
+from povgen import Chess, Rendering, Spheres
+from povgen.measure import probes, stability, verify
+from povgen.measure.stability import Map
+from povgen.optics import prism
+from povgen.optics.trace import End
+from povgen.scene import limits
 
 POVGEN = Path(sys.executable).with_name("povgen")
 SIZE = (320, 240)
@@ -39,7 +42,7 @@ def test_bounds_hold(name):
 @pytest.mark.parametrize("name", REDUCED)
 def test_bounds_fail_for_another_scene(name, monkeypatch):
     """Half a degree in alpha turns every check red, but for three that are of lengths."""
-    render = instruments.frames
+    render = probes.frames
 
     def other(scene):
         if name in ("hyperbola", "finite prisms"):
@@ -50,7 +53,7 @@ def test_bounds_fail_for_another_scene(name, monkeypatch):
             change = {"alpha": scene.alpha + 0.5}
         return scene.model_copy(update=change)
 
-    monkeypatch.setattr(instruments, "frames", lambda scenes, size: render([other(s) for s in scenes], size))
+    monkeypatch.setattr(probes, "frames", lambda scenes, size: render([other(s) for s in scenes], size))
     assert not all(figure.holds for figure in REDUCED[name]())
 
 
@@ -58,7 +61,7 @@ def test_the_command(tmp_path, monkeypatch):
     """Status 0 and all figures where bounds hold, 1 where one does not; nothing measured for what cannot be."""
     from typer.testing import CliRunner
 
-    from povgen.cli import app
+    from povgen.cli.app import app
 
     made = [
         verify.Measured("ideal", "a thing", 0.5, 1.0, "px"),
@@ -145,7 +148,7 @@ def test_distance_map_is_that_of_the_exact_trace():
 
 
 def test_maps_are_drawn_and_tabled(tmp_path):
-    from povgen.charts import save_maps
+    from povgen.measure.charts import save_maps
 
     found = []
     save_maps([*stability.grid(stability.ASIDE[:4], SIZE), *stability.trace_level((64, 48))], tmp_path, found.append)
@@ -168,9 +171,9 @@ def test_the_trace_level_leaves_few_pixels_black():
         (236, -95.6, 84.4, 3.02j),
         (100, 66, 6, 0j),
     ):
-        scene = instruments.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
-        inside, direction = instruments.rays(scene, SIZE)
-        found = instruments.traced(scene, direction, most=255)
+        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
+        inside, direction = probes.rays(scene, SIZE)
+        found = probes.traced(scene, direction, most=255)
         lost = (found.end != End.FRAME) & (found.count >= scene.max_trace_level)
         assert lost.mean() <= limits.LOST, (scene, lost.mean())
         levels.append(scene.max_trace_level)
@@ -179,16 +182,16 @@ def test_the_trace_level_leaves_few_pixels_black():
 
 def test_rounding_decides_for_few_rays():
     """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
-    for scene, most in ((instruments.Directions(), 0.006), (instruments.Directions(prisms=1000, z2=2), 0.25)):
-        _, direction = instruments.rays(scene, (48, 36))
+    for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
+        _, direction = probes.rays(scene, (48, 36))
         assert verify._sensitive(scene, direction).mean() < most
 
 
 def traced_frames(scenes, size):
-    """As `instruments.frames` for `Positions`, by the ray trace."""
+    """As `probes.frames` for `Positions`, by the ray trace."""
     for scene in scenes:
-        inside, direction = instruments.rays(scene, size)
-        found = instruments.traced(scene, direction, most=20)
+        inside, direction = probes.rays(scene, size)
+        found = probes.traced(scene, direction, most=20)
         on = found.position + ((scene.z1 - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
         on[found.end != End.THROUGH] = np.nan
         told = np.full((*inside.shape, 3), np.nan)
@@ -199,7 +202,7 @@ def traced_frames(scenes, size):
 @pytest.mark.parametrize("prisms", [50, 200])
 def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkeypatch):
     """docs/accuracy.md: below |alpha| = 800 deg/N it leaves much of eq. 7's error, above it little."""
-    monkeypatch.setattr(instruments, "frames", traced_frames)
+    monkeypatch.setattr(probes, "frames", traced_frames)
     left = []
     for alpha in (0, 400 / prisms, 800 / prisms):
         scenes = verify.targets("detailed", 6, seed=3, E=0j, alphas=(alpha, alpha), prisms=prisms)
@@ -210,13 +213,13 @@ def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkey
 
 def test_the_index_of_glass_turns_no_ray_on_the_designed_path(monkeypatch):
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
-    scene = instruments.Directions(z2=2)
-    _, direction = instruments.rays(scene, SIZE)
-    before = instruments.traced(scene, direction)
+    scene = probes.Directions(z2=2)
+    _, direction = probes.rays(scene, SIZE)
+    before = probes.traced(scene, direction)
     length = prism.aspect()
     monkeypatch.setattr(prism, "aspect", lambda: length)
     monkeypatch.setattr(prism, "INDEX", prism.INDEX * (1 + 1e-6))
-    after = instruments.traced(scene, direction)
+    after = probes.traced(scene, direction)
     leaves = before.end <= End.BACK
     same = leaves & (before.faces == after.faces).all(1) & (before.end == after.end)
     turned = np.linalg.norm(before.direction - after.direction, axis=1)

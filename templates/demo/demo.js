@@ -21,8 +21,8 @@ function over(a, b) {
 }
 
 // ---- The equations ----
-// Angles in radians, lengths in tiles, r above 0 and finite. Signs and units as in povgen/rotation.py and
-// povgen/paraxial.py, which the tests compare these with.
+// Angles in radians, lengths in tiles, r above 0 and finite. Signs and units as in povgen/optics/rotation.py and
+// povgen/optics/paraxial.py, which the tests compare these with.
 
 const equations = (() => {
   // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
@@ -172,7 +172,7 @@ function appearance(z1, z2, alpha) {
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
 }
 
-// Whether the prediction is off by pixels: povgen's own limits (povgen/limits.py).
+// Whether the prediction is off by pixels: povgen's own limits (povgen/scene/limits.py).
 function unsure(now) {
   if (state.sheet === "ideal") return equations.M(now.r, now.alpha) > data.limits.condition;
   const thin = equations.ideal(state.movie.L, state.movie.E, now.z1, now.z2, now.alpha);

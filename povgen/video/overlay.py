@@ -7,9 +7,9 @@ from math import ceil, radians
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from povgen import paraxial, rotation
-from povgen.rendering import Rendering
-from povgen.scenes import Scene
+from povgen.optics import paraxial, rotation
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Scene
 
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # told apart by all eyes, and in grey: Okabe and Ito's yellow, sky blue and vermilion

@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from povgen import __version__, prism
-from povgen.rendering import Rendering
-from povgen.scenes import Scene
+from povgen import __version__
+from povgen.optics import prism
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Scene
 
-TEMPLATES = Path(__file__).with_name("templates")
+TEMPLATES = Path(__file__).parents[1] / "templates"
 
 
 @cache

@@ -18,8 +18,8 @@ from povgen.errors import InputError, PovrayError, validated
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
-    from povgen.rendering import Rendering
-    from povgen.scenes import Scene
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.models import Scene
 
 app = typer.Typer(
     name="povgen",
@@ -72,8 +72,8 @@ def _takes(*models: str) -> Callable:
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Every field's name, with the names of the scenes that have it ('' for Rendering) and what it is in each."""
-    from povgen.rendering import Rendering
-    from povgen.scenes import SCENES
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.models import SCENES
 
     fields: dict[str, list] = {}
     named = {"scenes": SCENES.values(), "rendering": [Rendering]}
@@ -108,7 +108,7 @@ def _about(field: "FieldInfo") -> str:
 
 
 def _scene(name: str, values: dict[str, Any]) -> "Scene":
-    from povgen.scenes import SCENES
+    from povgen.scene.models import SCENES
 
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
@@ -117,7 +117,7 @@ def _scene(name: str, values: dict[str, Any]) -> "Scene":
 
 def _split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The values of the scene and those of the rendering."""
-    from povgen.rendering import Rendering
+    from povgen.rendering.settings import Rendering
 
     rendering = {name: values.pop(name) for name in Rendering.model_fields if name in values}
     return values, rendering
@@ -126,8 +126,8 @@ def _split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 @app.command("list")
 def list_() -> None:
     """List scenes with their parameters, chess pieces, and the movies that come with povgen."""
-    from povgen.scenes import PIECES, SCENES
-    from povgen.spec import MOVIES, MovieSpec
+    from povgen.scene.models import PIECES, SCENES
+    from povgen.scene.spec import MOVIES, MovieSpec
 
     for name, scene in SCENES.items():
         print(f"{name}: {scene.subject}")
@@ -142,8 +142,8 @@ def list_() -> None:
 @_takes("scenes")
 def pov(scene: SceneName, output: Output = None, **values) -> None:
     """Write a scene's POV-Ray source, to standard output unless -o says where."""
-    from povgen.output import checked_output, save
-    from povgen.source import to_pov
+    from povgen.files import checked_output, save
+    from povgen.scene.sdl import to_pov
 
     made = _scene(scene, values)
     text = to_pov(made)
@@ -166,10 +166,10 @@ def frame(
     **values,
 ) -> None:
     """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
-    from povgen import cache
-    from povgen.frames import png
-    from povgen.output import checked_output, save
-    from povgen.rendering import Rendering
+    from povgen.files import checked_output, save
+    from povgen.rendering import cache
+    from povgen.rendering.frames import png
+    from povgen.rendering.settings import Rendering
 
     values, options = _split(values)
     output = checked_output(output, [".png"])
@@ -215,12 +215,12 @@ def movie(
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
     import logging
 
-    from povgen import cache
-    from povgen.assemble import checked_movie
-    from povgen.assemble import movie as make
-    from povgen.frames import render_all, shard
-    from povgen.rendering import Rendering
-    from povgen.spec import MovieSpec
+    from povgen.rendering import cache
+    from povgen.rendering.frames import render_all, shard
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.spec import MovieSpec
+    from povgen.video.build import checked_movie
+    from povgen.video.build import movie as make
 
     values, options = _split(values)
     loaded, count = MovieSpec.load(spec), _workers(workers)
@@ -270,11 +270,11 @@ def demo(
     **options,
 ) -> None:
     """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
-    from povgen import cache
-    from povgen.demo import OWN, checked_page, scenes
-    from povgen.demo import demo as make
-    from povgen.rendering import Rendering
-    from povgen.spec import MovieSpec
+    from povgen.rendering import cache
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.spec import MovieSpec
+    from povgen.teach.page import OWN, checked_page, scenes
+    from povgen.teach.page import demo as make
 
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], _workers(workers)
     rendering = validated(Rendering, options)
@@ -292,7 +292,7 @@ def demo(
 @app.command()
 def check() -> None:
     """See whether POV-Ray and the encoder work, with a small frame and movie; say what to do where they do not."""
-    from povgen.check import faults
+    from povgen.cli.checkup import faults
 
     if list(faults(print)):
         raise typer.Exit(1)
@@ -306,7 +306,7 @@ def cache(
 
     And what povgens that were killed left, in that folder and among temporary files.
     """
-    from povgen import cache
+    from povgen.rendering import cache
 
     if what not in ("info", "clear"):
         raise InputError(f"{what!r}: allowed: info or clear")
@@ -316,7 +316,7 @@ def cache(
         if swept := cache.sweep():
             print(f"removed {swept} folders that killed povgens left")
     else:
-        files = cache.files()
+        files = cache.entries()
         size = sum(size for _, size, _ in files) / 2**30
         kinds = _kinds([path for _, _, path in files])
         print(f"{kinds}, {size:.3f} of {cache.limit() / 2**30:g} GiB, in {cache.folder()}")
@@ -349,8 +349,8 @@ def verify(
     from rich.live import Live
     from rich.table import Table
 
-    from povgen import povray
-    from povgen.output import checked_output, save
+    from povgen.files import checked_output, save
+    from povgen.rendering import povray
 
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
@@ -372,12 +372,12 @@ def verify(
             live.refresh()
 
         if stability:
-            from povgen.charts import save_maps
-            from povgen.stability import maps
+            from povgen.measure.charts import save_maps
+            from povgen.measure.stability import maps
 
             save_maps(maps(sheet), _folder(output or Path("stability")), add)
         else:
-            from povgen.verify import checks
+            from povgen.measure.verify import checks
 
             for figure in checks(sheet):
                 add(figure)
@@ -397,8 +397,8 @@ def chart(
     ] = None,
 ) -> None:
     """Measure CPU seconds against error, for every model and sampling; charts and tables, in some 20 minutes."""
-    from povgen import charts, speed
-    from povgen.output import save
+    from povgen.files import save
+    from povgen.measure import charts, speed
 
     by_hand = speed.rewrites(peers) if peers else {}
     folder = _folder(output)
@@ -417,14 +417,14 @@ def figure(
     quality: Annotated[str, typer.Option(metavar="QUALITY", help="of frames: draft, paper or high")] = "high",
 ) -> None:
     """Make figures of the paper: PNG, drawings also as SVG, and a caption with the measured agreement."""
-    from povgen.rendering import Rendering
+    from povgen.rendering.settings import Rendering
 
     rendering = validated(Rendering, {"quality": quality})
     for number in numbers:
         if number not in list("123456"):
             raise InputError(f"number = {number!r}: no figure of the paper; allowed: 1 to 6")
     folder = _folder(output)
-    from povgen.figures import save_figure  # after what can be refused, for matplotlib is slow to load
+    from povgen.teach.figures import save_figure  # after what can be refused, for matplotlib is slow to load
 
     for number in numbers:
         for path in save_figure(int(number), folder, rendering):
@@ -450,13 +450,13 @@ def _auto(
         raise InputError("sheet = 'auto' and tolerance go together; allowed: both, as --sheet auto --tolerance 1px")
     if tolerance is None:
         return {}
-    from povgen import choice
-    from povgen.rendering import Rendering
+    from povgen.measure import auto
+    from povgen.rendering.settings import Rendering
 
-    limit = choice.Tolerance.parse(tolerance)
+    limit = auto.Tolerance.parse(tolerance)
     rendering = validated(Rendering, options)
     through = scenes(values | {"sheet": "detailed"}, rendering.quality)
-    chosen, why = choice.choose(through, rendering, limit, options.get("antialias"))
+    chosen, why = auto.choose(through, rendering, limit, options.get("antialias"))
     if not quiet:
         _say(f"povgen: {why}")
     options["antialias"] = chosen.antialias
@@ -465,10 +465,10 @@ def _auto(
 
 def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Say once, of each limit that frames cross, what it is and how many do."""
-    from povgen.limits import warnings
+    from povgen.scene.limits import warnings
 
     if rendering:
-        from povgen.frames import known
+        from povgen.rendering.frames import known
 
         for scene in scenes:
             known(scene)
@@ -483,8 +483,8 @@ def _warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
 
 def _folder(output: Path) -> Path:
     """A folder that is made, when there is nothing left to refuse."""
-    from povgen import cache
-    from povgen.output import checked_folder
+    from povgen.files import checked_folder
+    from povgen.rendering import cache
 
     cache.check()
     return checked_folder(output)

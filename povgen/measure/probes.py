@@ -14,13 +14,14 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from povgen import povray, prism, trace
 from povgen.errors import PovrayError
-from povgen.frames import default_workers
-from povgen.output import temporary_folder
-from povgen.rendering import Rendering
-from povgen.scenes import Chess, Scene
-from povgen.source import to_pov
+from povgen.files import temporary_folder
+from povgen.optics import prism, trace
+from povgen.rendering import povray
+from povgen.rendering.frames import default_workers
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Chess, Scene
+from povgen.scene.sdl import to_pov
 
 
 class Linear(Rendering):

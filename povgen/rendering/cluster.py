@@ -14,10 +14,11 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from povgen import __version__, povray
+from povgen import __version__
 from povgen.errors import ChanceError, InputError, PovrayError
-from povgen.output import temporary_folder
-from povgen.rendering import Rendering
+from povgen.files import temporary_folder
+from povgen.rendering import povray
+from povgen.rendering.settings import Rendering
 
 try:
     import distributed

@@ -20,15 +20,17 @@ from unittest import mock
 
 import numpy as np
 
-from povgen import instruments, povray, rotation
-from povgen.assemble import movie
 from povgen.errors import InputError
-from povgen.frames import read
-from povgen.output import temporary_folder
-from povgen.rendering import Rendering
-from povgen.scenes import Chess, Scene
-from povgen.source import to_pov
-from povgen.verify import SMALL, located, px, rms, targets
+from povgen.files import temporary_folder
+from povgen.measure import probes
+from povgen.measure.verify import SMALL, located, px, rms, targets
+from povgen.optics import rotation
+from povgen.rendering import povray
+from povgen.rendering.frames import read
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Chess, Scene
+from povgen.scene.sdl import to_pov
+from povgen.video.build import movie
 
 SIZES = ((160, 120), (320, 240), (640, 480))
 MAIN = SIZES[1]
@@ -120,7 +122,7 @@ def sample(text: str, sampling: str, size: tuple[int, int]) -> tuple[float, np.n
 def picture_error(picture: np.ndarray, reference: np.ndarray, scene: Scene) -> tuple[float, float]:
     """RMS difference (0 to 1) and mean FLIP of two pictures, bytes, inside the window."""
     height, width = reference.shape[:2]
-    window = instruments.window(scene, (width, height))
+    window = probes.window(scene, (width, height))
     a, b = (image[window].astype(float) / 255 for image in (reference, picture))
     return rms(a - b), float(flip(picture[window], reference[window]).mean())
 

@@ -11,10 +11,11 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from povgen import fence, stopping
+from povgen import stopping
 from povgen.errors import ChanceError, PovrayError
-from povgen.rendering import Rendering
-from povgen.source import template_of
+from povgen.rendering import sandbox
+from povgen.rendering.settings import Rendering
+from povgen.scene.sdl import template_of
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
@@ -154,7 +155,7 @@ class Runner:
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         limits = _limits()
         programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
-        status, messages = fence.within(
+        status, messages = sandbox.within(
             lambda: self._process([*limits, *command(binary(), rendering)], folder, rendering.timeout),
             read=READ,
             run=[*programs, *RUN],

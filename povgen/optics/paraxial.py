@@ -10,7 +10,7 @@ the apparent position are midway between the sheets.
 
 import numpy as np
 
-from povgen import prism
+from povgen.optics import prism
 
 
 def image(z1, z2, alpha, pitch):

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from povgen.drawing import Axes, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
-from povgen.output import save
-from povgen.speed import Point, front
-from povgen.stability import RENDERED, Map
-from povgen.verify import Measured
+from povgen.files import save
+from povgen.measure.plotting import Axes, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
+from povgen.measure.speed import Point, front
+from povgen.measure.stability import RENDERED, Map
+from povgen.measure.verify import Measured
 
 
 def save_maps(maps: Iterable[Map], folder: Path, done: Callable[[Measured], object]) -> None:

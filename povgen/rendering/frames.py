@@ -1,6 +1,7 @@
 """From scenes to frames: each is rendered once, in a work folder of its own, and then kept in the cache."""
 
 import functools
+import inspect
 import json
 import os
 import re
@@ -17,11 +18,13 @@ from typing import Protocol
 
 import numpy as np
 
-from povgen import cache, limits, povray
 from povgen.errors import ChanceError, InputError, PovrayError, validated
-from povgen.rendering import Rendering
-from povgen.scenes import Scene
-from povgen.source import to_pov
+from povgen.optics import prism, trace
+from povgen.rendering import cache, povray
+from povgen.rendering.settings import Rendering
+from povgen.scene import limits
+from povgen.scene.models import Scene
+from povgen.scene.sdl import to_pov
 
 # A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
 WORKERS_PER_CORE = 8
@@ -126,8 +129,8 @@ def _text(survey: limits.Survey) -> bytes:
 @functools.cache
 def _tracing() -> str:
     """What makes surveys, by its text: what another made is another's."""
-    texts = [Path(limits.__file__).with_name(f"{name}.py").read_bytes() for name in ("limits", "prism", "trace")]
-    return sha256(b"\0".join(texts)).hexdigest()
+    texts = [inspect.getsource(module) for module in (limits, prism, trace)]
+    return sha256("\0".join(texts).encode()).hexdigest()
 
 
 def render_all(
@@ -208,7 +211,7 @@ def png(scene: Scene, rendering: Rendering) -> bytes:
     plain = _one(scene, rendering)
     if not rendering.annotated:
         return plain
-    from povgen import encode
+    from povgen.video import encode
 
     return encode.png(picture(plain, scene, rendering))
 
@@ -223,7 +226,7 @@ def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
     plain = read(frame)
     if not rendering.annotated:
         return plain
-    from povgen.annotate import annotated
+    from povgen.video.overlay import annotated
 
     return annotated(plain, scene, rendering)
 

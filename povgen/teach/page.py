@@ -9,14 +9,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from povgen import encode, limits, prism
 from povgen.errors import InputError, validated
-from povgen.frames import picture, render_all
-from povgen.output import checked_folder, checked_output, save, work_folder
-from povgen.rendering import Rendering
-from povgen.scenes import Scene
-from povgen.source import to_html
-from povgen.spec import MovieSpec
+from povgen.files import checked_folder, checked_output, save, work_folder
+from povgen.optics import prism
+from povgen.rendering.frames import picture, render_all
+from povgen.rendering.settings import Rendering
+from povgen.scene import limits
+from povgen.scene.models import Scene
+from povgen.scene.sdl import to_html
+from povgen.scene.spec import MovieSpec
+from povgen.video import encode
 
 OWN = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
 SHEETS = ("detailed", "ideal")

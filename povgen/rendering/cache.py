@@ -13,7 +13,7 @@ from pathlib import Path
 
 import platformdirs
 
-from povgen import output
+from povgen import files
 from povgen.errors import InputError
 
 DEFAULT_SIZE = 2.0  # GiB
@@ -110,7 +110,7 @@ def work() -> AbstractContextManager[Path]:
     with open(tag, "wb") as file:
         if os.fstat(tag).st_size < len(MARK):
             file.write(MARK)
-    return output.work_folder(kept)
+    return files.work_folder(kept)
 
 
 def place(key: str, suffix: str) -> Path:
@@ -150,18 +150,18 @@ def keep(part: Path, place: Path) -> bool:
     return False
 
 
-def files() -> list[tuple[float, int, Path]]:
+def entries() -> list[tuple[float, int, Path]]:
     """Each file's time of last use, size in bytes, and path; the least recently used first."""
-    found = list(_files())
+    found = list(_entries())
     now = time.time()
     # a time that is still to come says nothing of when it was used
     return sorted((used if used <= now else 0.0, size, path) for used, size, path in found)
 
 
-def _files() -> Iterator[tuple[float, int, Path]]:
-    for shelf in _entries(folder()):
+def _entries() -> Iterator[tuple[float, int, Path]]:
+    for shelf in _listed(folder()):
         if re.fullmatch("[0-9a-f]{2}", shelf.name) and shelf.is_dir(follow_symlinks=False):
-            for entry in _entries(shelf):
+            for entry in _listed(shelf):
                 named = re.fullmatch(rf"{shelf.name}[0-9a-f]{{62}}\.(png|json)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
@@ -169,7 +169,7 @@ def _files() -> Iterator[tuple[float, int, Path]]:
                         yield status.st_atime, status.st_size, Path(entry.path)
 
 
-def _entries(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
+def _listed(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
     with suppress(FileNotFoundError, NotADirectoryError, PermissionError), os.scandir(parent) as entries:
         return list(entries)
     return []
@@ -177,7 +177,7 @@ def _entries(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
 
 def trim(most: float) -> list[Path]:
     """Remove the least recently used files until the others take no more than `most` bytes; returns those removed."""
-    kept = files()
+    kept = entries()
     total, removed = sum(size for _, size, _ in kept), []
     for _, size, path in kept:
         if total <= most:
@@ -191,12 +191,12 @@ def trim(most: float) -> list[Path]:
 
 def left() -> list[int]:
     """The size, in bytes, of each folder that a killed povgen left, here or among temporary files."""
-    return [size for parent in _work_places() for size in output.left(parent)]
+    return [size for parent in _work_places() for size in files.left(parent)]
 
 
 def sweep() -> int:
     """Remove the folders that killed povgens left, here or among temporary files; returns how many."""
-    return sum(output.sweep(parent) for parent in _work_places())
+    return sum(files.sweep(parent) for parent in _work_places())
 
 
 def _work_places() -> list[Path]:

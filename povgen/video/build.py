@@ -4,12 +4,14 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from povgen import __version__, cache, encode, povray
+from povgen import __version__
 from povgen.errors import validated
-from povgen.frames import picture, render_all
-from povgen.output import checked_output, save
-from povgen.rendering import Rendering
-from povgen.spec import MovieSpec
+from povgen.files import checked_output, save
+from povgen.rendering import cache, povray
+from povgen.rendering.frames import picture, render_all
+from povgen.rendering.settings import Rendering
+from povgen.scene.spec import MovieSpec
+from povgen.video import encode
 
 
 def movie(
@@ -42,7 +44,7 @@ def movie(
     with ExitStack() as opened:
         cluster = None
         if scheduler is not None:
-            from povgen.cluster import Cluster
+            from povgen.rendering.cluster import Cluster
 
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames

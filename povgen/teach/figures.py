@@ -11,13 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen import annotate, instruments, prism, rotation, trace, verify
-from povgen.drawing import Axes, Figure, save_drawing, style
-from povgen.frames import read, render_all
-from povgen.instruments import Directions, Piece, Positions
-from povgen.output import save
-from povgen.rendering import Rendering
-from povgen.scenes import Chess, Scene, Spheres
+from povgen.files import save
+from povgen.measure import probes, verify
+from povgen.measure.plotting import Axes, Figure, save_drawing, style
+from povgen.measure.probes import Directions, Piece, Positions
+from povgen.optics import prism, rotation, trace
+from povgen.rendering.frames import read, render_all
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Chess, Scene, Spheres
+from povgen.video import overlay
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}
@@ -207,10 +209,10 @@ def spheres(rendering: Rendering) -> Drawn:
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 150)]
     figure, axes = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
     for ax, scene in zip(axes, scenes, strict=True):
-        for line in annotate.loci(scene)[0][0]:
+        for line in overlay.loci(scene)[0][0]:
             ax.plot(*_xy(line), color="white", linewidth=1.8)
             ax.plot(*_xy(line), color="black", linewidth=0.9)
-        seen = np.array(annotate.positions(scene))
+        seen = np.array(overlay.positions(scene))
         ax.plot(*_xy(seen), "o", markersize=4, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.7)
     targets = [
         Positions(sheet="detailed", alpha=scene.alpha, z1=z1, L=scene.L, extent=0.15 * (1 + z1 / scene.z2))
@@ -270,7 +272,7 @@ def _pieces_agree(scenes: list[Chess]) -> str:
     """How the pieces appear turned and scaled about the eye, measured, and by eqs. 8 and 9."""
     pieces = [Piece(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
     told = []
-    for scene, frame in zip(pieces, instruments.frames(pieces, verify.SMALL), strict=True):
+    for scene, frame in zip(pieces, probes.frames(pieces, verify.SMALL), strict=True):
         a = verify.about_eye(scene, frame, verify.SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         nu, M = degrees(rotation.nu(r, alpha)), rotation.M(r, alpha)

@@ -13,13 +13,16 @@ from math import inf, isnan, nan, radians, sqrt
 
 import numpy as np
 
-from povgen import instruments, limits, povray, rotation, speed
 from povgen.errors import InputError, validated
-from povgen.frames import default_workers, read
-from povgen.output import temporary_folder
-from povgen.rendering import Rendering
-from povgen.scenes import Scene
-from povgen.source import Mosaic, to_pov
+from povgen.files import temporary_folder
+from povgen.measure import probes, speed
+from povgen.optics import rotation
+from povgen.rendering import povray
+from povgen.rendering.frames import default_workers, read
+from povgen.rendering.settings import Rendering
+from povgen.scene import limits
+from povgen.scene.models import Scene
+from povgen.scene.sdl import Mosaic, to_pov
 
 FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
 # Samplings, the cheapest first, for prisms and for the sheet that stands in for them, which needs fewer rays. Each is
@@ -158,10 +161,10 @@ class _Trial:
 
 def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     """Blocks of the window's pixels, each at random in a part of the window of its own; None where it is not seen."""
-    inside, _ = instruments.rays(scene, size)
+    inside, _ = probes.rays(scene, size)
     if not inside.any():
         return None
-    y, x = instruments.window(scene, size)
+    y, x = probes.window(scene, size)
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(SHARE * height * width), *MOSAIC)), height, width)
     count = max(LEAST, round(whole / SIDE))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from povgen import limits, prism
+from povgen.optics import prism
+from povgen.scene import limits
 
 # Radius of each piece's foot, tiles: it must stand clear of the sheets.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
@@ -86,7 +87,7 @@ class Scene(BaseModel):
         """
         import numpy  # slow to load, and few scenes need a prediction
 
-        from povgen import paraxial, rotation
+        from povgen.optics import paraxial, rotation
 
         alpha = numpy.radians(self.alpha if alpha is None else alpha)
         match self.sheet:
@@ -123,7 +124,7 @@ class Scene(BaseModel):
         """
         import numpy
 
-        from povgen import paraxial, rotation
+        from povgen.optics import paraxial, rotation
 
         alpha = remainder(self.alpha, 360)
         if self.sheet == "ideal":
@@ -154,8 +155,8 @@ class Scene(BaseModel):
         return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
 
     def _repr_png_(self) -> bytes:
-        from povgen.frames import png  # a scene that is only described needs no POV-Ray
-        from povgen.rendering import Rendering
+        from povgen.rendering.frames import png  # a scene that is only described needs no POV-Ray
+        from povgen.rendering.settings import Rendering
 
         return png(self, Rendering.model_validate({}))
 

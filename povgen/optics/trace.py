@@ -11,7 +11,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from povgen import prism
+from povgen.optics import prism
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 

@@ -12,9 +12,12 @@ from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
-from povgen import instruments, rotation
-from povgen.instruments import Directions, Positions
-from povgen.limits import (
+from povgen.measure import probes
+from povgen.measure.probes import Directions, Positions
+from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, transverse
+from povgen.optics import rotation
+from povgen.optics.trace import End
+from povgen.scene.limits import (
     CONDITION,
     CORRECTION,
     FACES,
@@ -29,9 +32,7 @@ from povgen.limits import (
     survey,
     warnings,
 )
-from povgen.scenes import Chess
-from povgen.trace import End
-from povgen.verify import SMALL, Measured, fractions, located, px, rms, transverse
+from povgen.scene.models import Chess
 
 TINY = (320, 240)
 CONDITIONS = tuple(10.0 ** np.arange(0.5, 7.5, 0.5))
@@ -148,9 +149,9 @@ def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=T
 
 def _wrong(scene: Directions, size) -> tuple[float, float, float]:
     """The fractions of proper pixels that are wrong, of pixels that are proper, and of stray ones that are wrong."""
-    inside, direction = instruments.rays(scene, size)
-    found = instruments.traced(scene, direction, scene.max_trace_level)
-    (told,) = instruments.frames([scene], size)
+    inside, direction = probes.rays(scene, size)
+    found = probes.traced(scene, direction, scene.max_trace_level)
+    (told,) = probes.frames([scene], size)
     wrong = ~(np.linalg.norm(told[inside] - found.direction, axis=1) < 1e-3)
     stray = (found.end <= End.BACK) & (found.count < scene.max_trace_level) & ~found.proper
     return wrong[found.proper].mean(), found.proper.mean(), wrong[stray].mean()
@@ -175,13 +176,13 @@ def trace_level(size=TINY) -> Iterator[Map]:
         ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, E=8j)),
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
-        inside, direction = instruments.rays(scene, size)
-        found = instruments.traced(scene, direction, 255)
+        inside, direction = probes.rays(scene, size)
+        found = probes.traced(scene, direction, 255)
         leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
         for level in levels:
             map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
         scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, scene.max_trace_level)]
-        for other, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+        for other, told in zip(scenes, probes.frames(scenes, size), strict=True):
             black = np.isnan(told[inside][:, 0]) & leaves
             map.add(series + RENDERED, other.max_trace_level, 100 * black.mean())
         map.limit(scene.sheet, series, scene.max_trace_level, rising=False)
@@ -228,7 +229,7 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
     x = "the most that the error should be (px)"
     # 0.011 px of it are the 16 bits that tell the place
     map = Map("grid", "(f) cells of the ideal camera", x, "worst error of position (px)", GRID_ERROR + 0.011, "xy")
-    place = instruments.pixels(size)
+    place = probes.pixels(size)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = rotation.one_minus_P(1 / ratio, radians(alpha))
@@ -237,8 +238,8 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
         values |= {"sheet": "ideal", "alpha": alpha, "z1": z1, "z2": z2}
         enough = ceil(sqrt(grid_error(Positions(**values), 1) / GRID_ERROR))
         cut = [Positions(**values, grid=max(1, enough // part)) for part in (8, 4, 2, 1)]
-        for scene, told in zip(cut, instruments.frames(cut, size), strict=True):
-            inside, _ = instruments.rays(scene, size)
+        for scene, told in zip(cut, probes.frames(cut, size), strict=True):
+            inside, _ = probes.rays(scene, size)
             inside &= ~np.isnan(told[..., 0])
             predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * seen
             error = abs(predicted - place[inside]).max(initial=0)
@@ -253,13 +254,13 @@ def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]
 
     Where the pixels resolve no prism, their error is that of a sample at random; it grows no more.
     """
-    from povgen.frames import render
+    from povgen.rendering.frames import render
 
     map = Map("aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x")
     width = Chess.window / Chess.view_height * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
-        window = instruments.window(scene, size)
+        window = probes.window(scene, size)
         coarse, fine = (render(scene, size=size, antialias=to)[window] / 255 for to in ("off", "1,0.001,4"))
         off = coarse - fine
         map.add("pixels", width / count, rms(off))
@@ -275,10 +276,10 @@ def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
         contrast = []
         for alpha in alphas:
             scene = Directions(sheet="detailed", alpha=alpha, prisms=count)
-            inside, direction = instruments.rays(scene, size)
+            inside, direction = probes.rays(scene, size)
             proper = np.zeros(inside.shape)
-            proper[inside] = instruments.traced(scene, direction).proper
-            blocks = _blocks(proper[instruments.window(scene, size)][6:-6, 6:-6], 24)
+            proper[inside] = probes.traced(scene, direction).proper
+            blocks = _blocks(proper[probes.window(scene, size)][6:-6, 6:-6], 24)
             # of neighbours, for the slow fall towards the edges does not count
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):

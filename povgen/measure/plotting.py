@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from povgen.errors import InputError
-from povgen.output import save
+from povgen.files import save
 
 try:
     import matplotlib

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from povgen import cache, encode, fence, frames, povray
 from povgen.errors import InputError, PovrayError
-from povgen.output import temporary_folder
-from povgen.rendering import Rendering
-from povgen.scenes import Chess
-from povgen.source import to_pov
+from povgen.files import temporary_folder
+from povgen.rendering import cache, frames, povray, sandbox
+from povgen.rendering.settings import Rendering
+from povgen.scene.models import Chess
+from povgen.scene.sdl import to_pov
+from povgen.video import encode
 
 TINY = Rendering(size=(64, 48), antialias=None)
 
@@ -42,7 +43,7 @@ def _cache() -> str:
 
 def _fence() -> str:
     """What POV-Ray can read and write; a kernel without Landlock is no fault, but worth knowing."""
-    version = fence.version()
+    version = sandbox.version()
     return (
         f"Landlock {version}" if version else "none, for this kernel has no Landlock: render only scenes that you trust"
     )

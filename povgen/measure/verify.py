@@ -10,9 +10,10 @@ from math import degrees, pi, radians
 
 import numpy as np
 
-from povgen import instruments, rotation
-from povgen.instruments import Directions, Piece, Positions
-from povgen.trace import End
+from povgen.measure import probes
+from povgen.measure.probes import Directions, Piece, Positions
+from povgen.optics import rotation
+from povgen.optics.trace import End
 
 Size = tuple[int, int]
 HD = (1280, 960)  # what pixels are counted in
@@ -77,8 +78,8 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
     for E, where in ((0j, "before the window"), (0.5 - 0.5j, "aside"), (8.6j, "far aside")):
         scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
         worst = 0.0
-        for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-            inside, direction = instruments.rays(scene, size)
+        for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+            inside, direction = probes.rays(scene, size)
             turned = rotation.rotate(direction, radians(scene.alpha))
             # the frame's inner walls hide what leaves the sheet beside the opening behind it
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
@@ -102,7 +103,7 @@ def piece(size: Size = HD) -> Iterator[Measured]:
         )
     ]
     turn, scale = 0.0, 0.0
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
+    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
         a = about_eye(scene, told, size)
         r = scene.z2 / scene.z1
         turn = max(turn, abs(np.angle(a * np.exp(-1j * rotation.nu(r, radians(scene.alpha))))))
@@ -118,12 +119,12 @@ def about_eye(scene: Piece, told: np.ndarray, size: Size) -> complex:
 
     A piece is as deep as it is wide, and what is farther turns more: so the number is fitted as a cubic of depth.
     """
-    inside, _ = instruments.rays(scene, size)
+    inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(told[..., 0])
     x, y, depth = told[inside].T
     offset = scene.L + x + 1j * y - scene.E
     basis = offset[:, None] * depth[:, None] ** np.arange(4)
-    target = instruments.pixels(size)[inside] - scene.E
+    target = probes.pixels(size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):
         a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
@@ -142,11 +143,11 @@ def horizon(size: Size = HD) -> Iterator[Measured]:
 
 def horizon_angle(scene: Directions, size: Size) -> float:
     """The angle, radians, through which the horizon is seen turned; stray light is left out of the fit."""
-    (told,) = instruments.frames([scene], size)
-    inside, _ = instruments.rays(scene, size)
+    (told,) = probes.frames([scene], size)
+    inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(told[..., 0])
     slope = told[inside][:, 1] / told[inside][:, 2]
-    place = instruments.pixels(size)[inside]
+    place = probes.pixels(size)[inside]
     x, y = place.real, place.imag
     kept = np.ones(len(x), bool)
     for _ in range(8):
@@ -171,8 +172,8 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
     """alpha = 0: every pixel of the window shows the place that it shows without a sheet."""
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
-    ideal, none = instruments.frames(scenes, size)
-    inside, _ = instruments.rays(scenes[0], size)
+    ideal, none = probes.frames(scenes, size)
+    inside, _ = probes.rays(scenes[0], size)
     change = transverse(ideal - none)[inside & ~np.isnan(none[..., 0])]
     worst = np.nan_to_num(abs(change), nan=np.inf).max(initial=0) * 6 / 8  # as seen in the plane z = 0
     worst = worst if len(change) else np.nan
@@ -208,9 +209,9 @@ def any_window(count: int, seed: int) -> list[Directions]:
 
 def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
     proper, agree, sensitive = [], [], []
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-        inside, direction = instruments.rays(scene, size)
-        found = instruments.traced(scene, direction, scene.max_trace_level)
+    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+        inside, direction = probes.rays(scene, size)
+        found = probes.traced(scene, direction, scene.max_trace_level)
         off = np.nan_to_num(np.linalg.norm(told[inside] - found.direction, axis=1), nan=np.inf)
         seen = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
         proper.append((off < 1e-3)[seen & found.proper])
@@ -244,7 +245,7 @@ def _sensitive(scene: Directions, direction: np.ndarray) -> np.ndarray:
     TILT N; and those that meet two faces within EDGE, as at an edge.
     """
     most = scene.max_trace_level
-    path = instruments.traced(scene, direction, most)
+    path = probes.traced(scene, direction, most)
     sensitive = np.zeros(len(direction), bool)
     eye = np.array([scene.E.real, scene.E.imag, -scene.z2])
     front = eye + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
@@ -256,13 +257,11 @@ def _sensitive(scene: Directions, direction: np.ndarray) -> np.ndarray:
         turn = scene.prisms * TILT * np.exp(5j * angle)  # in all combinations with the side
         turned = direction + turn.real * across + turn.imag * other
         aside = front + EDGE * np.array([np.cos(angle), np.sin(angle), 0])
-        neighbour = instruments.traced(scene, turned, most, aside)
+        neighbour = probes.traced(scene, turned, most, aside)
         sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
         sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
     # where each ray meets its first face, its second ...; the last of them again where it has met them all
-    places = [
-        instruments.traced(scene, direction, most=met).position for met in range(1, path.count.max(initial=0) + 1)
-    ]
+    places = [probes.traced(scene, direction, most=met).position for met in range(1, path.count.max(initial=0) + 1)]
     for met, (place, after) in enumerate(pairwise(places), 1):
         sensitive |= (np.linalg.norm(after - place, axis=1) < EDGE) & (path.count > met)
     return sensitive
@@ -342,10 +341,10 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
     The fields are rings of 5 deg.
     """
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-        inside, direction = instruments.rays(scene, size)
+    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+        inside, direction = probes.rays(scene, size)
         turned = rotation.rotate(direction, radians(scene.alpha))
-        found = instruments.traced(scene, direction, scene.max_trace_level)
+        found = probes.traced(scene, direction, scene.max_trace_level)
         rendered = np.linalg.norm(told[inside] - turned, axis=1) < 1e-3
         exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
         exact &= found.count < scene.max_trace_level
@@ -378,15 +377,15 @@ def targets(
     return scenes
 
 
-NOWHERE = instruments.Seen(complex("nan"), complex("nan"), complex("nan"))
+NOWHERE = probes.Seen(complex("nan"), complex("nan"), complex("nan"))
 
 
-def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, instruments.Seen]]:
+def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, probes.Seen]]:
     """Each scene, and where its square is seen, in tiles; NOWHERE where it is not, which holds no bound."""
-    place = instruments.pixels(size)
-    for scene, told in zip(scenes, instruments.frames(scenes, size), strict=True):
-        inside, _ = instruments.rays(scene, size)
-        yield scene, instruments.locate(place[inside], transverse(told[inside]), scene.extent) or NOWHERE
+    place = probes.pixels(size)
+    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+        inside, _ = probes.rays(scene, size)
+        yield scene, probes.locate(place[inside], transverse(told[inside]), scene.extent) or NOWHERE
 
 
 def transverse(told: np.ndarray) -> np.ndarray:

@@ -9,8 +9,8 @@ from math import ceil, hypot, inf, radians, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from povgen.rendering import Rendering
-    from povgen.scenes import Scene
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.models import Scene
 
 # (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
 # correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.
@@ -68,7 +68,7 @@ def _survey(
     """
     import numpy as np
 
-    from povgen import trace  # numpy is slow to load, and only prisms need it
+    from povgen.optics import trace  # numpy is slow to load, and only prisms need it
 
     places = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
     x, y = (places.reshape(2, -1) / side - 0.5) * window
@@ -147,7 +147,7 @@ def _prediction(scene: "Scene", rendering: "Rendering | None") -> Iterator[tuple
         return
     import numpy as np
 
-    from povgen import rotation
+    from povgen.optics import rotation
 
     z1, alpha = np.array(scene.distances), radians(scene.alpha)
     with np.errstate(all="ignore"):

@@ -1,0 +1,1 @@
+"""The command line: reads options, calls the package, reports. May import everything else."""

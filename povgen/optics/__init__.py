@@ -1,0 +1,1 @@
+"""The mathematics: ray rotation, Dove prisms, the ray trace. Imports numpy alone."""
