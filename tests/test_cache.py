@@ -295,13 +295,13 @@ def test_rays_are_traced_once(monkeypatch):
 
 
 def test_warnings_need_no_rays_again(monkeypatch, capsys):
-    from povgen.cli.app import _warn
+    from povgen.cli.report import warn
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
     monkeypatch.setattr(limits, "surveys", {})
     monkeypatch.setattr(limits, "_survey", lambda *rays: pytest.fail("traced again"))
-    _warn([scene], SMALL)
+    warn([scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 
 

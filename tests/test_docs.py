@@ -14,7 +14,7 @@ import notebook  # docs/notebook.py
 import pytest
 from nbclient import NotebookClient
 
-from povgen.cli.app import app
+from povgen.cli.app import COMMANDS
 
 PROJECT = Path(__file__).parents[1]
 PAGES = [
@@ -23,7 +23,6 @@ PAGES = [
     PROJECT / "docs" / "figures" / "README.md",
 ]
 POVGEN = Path(sys.executable).with_name("povgen")
-COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands}
 MAKEFILE = (PROJECT / "Makefile").read_text()
 
 

@@ -4,7 +4,6 @@ Thousands of command lines and specs, made from povgen's own commands, options a
 tried as well. They run in this process, with POV-Ray and all that takes long replaced; nothing else is.
 """
 
-import importlib.util
 import inspect
 import io
 import itertools
@@ -21,6 +20,7 @@ import warnings
 from collections import Counter
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from unittest import mock
 
@@ -33,6 +33,8 @@ from hypothesis import HealthCheck, Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
 from povgen import InputError, MovieSpec, to_pov
+from povgen.cli import app
+from povgen.cli.options import with_options
 from povgen.errors import validated
 from povgen.rendering.settings import Rendering
 from povgen.scene.models import SCENES
@@ -59,29 +61,15 @@ def cases(count):
 # What is there to try: commands with their parameters, and fields of models.
 
 
-@cache
-def cli(command):
-    """povgen's command line as it is for this command: each gets its options only where it is named, see cli._takes."""
-    found = importlib.util.find_spec("povgen.cli.app")
-    module = importlib.util.module_from_spec(found)
-    given, sys.argv = sys.argv, ["povgen", command]
-    try:
-        found.loader.exec_module(module)
-    finally:
-        sys.argv = given
-    module.registered = {info.name or info.callback.__name__: info for info in module.app.registered_commands}
-    module.app = typer.main.get_command(module.app)  # as it does each time, once
-    return module
-
-
-COMMANDS = sorted(cli("").registered)
+COMMANDS = sorted(app.COMMANDS)
 
 
 @cache
 def parameters(command):
     """Each parameter of a command by its name: its kind (str, Path, bool, list), and its option, '' for an argument."""
     found = {}
-    for name, parameter in inspect.signature(cli(command).registered[command].callback).parameters.items():
+    function = import_module(f"povgen.cli.commands.{command}").command
+    for name, parameter in inspect.signature(with_options(function)).parameters.items():
         kind, info = typing.get_args(parameter.annotation)
         kinds = typing.get_args(kind) if typing.get_origin(kind) is types.UnionType else [kind]
         kind = typing.get_origin(kinds[0]) or kinds[0]
@@ -396,7 +384,6 @@ def povgen(line, stdin=b""):
     def hangs(*_):
         raise AssertionError(f"no end: {line}")
 
-    module = cli(line[0])
     out = Stream(io.BytesIO(), "utf-8", errors="strict")  # as Python has it on most systems
     err = Stream(io.BytesIO(), "utf-8", errors="backslashreplace")
     kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
@@ -413,7 +400,7 @@ def povgen(line, stdin=b""):
                 warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
                 patch.setattr(sys, "argv", ["povgen", *line])
                 with pytest.raises(SystemExit) as done:
-                    module.main()
+                    app.main()
     finally:
         os.dup2(own, 0)
         os.close(own)
@@ -786,11 +773,10 @@ def test_a_closed_standard_input():
 
 
 def test_a_closed_standard_output(monkeypatch):
-    module = cli("pov")
     monkeypatch.setattr(sys, "argv", ["povgen", "pov", "chess"])
     monkeypatch.setattr(sys, "stdout", None)
     with pytest.raises(SystemExit) as done:
-        module.main()
+        app.main()
     assert not done.value.code
 
 

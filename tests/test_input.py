@@ -1,16 +1,15 @@
 """What cannot be is refused: exit status 2, one or two lines that name it, no file touched."""
 
-import importlib
-import os
 import re
 import sys
-import tempfile
-import traceback
+from contextlib import redirect_stderr, redirect_stdout
+from io import BytesIO, TextIOWrapper
 
 import pytest
 from PIL import Image
 
 from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
+from povgen.cli import app
 from povgen.rendering import frames, povray
 
 SPEC = """
@@ -28,36 +27,18 @@ frames = 5
 
 
 def povgen(arguments, folder):
-    """Run the command line in a process of its own: exit status, output, errors.
-
-    It is a fork of this one, for loading povgen takes ten times as long as refusing something.
-    """
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        child = os.fork()
-        if not child:
-            status = 1
-            try:
-                os.chdir(folder)
-                for number, file in ((1, out), (2, err)):
-                    os.dup2(file.fileno(), number)
-                sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
-                sys.argv = ["povgen", *arguments]
-                sys.modules.pop("povgen.cli.app", None)  # which is made for the command in sys.argv
-                importlib.import_module("povgen.cli.app").main()
-            except SystemExit as done:
-                status = done.code or 0
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                sys.stdout.flush()
-                sys.stderr.flush()
-                os._exit(status)
-        _, status = os.waitpid(child, 0)
-        told = []
-        for file in (out, err):
-            file.seek(0)
-            told.append(file.read().decode())
-        return os.waitstatus_to_exitcode(status), *told
+    """Run the command line in a folder: exit status, output, errors."""
+    out, err = (TextIOWrapper(BytesIO(), "utf-8", errors="backslashreplace") for _ in range(2))
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+        patch.chdir(folder)
+        patch.setattr(sys, "argv", ["povgen", *arguments])
+        with pytest.raises(SystemExit) as done:
+            app.main()
+    told = []
+    for stream in (out, err):
+        stream.flush()
+        told.append(stream.buffer.getvalue().decode())
+    return done.value.code or 0, *told
 
 
 def refused(arguments, folder):

@@ -1,0 +1,45 @@
+"""povgen demo."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from povgen.cli.options import Quiet, Workers, takes, worker_count
+from povgen.cli.report import progress, warn
+from povgen.errors import validated
+
+
+@takes("rendering")
+def command(
+    specs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SPEC]...", help="movies' TOML files, or names of povgen's own", show_default="the paper's three"
+        ),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="for index.html and its frames")
+    ] = Path("demo"),
+    workers: Workers = None,
+    quiet: Quiet = False,
+    **options,
+) -> None:
+    """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
+    from povgen.rendering import cache
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.spec import MovieSpec
+    from povgen.teach.page import OWN, checked_page, scenes
+    from povgen.teach.page import demo as make
+
+    loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
+    rendering = validated(Rendering, options)
+    shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
+    cache.check()  # would be asked for when the folder is there
+    checked_page(output)
+    if not quiet:
+        warn(shown, rendering)
+    with progress(output.name, len(shown), quiet) as done:
+        page = make(loaded, output, workers=count, done=done, **options)
+    if not quiet:
+        print(f"wrote {page}")

@@ -1,0 +1,39 @@
+"""povgen frame."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from povgen.cli.options import Quiet, SceneName, Tolerance, chosen_sheet, scene_of, split, takes
+from povgen.cli.report import warn
+from povgen.errors import validated
+
+
+@takes("scenes", "rendering")
+def command(
+    scene: SceneName,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = Path(
+        "frame.png"
+    ),
+    tolerance: Tolerance = None,
+    quiet: Quiet = False,
+    **values,
+) -> None:
+    """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
+    from povgen.files import checked_output, save
+    from povgen.rendering import cache
+    from povgen.rendering.frames import png
+    from povgen.rendering.settings import Rendering
+
+    values, options = split(values)
+    output = checked_output(output, [".png"])
+    chosen = chosen_sheet(values, options, tolerance, quiet, lambda values, quality: [scene_of(scene, values)])
+    made = scene_of(scene, values | chosen)
+    rendering = validated(Rendering, options)
+    cache.check()
+    if not quiet:
+        warn([made], rendering)
+    save(png(made, rendering), output)
+    if not quiet:
+        print(f"wrote {output}")

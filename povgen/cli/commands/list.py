@@ -1,0 +1,15 @@
+"""povgen list."""
+
+
+def command() -> None:
+    """List scenes with their parameters, chess pieces, and the movies that come with povgen."""
+    from povgen.scene.models import PIECES, SCENES
+    from povgen.scene.spec import MOVIES, MovieSpec
+
+    for name, scene in SCENES.items():
+        print(f"{name}: {scene.subject}")
+        for field, info in scene.model_fields.items():
+            print(f"    --{field:8} {info.description}")
+    print(f"pieces: {', '.join(PIECES)}")
+    for path in sorted(MOVIES.glob("*.toml")):
+        print(f"movie {path.stem}: {MovieSpec.load(path).title}")

@@ -1,0 +1,77 @@
+"""povgen movie."""
+
+import logging
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from povgen.cli.options import Quiet, Tolerance, Workers, chosen_sheet, split, takes, worker_count
+from povgen.cli.report import progress, warn
+from povgen.errors import InputError, validated
+
+
+@takes("scenes", "rendering")
+def command(
+    spec: Annotated[
+        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help=".mp4, .webm or .gif (default SPEC's name with .mp4, in the current folder)",
+        ),
+    ] = None,
+    workers: Workers = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
+    ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option("--shard", metavar="I/N", help="render every N-th frame, from the I-th on, and no movie yet"),
+    ] = None,
+    tolerance: Tolerance = None,
+    quiet: Quiet = False,
+    **values,
+) -> None:
+    """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    from povgen.rendering import cache
+    from povgen.rendering.frames import render_all, shard
+    from povgen.rendering.settings import Rendering
+    from povgen.scene.spec import MovieSpec
+    from povgen.video.build import checked_movie
+    from povgen.video.build import movie as make
+
+    values, options = split(values)
+    loaded, count = MovieSpec.load(spec), worker_count(workers)
+    output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
+    if part is None:
+        checked_movie(output, loaded, validated(Rendering, options).quality)
+    elif scheduler is not None:
+        raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
+    chosen = chosen_sheet(values, options, tolerance, quiet, lambda values, q: loaded.with_fixed(values).scenes(q))
+    made = loaded.with_fixed(values | chosen)
+    rendering = validated(Rendering, options)
+    scenes = made.scenes(rendering.quality)
+    if part is not None:
+        scenes = shard(scenes, part)
+    cache.check()
+    if not quiet:
+        warn(scenes, rendering)
+    if part is not None:
+        with progress(f"shard {part}", len(scenes), quiet) as done:
+            for _ in render_all(scenes, rendering, count, done):
+                pass
+        if not quiet:
+            print(f"rendered shard {part}: {len(scenes)} frames")
+        return
+    if quiet:
+        logging.getLogger("povgen").setLevel("ERROR")
+    with progress(output.name, len(scenes), quiet) as done:
+        make(made, output, workers=count, done=done, scheduler=scheduler, **options)
+    if not quiet:
+        print(f"wrote {output}")

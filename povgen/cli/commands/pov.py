@@ -1,0 +1,28 @@
+"""povgen pov."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from povgen.cli.options import SceneName, scene_of, takes
+from povgen.cli.report import warn
+
+
+@takes("scenes")
+def command(
+    scene: SceneName,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = None,
+    **values,
+) -> None:
+    """Write a scene's POV-Ray source, to standard output unless -o says where."""
+    from povgen.files import checked_output, save
+    from povgen.scene.sdl import to_pov
+
+    made = scene_of(scene, values)
+    text = to_pov(made)
+    warn([made])
+    if output is None:
+        print(text, end="")
+    else:
+        save(text.encode(), checked_output(output, [".pov"]))
