@@ -49,8 +49,8 @@ def start(place, *more, command=(POVGEN,), arguments=MOVIE, handler=signal.SIG_D
         env={**os.environ, "POVGEN_CACHE": str(place / "cache"), **environment},
         stderr=subprocess.PIPE,
         text=True,
-        # what runs in the background ignores it
-        preexec_fn=lambda: signal.signal(signal.SIGINT, handler),
+        # what runs in the background, or under nohup, ignores them
+        preexec_fn=lambda: [signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGHUP)],
     )
 
 

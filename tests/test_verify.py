@@ -296,8 +296,8 @@ def test_no_warning_without_cause():
         (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "proper path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
-        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "8", "alpha = 179", "z1 = 5", "moves the piece by"]),
-        (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "beyond 8", "moves the piece by"]),
+        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "8", "alpha = 179", "z1 = 5", "moves the object by"]),
+        (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "beyond 8", "moves the object by"]),
         (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "150", "573 times"]),
         # an eye aside: the camera's cells are not small enough before that
         (
