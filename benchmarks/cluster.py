@@ -36,7 +36,7 @@ LONG, ALONE = 600, 100  # frames that cost nothing, at once and one after the ot
 # a worker's povray.run, which hands out a picture that is there
 STAND_IN = """
 from pathlib import Path
-from povgen import povray
+from povgen.rendering import povray
 PICTURE = Path({!r}).read_bytes()
 def run(source, rendering, folder):
     path = folder / rendering.file

@@ -280,7 +280,8 @@ def test_a_large_picture_needs_little_memory_more():
     """Than itself, and what is made of it: MiB of the process, at 7680x4320 (95 MiB)."""
     code = """if True:
         import re, numpy
-        from povgen import Chess, annotate
+        from povgen import Chess
+        from povgen.video import overlay
         from povgen.rendering.settings import Rendering
         picture = numpy.full((4320, 7680, 3), 120, numpy.uint8)
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])

@@ -148,7 +148,7 @@ def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     script = (
-        "from povgen import cache, output; import os, pathlib, signal\n"
+        "from povgen import files; from povgen.rendering import cache; import os, pathlib, signal\n"
         "with cache.work() as one, files.temporary_folder() as two:\n"
         "    (one / 'deep').mkdir(); (one / 'deep' / 'movie.mp4').write_bytes(bytes(300_000))\n"
         "    (two / 'frame.png').write_bytes(bytes(50_000))\n"
@@ -255,7 +255,7 @@ def test_stopped_though_the_exception_is_lost(tmp_path):
     program = """if True:
         import time
         from pathlib import Path
-        from povgen import output, stopping
+        from povgen import files, stopping
         stopping.on_signals()
         with files.work_folder(Path.cwd()) as folder:
             (folder / "part").touch()
