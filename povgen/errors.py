@@ -16,6 +16,8 @@ class InputError(ValueError):
 class PovrayError(RuntimeError):
     """POV-Ray is missing, failed, was killed or took too long: the message tells which, and where."""
 
+    line: int | None = None  # of the scene's text, from 1 on, where POV-Ray named one
+
 
 class ChanceError(PovrayError):
     """POV-Ray was killed or took too long: a fault that another frame, or another try, need not have."""

@@ -13,8 +13,8 @@ from povgen.measure import probes, verify
 from povgen.measure.probes import Positions
 from povgen.optics import rotation
 from povgen.rendering import povray
-from povgen.rendering.settings import Rendering
 from povgen.scene import limits
+from povgen.settings import Rendering
 from povgen.video import overlay
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
@@ -282,7 +282,7 @@ def test_a_large_picture_needs_little_memory_more():
         import re, numpy
         from povgen import Chess
         from povgen.video import overlay
-        from povgen.rendering.settings import Rendering
+        from povgen.settings import Rendering
         picture = numpy.full((4320, 7680, 3), 120, numpy.uint8)
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()

@@ -24,7 +24,7 @@ from test_input import refused
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
 from povgen.rendering import cache, frames
 from povgen.scene import limits
-from povgen.video import encode
+from povgen.video import encode, still
 
 POVGEN = Path(sys.executable).with_name("povgen")
 SCENE = Chess(sheet="none")
@@ -75,7 +75,7 @@ def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
     (place / content).parent.mkdir(parents=True)
     (place / content).write_bytes(b"Signature: 8a477f597d28d172789f06886806bc55\n")
     before = tree(tmp_path)
-    for work in (rendered, cache.check, cache.work, lambda: frames.render(SCENE), lambda: movie("spheres", "a.gif")):
+    for work in (rendered, cache.check, cache.work, lambda: still.render(SCENE), lambda: movie("spheres", "a.gif")):
         with pytest.raises(InputError, match=r"POVGEN_CACHE = '.*': a folder that holds other things.*; allowed: "):
             work()
     for arguments in (["frame", "chess"], ["demo"], ["figure", "1"], ["cache", "info"], ["cache", "clear"]):
@@ -240,9 +240,9 @@ def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
     done = subprocess.run(
         [POVGEN, "frame", "chess", "--prisms", "9", "--size", "32x34", "--quiet", "-o", "z.png"], cwd=tmp_path
     )
-    picture = frames.render(Chess(prisms=9), size=(32, 34))
+    picture = still.render(Chess(prisms=9), size=(32, 34))
     assert done.returncode == 0 and np.array_equal(frames.read(tmp_path / "z.png"), picture)
-    assert Chess(sheet="none")._repr_png_()
+    assert still.png(Chess(sheet="none"))
     assert not cache.entries()
 
 

@@ -16,8 +16,8 @@ from povgen.measure.auto import MOSAIC, PRISMS, SHARE, STAND_IN, Tolerance, choo
 from povgen.measure.probes import Positions, window
 from povgen.measure.verify import located
 from povgen.optics import rotation
-from povgen.rendering.settings import QUALITIES
 from povgen.scene.sdl import Mosaic
+from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")

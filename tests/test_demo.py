@@ -12,10 +12,10 @@ from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.optics import paraxial, rotation
-from povgen.rendering import frames
 from povgen.scene import limits
 from povgen.scene.models import Scene
 from povgen.teach.page import SHEETS, demo, scenes
+from povgen.video import still
 
 pytestmark = pytest.mark.xdist_group("demo")  # what is costly is made once
 SIZE = (160, 120)
@@ -299,7 +299,7 @@ def test_the_frame_is_the_one_that_is_rendered(page):
         opened(page, movie)
         for sheet, wanted in scenes(SPECS[movie], "paper").items():
             page.locator(f"#{sheet}").click()
-            rendered = [frames.render(scene, size=SIZE, antialias="off").astype(float) for scene in wanted]
+            rendered = [still.render(scene, size=SIZE, antialias="off").astype(float) for scene in wanted]
             for n in (0, 3, 5):
                 page.evaluate(MOVE, n)
                 shown = picture(page.locator("#frame").screenshot())

@@ -21,6 +21,7 @@ from conftest import wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
 from povgen.rendering import cache, frames, povray
+from povgen.video import still
 
 POVGEN = Path(sys.executable).with_name("povgen")
 COUNT = 12
@@ -90,7 +91,7 @@ def test_killed_at_twenty_moments(place):
     undisturbed = MovieSpec.parse(SPEC, "x").scenes("paper")
     for scene in undisturbed:
         (killed,) = (path for path in finished(place) if path.name == frames.kept_at(to_pov(scene), SMALL).name)
-        assert np.array_equal(frames.render(scene, size=(64, 48)), frames.read(killed))
+        assert np.array_equal(still.render(scene, size=(64, 48)), frames.read(killed))
 
 
 def test_folders_of_the_killed_are_removed(tmp_path):
@@ -377,7 +378,7 @@ def test_no_room(place, what):
 def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("paper")
-    data, frame = frames.png(scene, SMALL), frames.kept_at(to_pov(scene), SMALL)
+    data, frame = still.png(scene, SMALL), frames.kept_at(to_pov(scene), SMALL)
     middle = len(data) // 2
     frame.write_bytes(
         {
@@ -387,7 +388,7 @@ def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
             "another file": b"GIF89a" + data,
         }[damage]
     )
-    again = frames.png(scene, SMALL)
+    again = still.png(scene, SMALL)
     assert np.array_equal(frames.read(again), frames.read(data)) and frame.read_bytes() == again
 
 

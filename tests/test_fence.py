@@ -16,7 +16,6 @@ import pytest
 from povgen import PovrayError, Rendering
 from povgen.errors import ChanceError
 from povgen.rendering import povray, sandbox
-from povgen.scene.sdl import template_of
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
 SHORT = TINY.model_copy(update={"timeout": 1.0})
@@ -205,9 +204,9 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
 @pytest.mark.parametrize(
     ("status", "messages", "log", "told"),
     [
-        (1, PARSER.format("Cannot parse input."), "std::bad_alloc", ": scene.pov, line 2 (from {}): out of memory"),
-        (1, PARSER.format("Out of memory."), "Out of memory.", ": scene.pov, line 2 (from {}): out of memory"),
-        (-11, "", "std::bad_alloc", ": scene.pov, line 2 (from {}): out of memory"),
+        (1, PARSER.format("Cannot parse input."), "std::bad_alloc", ": scene.pov, line 2: out of memory"),
+        (1, PARSER.format("Out of memory."), "Out of memory.", ": scene.pov, line 2: out of memory"),
+        (-11, "", "std::bad_alloc", ": scene.pov, line 2: out of memory"),
         (1, RENDERER.format("Out of memory."), None, ": out of memory"),
         (-6, UNCAUGHT.format("St9bad_alloc", "std::bad_alloc"), None, ": out of memory"),
         (127, "povray: libX11.so.6: failed to map segment from shared object", None, ": out of memory"),
@@ -226,7 +225,7 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
             1,
             PARSER.format("Cannot parse input."),
             "Too many nested symbol tables",
-            "{}): Too many nested symbol tables",
+            ": scene.pov, line 2: Too many nested symbol tables",
         ),
         (1, RENDERER.format("An internal nesting limit was reached."), None, "An internal nesting limit was reached."),
         (-signal.SIGXFSZ, "", None, " was stopped: it may write 1024 MiB to a file"),
@@ -236,8 +235,7 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
 def test_what_povray_said_is_told(status, messages, log, told, tmp_path):
     """All ways in which it told of its want of memory in 200 runs, and others."""
     (tmp_path / povray.FATAL).write_text(LOG.format(log) if log else "")
-    failure = povray._failure(SCENE, TINY, tmp_path, status, messages)
-    told = told.format(template_of(SCENE, 2))
+    failure = povray._failure(TINY, tmp_path, status, messages)
     assert str(failure).startswith("POV-Ray") and told in str(failure)
     assert ("it may take 8192 MiB" in str(failure)) == ("out of mem" in told)
     # what no other try can mend is not tried again

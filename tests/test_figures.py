@@ -9,7 +9,7 @@ import pytest
 from povgen.measure import verify
 from povgen.optics import rotation
 from povgen.rendering.frames import read
-from povgen.rendering.settings import Rendering
+from povgen.settings import Rendering
 from povgen.teach.figures import FIGURES, save_figure
 
 pytestmark = pytest.mark.xdist_group("figures")  # what is costly is made once

@@ -36,9 +36,9 @@ from povgen import InputError, MovieSpec, to_pov
 from povgen.cli import app
 from povgen.cli.options import with_options
 from povgen.errors import validated
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import SCENES
 from povgen.scene.spec import Sweep
+from povgen.settings import Rendering
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, which counts them
 LEAST = 2000  # cases, of all tests in this file

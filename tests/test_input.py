@@ -10,7 +10,8 @@ from PIL import Image
 
 from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
 from povgen.cli import app
-from povgen.rendering import frames, povray
+from povgen.rendering import povray
+from povgen.video import still
 
 SPEC = """
 title = "A movie"
@@ -185,7 +186,7 @@ FAR = [
 @pytest.mark.parametrize("scene", FAR)
 def test_the_ends_of_what_is_allowed(scene):
     rendering = Rendering(size=(32, 32), antialias="off", caption=True, overlay=True, timeout=120)
-    assert frames.png(scene, rendering).startswith(b"\x89PNG")
+    assert still.png(scene, rendering).startswith(b"\x89PNG")
 
 
 def test_a_window_that_its_frame_hides(tmp_path):

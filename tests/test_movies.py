@@ -10,8 +10,7 @@ import pytest
 from PIL import Image
 
 from povgen import MovieSpec, movie
-from povgen.rendering import frames
-from povgen.video import encode
+from povgen.video import encode, still
 
 pytestmark = pytest.mark.xdist_group("movies")  # what is costly is made once
 SPEC = MovieSpec.parse(
@@ -77,7 +76,7 @@ def test_a_decoded_frame_is_its_png(made):
     scenes = SPEC.scenes("paper")
     with imageio.v2.get_reader(made, format="FFMPEG") as reader:
         for n in (0, 7, 12):
-            png = frames.render(scenes[n], size=SIZE)
+            png = still.render(scenes[n], size=SIZE)
             decoded = reader.get_data(n)
             assert np.sqrt(((decoded.astype(float) - png) ** 2).mean()) < 8  # of 255, for lossy halved chroma
 

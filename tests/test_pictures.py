@@ -1,14 +1,18 @@
 """Pictures by real POV-Ray, measured against the equations. Positions in tiles, as seen in the plane z = 0."""
 
+import base64
 from math import radians
 
 import numpy as np
 import pytest
+from IPython.core.interactiveshell import InteractiveShell
 
+import povgen
 from povgen import Chess, Rendering, Spheres, render, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation
-from povgen.rendering import frames, povray
+from povgen.rendering import povray
+from povgen.video import still
 
 WIDTH, HEIGHT = SIZE = 320, 240
 TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
@@ -173,5 +177,10 @@ def test_every_piece_is_different_and_stands_on_the_floor():
 
 
 def test_a_scene_shows_itself_in_a_notebook():
-    data = Spheres(sheet="none", z1=2)._repr_png_()
-    assert data.startswith(b"\x89PNG") and data == frames.png(Spheres(sheet="none", z1=2), Rendering())
+    """Which it is, wherever povgen is imported."""
+    shell = InteractiveShell.instance()
+    povgen._shown_in_notebooks()
+    (data, _) = shell.display_formatter.format(Spheres(sheet="none", z1=2))
+    InteractiveShell.clear_instance()
+    data = base64.b64decode(data["image/png"]) if isinstance(data["image/png"], str) else data["image/png"]
+    assert data.startswith(b"\x89PNG") and data == still.png(Spheres(sheet="none", z1=2), Rendering())

@@ -17,6 +17,7 @@ from conftest import wait_for
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure import probes
 from povgen.rendering import cache, frames, povray
+from povgen.video import still
 
 TINY = Rendering(size=(32, 32), antialias="off")
 EMPTY = Chess(sheet="none")
@@ -43,19 +44,19 @@ def test_qualities():
 
 
 def test_a_frame_is_rendered_once(monkeypatch):
-    first, kept = frames.png(EMPTY, TINY), frames.kept_at(to_pov(EMPTY), TINY)
+    first, kept = still.png(EMPTY, TINY), frames.kept_at(to_pov(EMPTY), TINY)
     written = kept.stat().st_mtime_ns
     monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered again"))
     # no sheet, no alpha: the same text
-    assert frames.png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first == kept.read_bytes()
+    assert still.png(EMPTY.model_copy(update={"alpha": 5.0}), TINY) == first == kept.read_bytes()
     assert kept.stat().st_mtime_ns == written
     with pytest.raises(BaseException, match="rendered again"):
-        frames.png(EMPTY, Rendering(size=(34, 32), antialias="off"))
+        still.png(EMPTY, Rendering(size=(34, 32), antialias="off"))
 
 
 def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
-    frames.png(Chess(sheet="none", z1=4), TINY)
+    still.png(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
     assert files and set(files) == {path for _, _, path in cache.entries()}
     assert not list(cache.folder().glob(".povgen-*"))
@@ -67,10 +68,10 @@ def test_a_fault_in_the_scene(monkeypatch):
 
     monkeypatch.setattr(frames, "to_pov", broken)
     with pytest.raises(PovrayError) as failure:
-        frames.png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
+        still.png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
     message = str(failure.value)
     line = next(n for n, text in enumerate(broken(Chess(sheet="none", piece="pawn")).splitlines(), 1) if "Dics" in text)
-    assert f"scene.pov, line {line} (from pieces/pawn.pov.j2)" in message
+    assert f"scene.pov, line {line}: " in message and "\n  from pieces/pawn.pov.j2, in the frame with " in message
     assert "Dics" in message and "z1 = 3.25" in message and "piece = pawn" in message
 
 
@@ -148,7 +149,7 @@ def test_one_render_does_not_stop_another(tmp_path):
         other = pool.submit(runner.run, to_pov(Chess()), TINY, tmp_path)
         (process,) = wait_for(lambda: set(runner._running))
         process.send_signal(signal.SIGSTOP)
-        frames.png(Chess(sheet="none", z1=7), TINY)
+        still.png(Chess(sheet="none", z1=7), TINY)
         next(probes.frames([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
         process.send_signal(signal.SIGCONT)

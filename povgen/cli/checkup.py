@@ -6,9 +6,9 @@ from pathlib import Path
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering import cache, frames, povray, sandbox
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Chess
 from povgen.scene.sdl import to_pov
+from povgen.settings import Rendering
 from povgen.video import encode
 
 TINY = Rendering(size=(64, 48), antialias=None)

@@ -66,8 +66,8 @@ def with_options(command: Callable) -> Callable:
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Every field's name, with the names of the scenes that have it ('' for Rendering) and what it is in each."""
-    from povgen.rendering.settings import Rendering
     from povgen.scene.models import SCENES
+    from povgen.settings import Rendering
 
     fields: dict[str, list] = {}
     named = {"scenes": SCENES.values(), "rendering": [Rendering]}
@@ -112,7 +112,7 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The values of the scene and those of the rendering."""
-    from povgen.rendering.settings import Rendering
+    from povgen.settings import Rendering
 
     rendering = {name: values.pop(name) for name in Rendering.model_fields if name in values}
     return values, rendering
@@ -149,7 +149,7 @@ def chosen_sheet(
     if tolerance is None:
         return {}
     from povgen.measure import auto
-    from povgen.rendering.settings import Rendering
+    from povgen.settings import Rendering
 
     limit = auto.Tolerance.parse(tolerance)
     rendering = validated(Rendering, options)

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from povgen.rendering.settings import Rendering
     from povgen.scene.models import Scene
+    from povgen.settings import Rendering
 
 
 def say(message: str) -> None:

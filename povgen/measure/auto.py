@@ -19,10 +19,10 @@ from povgen.measure import probes, speed
 from povgen.optics import rotation
 from povgen.rendering import povray
 from povgen.rendering.frames import default_workers, read
-from povgen.rendering.settings import Rendering
 from povgen.scene import limits
 from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
+from povgen.settings import Rendering
 
 FAR = 1000.0  # tiles: where the horizon and the sky are, as good as
 # Samplings, the cheapest first, for prisms and for the sheet that stands in for them, which needs fewer rays. Each is

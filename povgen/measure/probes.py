@@ -19,9 +19,9 @@ from povgen.files import temporary_folder
 from povgen.optics import prism, trace
 from povgen.rendering import povray
 from povgen.rendering.frames import default_workers
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
+from povgen.settings import Rendering
 
 
 class Linear(Rendering):

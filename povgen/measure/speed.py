@@ -27,9 +27,9 @@ from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
 from povgen.rendering import povray
 from povgen.rendering.frames import read
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
+from povgen.settings import Rendering
 from povgen.video.build import movie
 
 SIZES = ((160, 120), (320, 240), (640, 480))

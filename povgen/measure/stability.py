@@ -254,7 +254,7 @@ def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]
 
     Where the pixels resolve no prism, their error is that of a sample at random; it grows no more.
     """
-    from povgen.rendering.frames import render
+    from povgen.video.still import render
 
     map = Map("aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x")
     width = Chess.window / Chess.view_height * size[1]

@@ -18,7 +18,7 @@ from povgen import __version__
 from povgen.errors import ChanceError, InputError, PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering import povray
-from povgen.rendering.settings import Rendering
+from povgen.settings import Rendering
 
 try:
     import distributed
@@ -187,7 +187,9 @@ def frame(wanted: str, source: str, rendering: Rendering) -> bytes:
             return povray.run(source, rendering, folder).read_bytes()
     except (PovrayError, OSError) as error:
         kind = type(error) if isinstance(error, PovrayError) else PovrayError
-        raise kind(f"worker {distributed.get_worker().address}: {error}") from None
+        named = kind(f"worker {distributed.get_worker().address}: {error}")
+        named.line = getattr(error, "line", None)
+        raise named from None
 
 
 def _connected(scheduler: str) -> distributed.Client:

@@ -9,7 +9,7 @@ import struct
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import closing, suppress
+from contextlib import suppress
 from hashlib import sha256
 from io import BytesIO
 from itertools import islice
@@ -18,13 +18,13 @@ from typing import Protocol
 
 import numpy as np
 
-from povgen.errors import ChanceError, InputError, PovrayError, validated
+from povgen.errors import ChanceError, InputError, PovrayError
 from povgen.optics import prism, trace
 from povgen.rendering import cache, povray
-from povgen.rendering.settings import Rendering
 from povgen.scene import limits
 from povgen.scene.models import Scene
-from povgen.scene.sdl import to_pov
+from povgen.scene.sdl import template_of, to_pov
+from povgen.settings import Rendering
 
 # A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
 WORKERS_PER_CORE = 8
@@ -82,7 +82,8 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
             return png, cache.keep(picture, kept_at(source, rendering))
         except PovrayError as error:
             values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
-            raise type(error)(f"{error}\n  in the frame with {values}") from None
+            origin = f"from {template_of(source, error.line)}, " if error.line else ""
+            raise type(error)(f"{error}\n  {origin}in the frame with {values}") from None
 
 
 def whole(png: bytes, size: tuple[int, int]) -> bool:
@@ -195,40 +196,6 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise InputError(f"shard = {part!r}: allowed: i/n, whole numbers, i from 1 to n")
     return scenes[int(found[1]) - 1 :: int(found[2])]
-
-
-def render(scene: Scene, **options) -> np.ndarray:
-    """The scene's picture, (height, width, 3) bytes of red, green and blue.
-
-    Options: those of `Rendering`.
-    """
-    rendering = validated(Rendering, options)
-    return picture(_one(scene, rendering), scene, rendering).copy()  # to be written to
-
-
-def png(scene: Scene, rendering: Rendering) -> bytes:
-    """The scene's picture as a PNG file's bytes."""
-    plain = _one(scene, rendering)
-    if not rendering.annotated:
-        return plain
-    from povgen.video import encode
-
-    return encode.png(picture(plain, scene, rendering))
-
-
-def _one(scene: Scene, rendering: Rendering) -> bytes:
-    with closing(render_all([scene], rendering)) as frames:
-        return next(frames)
-
-
-def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
-    """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
-    plain = read(frame)
-    if not rendering.annotated:
-        return plain
-    from povgen.video.overlay import annotated
-
-    return annotated(plain, scene, rendering)
 
 
 def read(frame: Path | bytes) -> np.ndarray:

@@ -14,8 +14,7 @@ from pathlib import Path
 from povgen import stopping
 from povgen.errors import ChanceError, PovrayError
 from povgen.rendering import sandbox
-from povgen.rendering.settings import Rendering
-from povgen.scene.sdl import template_of
+from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
@@ -162,7 +161,7 @@ class Runner:
             write=[folder, Path(os.devnull)],
         )
         if status or not (folder / rendering.file).is_file():
-            raise _failure(source, rendering, folder, status, messages.decode(errors="replace"))
+            raise _failure(rendering, folder, status, messages.decode(errors="replace"))
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
@@ -197,18 +196,21 @@ class Runner:
             raise PovrayError("POV-Ray was stopped")
 
 
-def _failure(source: str, rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
-    """Why POV-Ray made no picture: its own message with its line and the template that the line came from."""
+def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
+    """Why POV-Ray made no picture: its own message with its line."""
     log = folder / FATAL
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
     said = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else ""
     out_of_memory = f"out of memory: it may take {_mebibytes(memory())}"
-    where = "POV-Ray"
-    if place is not None:
-        where += f": {place[1]}, line {place[2]} (from {template_of(source, int(place[2]))})"
+
+    def refused(message: str) -> PovrayError:
+        error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")
+        error.line = int(place[2]) if place else None
+        return error
+
     if NO_MEMORY.search(said + messages):
-        return PovrayError(f"{where}: {out_of_memory}")
+        return refused(out_of_memory)
     if status == -signal.SIGXFSZ:
         return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(largest())} to a file, and wanted more")
     if status < 0:
@@ -219,7 +221,7 @@ def _failure(source: str, rendering: Rendering, folder: Path, status: int, messa
     if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
-        return PovrayError(f"{where}: {said or 'failed'}")
+        return refused(said or "failed")
     if UNCLEAR.search(messages):  # which has a place but where there is no memory to tell it
         return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
     last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]

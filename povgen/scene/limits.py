@@ -9,8 +9,8 @@ from math import ceil, hypot, inf, radians, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from povgen.rendering.settings import Rendering
     from povgen.scene.models import Scene
+    from povgen.settings import Rendering
 
 # (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
 # correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.

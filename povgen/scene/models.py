@@ -154,12 +154,6 @@ class Scene(BaseModel):
         """POV-Ray's units in a tile."""
         return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
 
-    def _repr_png_(self) -> bytes:
-        from povgen.rendering.frames import png  # a scene that is only described needs no POV-Ray
-        from povgen.rendering.settings import Rendering
-
-        return png(self, Rendering.model_validate({}))
-
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:
             raise ValueError(

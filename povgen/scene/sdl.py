@@ -9,8 +9,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.optics import prism
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Scene
+from povgen.settings import Rendering
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 

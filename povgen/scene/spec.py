@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from povgen.errors import InputError, shown, validated
-from povgen.rendering.settings import QUALITIES
 from povgen.scene.models import SCENES, Scene
+from povgen.settings import QUALITIES
 
 MOVIES = Path(__file__).parents[1] / "movies"
 LONGEST = 2**14  # bytes of a spec; what is much longer can take Python's reader of TOML minutes

@@ -17,8 +17,8 @@ from povgen.measure.plotting import Axes, Figure, save_drawing, style
 from povgen.measure.probes import Directions, Piece, Positions
 from povgen.optics import prism, rotation, trace
 from povgen.rendering.frames import read, render_all
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Chess, Scene, Spheres
+from povgen.settings import Rendering
 from povgen.video import overlay
 
 WIDTH = 7.0  # inches: two columns of a journal

@@ -12,13 +12,14 @@ from typing import Any
 from povgen.errors import InputError, validated
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.optics import prism
-from povgen.rendering.frames import picture, render_all
-from povgen.rendering.settings import Rendering
+from povgen.rendering.frames import render_all
 from povgen.scene import limits
 from povgen.scene.models import Scene
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
+from povgen.settings import Rendering
 from povgen.video import encode
+from povgen.video.still import picture
 
 OWN = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
 SHEETS = ("detailed", "ideal")

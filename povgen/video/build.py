@@ -8,10 +8,11 @@ from povgen import __version__
 from povgen.errors import validated
 from povgen.files import checked_output, save
 from povgen.rendering import cache, povray
-from povgen.rendering.frames import picture, render_all
-from povgen.rendering.settings import Rendering
+from povgen.rendering.frames import render_all
 from povgen.scene.spec import MovieSpec
+from povgen.settings import Rendering
 from povgen.video import encode
+from povgen.video.still import picture
 
 
 def movie(

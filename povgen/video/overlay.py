@@ -8,8 +8,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from povgen.optics import paraxial, rotation
-from povgen.rendering.settings import Rendering
 from povgen.scene.models import Scene
+from povgen.settings import Rendering
 
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # told apart by all eyes, and in grey: Okabe and Ito's yellow, sky blue and vermilion

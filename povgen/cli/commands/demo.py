@@ -27,8 +27,8 @@ def command(
 ) -> None:
     """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
     from povgen.rendering import cache
-    from povgen.rendering.settings import Rendering
     from povgen.scene.spec import MovieSpec
+    from povgen.settings import Rendering
     from povgen.teach.page import OWN, checked_page, scenes
     from povgen.teach.page import demo as make
 

@@ -17,7 +17,7 @@ def command(
     quality: Annotated[str, typer.Option(metavar="QUALITY", help="of frames: draft, paper or high")] = "high",
 ) -> None:
     """Make figures of the paper: PNG, drawings also as SVG, and a caption with the measured agreement."""
-    from povgen.rendering.settings import Rendering
+    from povgen.settings import Rendering
 
     rendering = validated(Rendering, {"quality": quality})
     for number in numbers:

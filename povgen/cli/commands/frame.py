@@ -23,8 +23,8 @@ def command(
     """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
     from povgen.files import checked_output, save
     from povgen.rendering import cache
-    from povgen.rendering.frames import png
-    from povgen.rendering.settings import Rendering
+    from povgen.settings import Rendering
+    from povgen.video.still import png
 
     values, options = split(values)
     output = checked_output(output, [".png"])

@@ -41,8 +41,8 @@ def command(
     """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
     from povgen.rendering import cache
     from povgen.rendering.frames import render_all, shard
-    from povgen.rendering.settings import Rendering
     from povgen.scene.spec import MovieSpec
+    from povgen.settings import Rendering
     from povgen.video.build import checked_movie
     from povgen.video.build import movie as make
 
