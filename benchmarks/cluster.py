@@ -27,7 +27,7 @@ from povgen import MovieSpec, Rendering, movie, to_pov
 from povgen.measure import speed
 from povgen.rendering import frames
 from povgen.rendering.cluster import Cluster
-from povgen.scene import limits
+from povgen.scene import prediction
 
 DASK = Path(sys.executable).with_name("dask")
 THREADS = frames.WORKERS_PER_CORE
@@ -125,7 +125,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
     with empty_cache() as folder, running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
-        limits.surveys.clear()  # what is known of these scenes from the movie before
+        prediction.surveys.clear()  # what is known of these scenes from the movie before
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start

@@ -22,6 +22,7 @@ from rich.table import Table
 from povgen import Chess, Rendering, to_pov
 from povgen.measure import speed
 from povgen.optics import prism, trace
+from povgen.scene import prediction
 
 HERE = Path(__file__).parent
 PLAIN = Rendering(size=(640, 480), antialias="off")
@@ -70,7 +71,7 @@ def mitsuba(python: str):
     mesh = json.dumps(triangles(Chess()))
 
     def run() -> float:
-        command = [python, HERE / "mitsuba_peer.py", str(Chess().max_trace_level)]
+        command = [python, HERE / "mitsuba_peer.py", str(prediction.max_trace_level(Chess()))]
         return float(subprocess.run(command, input=mesh, capture_output=True, text=True, check=True).stdout)
 
     return run

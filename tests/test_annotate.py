@@ -13,7 +13,7 @@ from povgen.measure import probes, verify
 from povgen.measure.probes import Positions
 from povgen.optics import rotation
 from povgen.rendering import povray
-from povgen.scene import limits
+from povgen.scene import prediction
 from povgen.settings import Rendering
 from povgen.video import overlay
 
@@ -237,7 +237,7 @@ def test_at_the_pole_there_is_nothing_to_mark(sheet):
 )
 def test_predictions_warn_beyond_their_limit(scene, options, words):
     """Whatever shows them, for the object that is farthest beyond it."""
-    said = [text for _, text in limits.warnings(scene, Rendering(**options))]
+    said = [text for _, text in prediction.warnings(scene, Rendering(**options))]
     assert (len(said) == 1 and words in said[0]) if words else not said
 
 

@@ -1,58 +1,122 @@
-"""The house: who may import whom."""
+"""The architecture: which module may import which, and which one alone uses an external library."""
 
 import ast
 import math
 import re
 from pathlib import Path
 
+import pytest
+
 import povgen
 
-HOUSE = Path(povgen.__file__).parent
+PACKAGE = Path(povgen.__file__).parent
+MODULES = {
+    path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in PACKAGE.rglob("*.py")
+}
+# Each package, and those that it may import; any may import the modules beside them, which import nothing of theirs.
+LAYERS = {
+    "optics": set(),
+    "scene": {"optics"},
+    "rendering": {"optics", "scene"},
+    "video": {"optics", "scene", "rendering"},
+    "measure": {"optics", "scene", "rendering", "video"},
+    "teach": {"optics", "scene", "rendering", "video", "measure"},
+    "cli": {"optics", "scene", "rendering", "video", "measure", "teach"},
+}
+BASE = {"errors", "files", "settings", "stopping"}
+TOP = {"__init__", "__main__"}  # where everything is reached from
 
 
 def imports(path):
+    """Everything that a module imports, at any depth of its code: modules, and names in them."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
+            assert not node.level, f"{path}: imports say where they lead"
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
-def only(*allowed, of):
-    """Which modules import something beginning with `of`, beside those allowed, by their name or their package's."""
-    found = {path for path in HOUSE.rglob("*.py") if any(f"{name}.".startswith(f"{of}.") for name in imports(path))}
-    return {path.stem for path in found if not {path.stem, path.parent.name} & {*allowed}}
+def within(name, package):
+    return f"{name}.".startswith(f"{package}.")
 
 
-def test_each_trade_has_one_house():
-    assert not only("sdl", of="jinja2")
-    assert not only("povray", of="subprocess")
-    assert not only("encode", of="imageio")
-    assert not only("plotting", of="matplotlib")
-    assert not only("overlay", "frames", of="PIL")  # frames only reads back the PNG that it hands out as an array
-    assert not only("speed", of="flip_evaluator")
-    assert not only("cli", "commands", of="typer")
-    assert not only("cli", "commands", of="rich")
-    assert not only("cluster", of="distributed") and not only(of="dask")
+def own(name):
+    """povgen's own modules that a module imports."""
+    found = {imported.removeprefix("povgen.") for imported in imports(MODULES[name])}
+    return {module for module in found if module in MODULES and not module.endswith("__init__")}
+
+
+def test_the_folders_are_the_layers():
+    folders = {name.partition(".")[0] for name in MODULES if "." in name}
+    assert folders == set(LAYERS)
+    assert {name for name in MODULES if "." not in name} == BASE | TOP
+
+
+@pytest.mark.parametrize("name", sorted(MODULES.keys() - TOP))
+def test_imports_lead_downwards(name):
+    package, inside, _ = name.partition(".")
+    allowed = LAYERS[package] | {package} if inside else set()
+    for module in own(name):
+        above, deeper, _ = module.partition(".")
+        assert above in allowed if deeper else module in BASE, f"{name} imports {module}"
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    done, under_way = set(), []
+
+    def visit(name):
+        assert name not in under_way, " -> ".join([*under_way[under_way.index(name) :], name])
+        if name not in done:
+            under_way.append(name)
+            for module in own(name):
+                visit(module)
+            done.add(under_way.pop())
+
+    for name in sorted(MODULES.keys() - TOP):
+        visit(name)
+
+
+@pytest.mark.parametrize(
+    ("library", "users"),
+    [
+        ("jinja2", {"scene.sdl"}),
+        ("subprocess", {"rendering.povray"}),
+        ("imageio", {"video.encode"}),
+        ("matplotlib", {"measure.plotting"}),
+        ("PIL", {"video.overlay", "rendering.frames"}),  # which only reads back the PNG that it hands out
+        ("flip_evaluator", {"measure.speed"}),
+        ("typer", {"cli"}),
+        ("rich", {"cli"}),
+        ("distributed", {"rendering.cluster"}),
+        ("dask", set()),
+    ],
+)
+def test_one_module_uses_an_external_library(library, users):
+    found = {
+        name
+        for name, path in MODULES.items()
+        if any(f"{module}.".startswith(f"{library}.") for module in imports(path))
+    }
+    assert {name for name in found if not any(f"{name}.".startswith(f"{user}.") for user in users)} == set()
+    assert bool(found) == bool(users)
 
 
 def test_the_mathematics_is_numpy_alone():
-    assert imports(HOUSE / "optics" / "rotation.py") == {"numpy"}
-    assert imports(HOUSE / "optics" / "prism.py") <= {"math"} | {f"math.{name}" for name in vars(math)}
+    assert imports(MODULES["optics.rotation"]) == {"numpy"}
+    assert imports(MODULES["optics.prism"]) <= {"math"} | {f"math.{name}" for name in vars(math)}
     for name in ("paraxial", "trace"):
-        own = {"povgen.optics", "povgen.optics.prism"}
-        assert {module.split(".")[0] for module in imports(HOUSE / "optics" / f"{name}.py") - own} <= {
-            *("numpy", "dataclasses", "enum")
-        }
+        external = {module.split(".")[0] for module in imports(MODULES[f"optics.{name}"])} - {"povgen"}
+        assert external <= {"numpy", "dataclasses", "enum"}
 
 
 def test_the_ray_trace_shares_nothing_with_what_builds_the_mesh():
-    assert not imports(HOUSE / "scene" / "sdl.py") & {"povgen.optics.trace", "povgen.optics.paraxial"}
-    mesh = (HOUSE / "templates" / "sheets.pov.j2").read_text()
+    assert not imports(MODULES["scene.sdl"]) & {"povgen.optics.trace", "povgen.optics.paraxial"}
+    mesh = (PACKAGE / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))
 
 
-def test_scenes_know_nothing_of_files_and_processes():
-    assert not imports(HOUSE / "scene" / "models.py") & {"pathlib", "os", "povgen.scene.sdl"}
+def test_a_scene_knows_nothing_of_files():
+    assert not imports(MODULES["scene.models"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}

@@ -23,7 +23,7 @@ from test_input import refused
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
 from povgen.rendering import cache, frames
-from povgen.scene import limits
+from povgen.scene import prediction
 from povgen.video import encode, still
 
 POVGEN = Path(sys.executable).with_name("povgen")
@@ -262,17 +262,17 @@ def test_rays_are_traced_once(monkeypatch):
     """They are kept, too, until what traces them is another."""
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
-    survey = limits.survey(scene)
+    survey = prediction.survey(scene)
     (kept,) = (path for _, _, path in cache.entries() if path.suffix == ".json")
 
     def again():
         traced = []
-        trace = limits._survey
+        trace = prediction._survey
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(limits, "surveys", {})
-            patch.setattr(limits, "_survey", lambda *rays: traced.append(rays) or trace(*rays))
+            patch.setattr(prediction, "surveys", {})
+            patch.setattr(prediction, "_survey", lambda *rays: traced.append(rays) or trace(*rays))
             _, ran = rendered(scene)
-            assert not ran and limits.survey(scene) == survey
+            assert not ran and prediction.survey(scene) == survey
         return len(traced)
 
     assert again() == 0
@@ -299,8 +299,8 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
-    monkeypatch.setattr(limits, "surveys", {})
-    monkeypatch.setattr(limits, "_survey", lambda *rays: pytest.fail("traced again"))
+    monkeypatch.setattr(prediction, "surveys", {})
+    monkeypatch.setattr(prediction, "_survey", lambda *rays: pytest.fail("traced again"))
     warn([scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 

@@ -12,7 +12,7 @@ from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.optics import paraxial, rotation
-from povgen.scene import limits
+from povgen.scene import prediction
 from povgen.scene.models import Scene
 from povgen.teach.page import SHEETS, demo, scenes
 from povgen.video import still
@@ -551,7 +551,7 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
                 for z1 in (scene.z1, 2, 4, 5, 5.5, 5.8, 5.97, 6.02, 7, 20):
                     if (scene.alpha, z1) != (180, 6):  # the pole, where there is no ghost
                         ghost = Chess(**scene.model_dump(exclude={"z1", "ghost"}), z1=z1, ghost=True)
-                        warned = "ghost" in dict(limits.warnings(ghost))
+                        warned = "ghost" in dict(prediction.warnings(ghost))
                         assert page.evaluate(unsure, z1) == warned
                         if z1 == scene.z1:
                             assert ("off by pixels" in page.locator("#told").text_content()) == warned

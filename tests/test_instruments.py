@@ -9,6 +9,7 @@ from povgen.measure.probes import Directions, Piece, Positions, locate
 from povgen.optics import prism, rotation
 from povgen.optics.trace import End
 from povgen.rendering import povray
+from povgen.scene import prediction
 
 SIZE = (320, 240)
 
@@ -124,7 +125,7 @@ def test_few_prisms_are_those_of_the_ray_trace(sheet):
         inside, direction = probes.rays(scene, (160, 120))
         found = probes.traced(scene, direction)
         off = np.linalg.norm(told[inside] - found.direction, axis=1)
-        shown = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
+        shown = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
         assert found.proper.sum() > 500 and (off[found.proper] < 1e-3).all(), scene
         stray.extend(off[shown & ~found.proper] < 1e-3)
         ended = found.end == End.FRAME

@@ -14,7 +14,7 @@ from povgen.measure import probes, stability, verify
 from povgen.measure.stability import Map
 from povgen.optics import prism
 from povgen.optics.trace import End
-from povgen.scene import limits
+from povgen.scene import limits, prediction
 
 POVGEN = Path(sys.executable).with_name("povgen")
 SIZE = (320, 240)
@@ -174,9 +174,9 @@ def test_the_trace_level_leaves_few_pixels_black():
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
         inside, direction = probes.rays(scene, SIZE)
         found = probes.traced(scene, direction, most=255)
-        lost = (found.end != End.FRAME) & (found.count >= scene.max_trace_level)
+        lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
         assert lost.mean() <= limits.LOST, (scene, lost.mean())
-        levels.append(scene.max_trace_level)
+        levels.append(prediction.max_trace_level(scene))
     assert levels[-1] < 40 < 100 < max(levels) <= limits.FACES + 1
 
 
@@ -235,7 +235,7 @@ def told_aside(scene):
 
     Computed for the triangles of camera.pov.j2: at the middle of each side and of each triangle.
     """
-    n, half = scene.cells, scene.window / 2
+    n, half = prediction.camera_cells(scene), scene.window / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half
     at = corners + 1j * corners[:, None]
     worst = 0.0
@@ -257,9 +257,9 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
         alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(0.6), 5)), np.exp(random.uniform(-2, 5))
         scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, offset=(0, -random.uniform(0.05, 10)))
         error = told_aside(scene)
-        assert error <= 1.02 * limits.grid_error(scene, scene.cells), scene
-        assert scene.cells <= limits.CELLS
-        if scene.cells < limits.CELLS:
+        assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
+        assert prediction.camera_cells(scene) <= limits.CELLS
+        if prediction.camera_cells(scene) < limits.CELLS:
             assert error <= limits.GRID_ERROR, scene
             told.append(error)
             kept += 1
@@ -272,7 +272,7 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
 
 
 def said(scene, rendering=None):
-    return " ".join(text for _, text in limits.warnings(scene, rendering))
+    return " ".join(text for _, text in prediction.warnings(scene, rendering))
 
 
 def test_no_warning_without_cause():
@@ -325,14 +325,15 @@ def test_warnings_are_said_once_and_not_with_quiet(tmp_path):
 
 
 def test_settings_follow_the_maps():
+    level, cells = prediction.max_trace_level, prediction.camera_cells
     assert prism.AIR_GAP > limits.GAP[0] and prism.AIR_GAP < limits.GAP[1]
-    assert 8 == Chess(z2=60).max_trace_level < Chess(z2=6).max_trace_level < Chess(z2=2).max_trace_level < 62
-    assert Chess(z2=60, z1=40, offset=(0, -10)).max_trace_level > 20  # an eye aside looks aslant, however far
-    assert Chess(sheet="single").max_trace_level < Chess().max_trace_level
-    assert Chess(sheet="ideal").max_trace_level == Chess(sheet="none").max_trace_level == 5
+    assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
+    assert level(Chess(z2=60, z1=40, offset=(0, -10))) > 20  # an eye aside looks aslant, however far
+    assert level(Chess(sheet="single")) < level(Chess())
+    assert level(Chess(sheet="ideal")) == level(Chess(sheet="none")) == 5
     near, far = (Chess(sheet="ideal", z2=z2, offset=(0, -1)) for z2 in (1, 20))
-    assert near.cells > far.cells > 1 == Chess(sheet="ideal").cells
-    assert Chess(sheet="ideal", z1=20, z2=20, alpha=175, offset=(0, -1)).cells > 2 * far.cells  # near the pole
+    assert cells(near) > cells(far) > 1 == cells(Chess(sheet="ideal"))
+    assert cells(Chess(sheet="ideal", z1=20, z2=20, alpha=175, offset=(0, -1))) > 2 * cells(far)  # near the pole
     # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
     assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 1500, 1000)
     with pytest.raises(ValueError, match="z1 = 4000.*3000 prisms.*3333"):

@@ -27,7 +27,7 @@ def one_line(message: str) -> str:
 
 def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Say once, of each limit that frames cross, what it is and how many do."""
-    from povgen.scene.limits import warnings
+    from povgen.scene.prediction import warnings
 
     if rendering:
         from povgen.rendering.frames import known

@@ -53,14 +53,6 @@ class _Instrument(Scene):
     def distances(self) -> tuple[float, ...]:
         return ()
 
-    @property
-    def max_trace_level(self) -> int:
-        return self.trace_level or super().max_trace_level
-
-    @property
-    def cells(self) -> int:
-        return self.grid or super().cells
-
 
 class Directions(_Instrument):
     """The surroundings tell from which direction light comes."""

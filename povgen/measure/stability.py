@@ -28,11 +28,9 @@ from povgen.scene.limits import (
     PIXELS_PER_PRISM,
     PRISMS,
     PROPER,
-    grid_error,
-    survey,
-    warnings,
 )
 from povgen.scene.models import Chess
+from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
 
 TINY = (320, 240)
 CONDITIONS = tuple(10.0 ** np.arange(0.5, 7.5, 0.5))
@@ -150,10 +148,10 @@ def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=T
 def _wrong(scene: Directions, size) -> tuple[float, float, float]:
     """The fractions of proper pixels that are wrong, of pixels that are proper, and of stray ones that are wrong."""
     inside, direction = probes.rays(scene, size)
-    found = probes.traced(scene, direction, scene.max_trace_level)
+    found = probes.traced(scene, direction, max_trace_level(scene))
     (told,) = probes.frames([scene], size)
     wrong = ~(np.linalg.norm(told[inside] - found.direction, axis=1) < 1e-3)
-    stray = (found.end <= End.BACK) & (found.count < scene.max_trace_level) & ~found.proper
+    stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.proper
     return wrong[found.proper].mean(), found.proper.mean(), wrong[stray].mean()
 
 
@@ -181,11 +179,11 @@ def trace_level(size=TINY) -> Iterator[Map]:
         leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
         for level in levels:
             map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
-        scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, scene.max_trace_level)]
+        scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, max_trace_level(scene))]
         for other, told in zip(scenes, probes.frames(scenes, size), strict=True):
             black = np.isnan(told[inside][:, 0]) & leaves
-            map.add(series + RENDERED, other.max_trace_level, 100 * black.mean())
-        map.limit(scene.sheet, series, scene.max_trace_level, rising=False)
+            map.add(series + RENDERED, max_trace_level(other), 100 * black.mean())
+        map.limit(scene.sheet, series, max_trace_level(scene), rising=False)
     yield map
 
 
@@ -244,7 +242,7 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
             predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * seen
             error = abs(predicted - place[inside]).max(initial=0)
             series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
-            map.add(series, grid_error(scene, scene.cells), px(error) if inside.sum() > 100 else np.nan)
+            map.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
         map.limit("ideal", series, GRID_ERROR, "px")
     yield map
 

@@ -14,6 +14,7 @@ from povgen.measure import probes
 from povgen.measure.probes import Directions, Piece, Positions
 from povgen.optics import rotation
 from povgen.optics.trace import End
+from povgen.scene import prediction
 
 Size = tuple[int, int]
 HD = (1280, 960)  # what pixels are counted in
@@ -211,9 +212,9 @@ def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measure
     proper, agree, sensitive = [], [], []
     for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
-        found = probes.traced(scene, direction, scene.max_trace_level)
+        found = probes.traced(scene, direction, prediction.max_trace_level(scene))
         off = np.nan_to_num(np.linalg.norm(told[inside] - found.direction, axis=1), nan=np.inf)
-        seen = (found.end <= End.BACK) & (found.count < scene.max_trace_level)
+        seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
         proper.append((off < 1e-3)[seen & found.proper])
         agree.append((off < 1e-3)[seen])
         sensitive.append(_sensitive(scene, direction[seen & (off >= 1e-3)]))
@@ -244,7 +245,7 @@ def _sensitive(scene: Directions, direction: np.ndarray) -> np.ndarray:
     Those that take another path, or leave 5e-4 rad aside, if they come to the sheets up to EDGE aside and turned by
     TILT N; and those that meet two faces within EDGE, as at an edge.
     """
-    most = scene.max_trace_level
+    most = prediction.max_trace_level(scene)
     path = probes.traced(scene, direction, most)
     sensitive = np.zeros(len(direction), bool)
     eye = np.array([scene.E.real, scene.E.imag, -scene.z2])
@@ -344,10 +345,10 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
     for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
         turned = rotation.rotate(direction, radians(scene.alpha))
-        found = probes.traced(scene, direction, scene.max_trace_level)
+        found = probes.traced(scene, direction, prediction.max_trace_level(scene))
         rendered = np.linalg.norm(told[inside] - turned, axis=1) < 1e-3
         exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
-        exact &= found.count < scene.max_trace_level
+        exact &= found.count < prediction.max_trace_level(scene)
         field = np.degrees(np.arccos(direction[:, 2])) // 5
         for ring in np.unique(field):
             pixels = field == ring

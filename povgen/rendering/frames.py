@@ -21,7 +21,7 @@ import numpy as np
 from povgen.errors import ChanceError, InputError, PovrayError
 from povgen.optics import prism, trace
 from povgen.rendering import cache, povray
-from povgen.scene import limits
+from povgen.scene import limits, prediction
 from povgen.scene.models import Scene
 from povgen.scene.sdl import template_of, to_pov
 from povgen.settings import Rendering
@@ -102,18 +102,18 @@ def whole(png: bytes, size: tuple[int, int]) -> bool:
 
 
 def known(scene: Scene, keep: bool = False) -> None:
-    """Take the scene's survey (`limits`) from the cache, for rays are slow to trace; or make it, and keep it there."""
+    """Take the scene's survey (`prediction`) from the cache, for rays are slow to trace; or make it and keep it."""
     if not scene.sheets_depth:
         return
-    rays = limits.surveyed(scene)
+    rays = prediction.surveyed(scene)
     place = cache.place(f"{_tracing()}\0{rays}", ".json")
     data = cache.find(place, most=300)
     with suppress(ValueError, TypeError, KeyError):  # what is damaged, or not there
-        survey = limits.Survey(**json.loads(data or b"")["survey"])
+        survey = prediction.Survey(**json.loads(data or b"")["survey"])
         if data == _text(survey):
-            limits.surveys[rays] = survey
+            prediction.surveys[rays] = survey
             return
-    survey = limits.survey(scene)
+    survey = prediction.survey(scene)
     if keep:
         with suppress(OSError), cache.work() as folder:
             part = folder / "survey"
@@ -121,7 +121,7 @@ def known(scene: Scene, keep: bool = False) -> None:
             cache.keep(part, place)
 
 
-def _text(survey: limits.Survey) -> bytes:
+def _text(survey: prediction.Survey) -> bytes:
     """A survey as it is kept, with a checksum."""
     values = survey._asdict()
     return json.dumps({"survey": values, "sha256": sha256(repr(values).encode()).hexdigest()}).encode()
@@ -130,7 +130,7 @@ def _text(survey: limits.Survey) -> bytes:
 @functools.cache
 def _tracing() -> str:
     """What makes surveys, by its text: what another made is another's."""
-    texts = [inspect.getsource(module) for module in (limits, prism, trace)]
+    texts = [inspect.getsource(module) for module in (limits, prediction, prism, trace)]
     return sha256("\0".join(texts).encode()).hexdigest()
 
 

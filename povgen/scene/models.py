@@ -135,19 +135,9 @@ class Scene(BaseModel):
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @property
-    def cells(self) -> int:
-        """Cells a side in which the ideal sheet's camera interpolates view directions: see camera.pov.j2."""
-        return 1 if self.E == 0 else limits.grid_cells(self)
-
-    @property
     def air_gap(self) -> float:
         """Air between prisms, in units of their pitch."""
         return prism.AIR_GAP
-
-    @property
-    def max_trace_level(self) -> int:
-        """How many surfaces POV-Ray follows a ray through: 6 prism faces on the proper path, more for stray light."""
-        return limits.survey(self).trace_level if self.sheets_depth else 5
 
     @property
     def tile(self) -> int:

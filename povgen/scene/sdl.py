@@ -9,6 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.optics import prism
+from povgen.scene import prediction
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
@@ -44,8 +45,17 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
 
     With a mosaic the camera sees its blocks alone.
     """
-    template = _environment().get_template(f"{scene.name}.pov.j2")
-    return template.render(scene=scene, mosaic=mosaic, solid="merge" if getattr(scene, "ghost", False) else "union")
+    return (
+        _environment()
+        .get_template(f"{scene.name}.pov.j2")
+        .render(
+            scene=scene,
+            mosaic=mosaic,
+            cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
+            trace_level=prediction.max_trace_level(scene),
+            solid="merge" if getattr(scene, "ghost", False) else "union",
+        )
+    )
 
 
 def to_html(page: dict[str, Any]) -> str:
