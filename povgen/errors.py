@@ -19,7 +19,7 @@ class PovrayError(RuntimeError):
     line: int | None = None  # of the scene's text, from 1 on, where POV-Ray named one
 
 
-class ChanceError(PovrayError):
+class TransientError(PovrayError):
     """POV-Ray was killed or took too long: a fault that another frame, or another try, need not have."""
 
 

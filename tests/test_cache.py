@@ -277,7 +277,7 @@ def test_rays_are_traced_once(monkeypatch):
 
     assert again() == 0
     text = kept.read_text()
-    other = json.dumps({"survey": {"trace_level": 5, "proper": 0.1}, "sha256": json.loads(text)["sha256"]})
+    other = json.dumps({"survey": {"trace_level": 5, "designed": 0.1}, "sha256": json.loads(text)["sha256"]})
     for damaged in (
         "",
         text[:20],

@@ -21,7 +21,7 @@ import pytest
 from conftest import wait_for
 
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, to_pov
-from povgen.errors import ChanceError
+from povgen.errors import TransientError
 from povgen.rendering import cluster, frames
 from povgen.rendering.cluster import Cluster
 
@@ -273,8 +273,8 @@ def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, tmp_p
     with Cluster(shared.address) as there:
         with pytest.raises(PovrayError, match=f"worker {address}: POV-Ray: scene.pov, line .*") as fault:
             there.run(to_pov(SCENES[0]).replace("camera {", "camera { nonsense", 1), SMALL, tmp_path)
-        assert not isinstance(fault.value, ChanceError)
-        with pytest.raises(ChanceError, match=f"worker {address}: POV-Ray took longer than 0.1 s .* 2 times"):
+        assert not isinstance(fault.value, TransientError)
+        with pytest.raises(TransientError, match=f"worker {address}: POV-Ray took longer than 0.1 s .* 2 times"):
             there.run(to_pov(SCENES[0]), Rendering(size=(64, 48), timeout=0.1), tmp_path)
         assert frames.whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
 
@@ -310,7 +310,7 @@ def test_workers_or_the_scheduler_lost(soon, tmp_path):
                     threading.Timer(1.5, lambda name=lost: machines.kill(name)).start()
                 with pytest.raises(PovrayError, match=said) as fault:
                     there.run(source, large, tmp_path)
-                assert isinstance(fault.value, ChanceError) == (name == "one") and "\n" not in str(fault.value)
+                assert isinstance(fault.value, TransientError) == (name == "one") and "\n" not in str(fault.value)
 
 
 def test_a_frozen_scheduler(soon, tmp_path):

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from povgen import PovrayError, Rendering
-from povgen.errors import ChanceError
+from povgen.errors import TransientError
 from povgen.rendering import povray, sandbox
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
@@ -239,7 +239,7 @@ def test_what_povray_said_is_told(status, messages, log, told, tmp_path):
     assert str(failure).startswith("POV-Ray") and told in str(failure)
     assert ("it may take 8192 MiB" in str(failure)) == ("out of mem" in told)
     # what no other try can mend is not tried again
-    assert isinstance(failure, ChanceError) == ("killed" in told)
+    assert isinstance(failure, TransientError) == ("killed" in told)
 
 
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):

@@ -126,8 +126,8 @@ def test_few_prisms_are_those_of_the_ray_trace(sheet):
         found = probes.traced(scene, direction)
         off = np.linalg.norm(told[inside] - found.direction, axis=1)
         shown = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
-        assert found.proper.sum() > 500 and (off[found.proper] < 1e-3).all(), scene
-        stray.extend(off[shown & ~found.proper] < 1e-3)
+        assert found.designed.sum() > 500 and (off[found.designed] < 1e-3).all(), scene
+        stray.extend(off[shown & ~found.designed] < 1e-3)
         ended = found.end == End.FRAME
         assert ended.sum() > 100 and np.isnan(off[ended]).mean() > 0.99, scene
     assert len(stray) > 1000 and np.mean(stray) > 0.998

@@ -34,7 +34,7 @@ def test_an_axial_ray_through_one_prism(u):
     base = gap / 2  # height of the base of the prism above the middle
     u *= height
     rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (Sheet(0, 0.2),), WINDOW, prisms)
-    assert rays.proper[0] and list(rays.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.FAR]
+    assert rays.designed[0] and list(rays.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.FAR]
     reflected = -half + u + u / tan(down)  # z on the base, from the sheet's middle
     leaves = (
         (half - reflected) * tan(down) / (1 + tan(down))
@@ -45,7 +45,7 @@ def test_an_axial_ray_through_one_prism(u):
 
 def test_a_ray_between_two_prisms_goes_straight_on():
     rays = trace([[0.3, 0, -6]], [[0.05, 0, 1]], pair(0.0, WINDOW, 10), WINDOW, 10)
-    assert rays.count[0] == 0 and rays.end[0] == End.THROUGH and not rays.proper[0]
+    assert rays.count[0] == 0 and rays.end[0] == End.THROUGH and not rays.designed[0]
     np.testing.assert_allclose(rays.direction[0], np.array([0.05, 0, 1]) / np.hypot(0.05, 1), rtol=1e-14)
 
 
@@ -54,10 +54,10 @@ def test_a_ray_between_two_prisms_goes_straight_on():
 def test_the_proper_path_through_a_sheet_mirrors(prisms, t):
     origin, direction = fan(2000)
     rays = trace(origin, direction, (Sheet(t, 0),), WINDOW, prisms)
-    assert rays.proper.mean() > 0.6
+    assert rays.designed.mean() > 0.6
     mirrored = np.exp(2j * t) * transverse(direction).conj()
-    np.testing.assert_allclose(transverse(rays.direction)[rays.proper], mirrored[rays.proper], atol=1e-13)
-    np.testing.assert_allclose(rays.direction[rays.proper, 2], direction[rays.proper, 2], atol=1e-13)
+    np.testing.assert_allclose(transverse(rays.direction)[rays.designed], mirrored[rays.designed], atol=1e-13)
+    np.testing.assert_allclose(rays.direction[rays.designed, 2], direction[rays.designed, 2], atol=1e-13)
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.3, pi / 2, pi, -2.0])
@@ -65,9 +65,9 @@ def test_the_proper_path_through_two_sheets_rotates_light_by_alpha(alpha):
     """Rays from the eye run against the light, so they turn by -alpha."""
     origin, direction = fan(5000)
     rays = trace(origin, direction, pair(alpha, WINDOW, 100), WINDOW, 100)
-    assert rays.proper.mean() > 0.5
+    assert rays.designed.mean() > 0.5
     turned = np.exp(-1j * alpha) * transverse(direction)
-    np.testing.assert_allclose(transverse(rays.direction)[rays.proper], turned[rays.proper], atol=1e-13)
+    np.testing.assert_allclose(transverse(rays.direction)[rays.designed], turned[rays.designed], atol=1e-13)
 
 
 def test_a_reversed_ray_retraces_itself():

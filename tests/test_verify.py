@@ -29,7 +29,7 @@ REDUCED = {
     "finite prisms": lambda: verify.finite_prisms((25, 100, 400), 4, SIZE),
     "paraxial prediction": lambda: verify.paraxial_prediction(4, SIZE),
     "hyperbola": lambda: verify.hyperbola(SIZE),
-    "proper fraction": lambda: verify.proper_fraction((66,), SIZE),
+    "designed fraction": lambda: verify.designed_fraction((66,), SIZE),
 }
 
 
@@ -175,9 +175,9 @@ def test_the_trace_level_leaves_few_pixels_black():
         inside, direction = probes.rays(scene, SIZE)
         found = probes.traced(scene, direction, most=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
-        assert lost.mean() <= limits.LOST, (scene, lost.mean())
+        assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
         levels.append(prediction.max_trace_level(scene))
-    assert levels[-1] < 40 < 100 < max(levels) <= limits.FACES + 1
+    assert levels[-1] < 40 < 100 < max(levels) <= limits.MAX_FACES + 1
 
 
 def test_rounding_decides_for_few_rays():
@@ -223,8 +223,8 @@ def test_the_index_of_glass_turns_no_ray_on_the_designed_path(monkeypatch):
     leaves = before.end <= End.BACK
     same = leaves & (before.faces == after.faces).all(1) & (before.end == after.end)
     turned = np.linalg.norm(before.direction - after.direction, axis=1)
-    assert turned[same & before.proper].max() < 1e-12 and (same | ~before.proper).all()
-    assert 1e-5 < np.quantile(turned[same & ~before.proper], 0.99) < 1e-4 and (leaves & ~same).mean() < 1e-3
+    assert turned[same & before.designed].max() < 1e-12 and (same | ~before.designed).all()
+    assert 1e-5 < np.quantile(turned[same & ~before.designed], 0.99) < 1e-4 and (leaves & ~same).mean() < 1e-3
 
 
 # ---- the ideal sheet's camera
@@ -258,14 +258,14 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
         scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, offset=(0, -random.uniform(0.05, 10)))
         error = told_aside(scene)
         assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
-        assert prediction.camera_cells(scene) <= limits.CELLS
-        if prediction.camera_cells(scene) < limits.CELLS:
-            assert error <= limits.GRID_ERROR, scene
+        assert prediction.camera_cells(scene) <= limits.MAX_CELLS
+        if prediction.camera_cells(scene) < limits.MAX_CELLS:
+            assert error <= limits.MAX_CAMERA_ERROR, scene
             told.append(error)
             kept += 1
-    assert kept > 40 and max(told) > 0.7 * limits.GRID_ERROR  # nor many more cells than it takes
+    assert kept > 40 and max(told) > 0.7 * limits.MAX_CAMERA_ERROR  # nor many more cells than it takes
     reported = Chess(sheet="ideal", alpha=162.5, z1=6, z2=6, offset=(0, Chess.floor - 8.6))
-    assert told_aside(reported) <= limits.GRID_ERROR
+    assert told_aside(reported) <= limits.MAX_CAMERA_ERROR
 
 
 # ---- the limits are in force
@@ -292,8 +292,8 @@ def test_no_warning_without_cause():
     ("scene", "rendering", "words"),
     [
         (Chess(z2=2), None, ["z2 = 2", "21 % of the window", "stray light", "25 %"]),
-        (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "proper path"]),
-        (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "proper path"]),
+        (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "designed path"]),
+        (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "designed path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
         (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "8", "alpha = 179", "z1 = 5", "moves the object by"]),
@@ -326,7 +326,7 @@ def test_warnings_are_said_once_and_not_with_quiet(tmp_path):
 
 def test_settings_follow_the_maps():
     level, cells = prediction.max_trace_level, prediction.camera_cells
-    assert prism.AIR_GAP > limits.GAP[0] and prism.AIR_GAP < limits.GAP[1]
+    assert prism.AIR_GAP > limits.GAP_RANGE[0] and prism.AIR_GAP < limits.GAP_RANGE[1]
     assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
     assert level(Chess(z2=60, z1=40, offset=(0, -10))) > 20  # an eye aside looks aslant, however far
     assert level(Chess(sheet="single")) < level(Chess())

@@ -151,7 +151,7 @@ def traced(scene: Scene, direction: np.ndarray, most: int = 60, origin: np.ndarr
     leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
     free = found.end <= trace.End.BACK
     found.end[free & (abs(leaves[:, :2]).max(1) > scene.window / 2)] = trace.End.FRAME
-    found.proper &= found.end == trace.End.THROUGH
+    found.designed &= found.end == trace.End.THROUGH
     return found
 
 

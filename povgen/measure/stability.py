@@ -18,16 +18,16 @@ from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, 
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene.limits import (
-    CONDITION,
-    CORRECTION,
-    FACES,
-    GAP,
-    GRID_ERROR,
-    LOST,
-    PARALLEL,
-    PIXELS_PER_PRISM,
-    PRISMS,
-    PROPER,
+    GAP_RANGE,
+    MAX_CAMERA_ERROR,
+    MAX_CONDITION,
+    MAX_CORRECTION,
+    MAX_FACES,
+    MAX_LOST_FRACTION,
+    MAX_PRISMS,
+    MIN_ALPHA,
+    MIN_DESIGNED_FRACTION,
+    MIN_PIXELS_PER_PRISM,
 )
 from povgen.scene.models import Chess
 from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
@@ -84,7 +84,7 @@ def pole(conditions=CONDITIONS, size=TINY) -> Iterator[Map]:
         for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
             for M, _, place, thin in _near_pole(toward, conditions, size, sheet="ideal", E=E):
                 map.add(series, M, px(abs(place - thin)))
-            map.limit("ideal", series, CONDITION)
+            map.limit("ideal", series, MAX_CONDITION)
     yield map
 
 
@@ -101,7 +101,7 @@ def prediction(conditions=(1, 1.5, 2, 3, 4, 6, 8), size=TINY) -> Iterator[Map]:
             for _, scene, place, thin in _near_pole(toward, conditions, size, sheet="detailed", **values):
                 seen = scene.seen(scene.L, scene.z1)
                 map.add(series, px(abs(seen - thin)), px(abs(place - seen)))
-            map.limit("detailed", series, CORRECTION, "px")
+            map.limit("detailed", series, MAX_CORRECTION, "px")
     yield map
 
 
@@ -121,38 +121,38 @@ def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, E=-0.2 + 0j,
 
 
 def prism_count(counts=(300, 1000, 3000, 10000, 30000), size=SMALL) -> Iterator[Map]:
-    """(b) Proper rays that leave in a direction that the exact ray trace does not give: the leak."""
-    map = Map("prisms", "(b) prism count", "prisms N", "proper pixels that are wrong (%)", 0.01, "xy")
+    """(b) Rays on the designed path that leave in a direction that the exact ray trace does not give: the leak."""
+    map = Map("prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         map.add("leak", count, 100 * float(np.mean(wrong)))
-    map.limit("detailed", "leak", PRISMS)
+    map.limit("detailed", "leak", MAX_PRISMS)
     yield map
 
 
 def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=TINY) -> Iterator[Map]:
     """(c) Stray pixels that POV-Ray gets wrong where gaps are narrow; light lost to gaps where they are wide."""
     narrow = Map("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
-    wide = Map("gap-wide", "(c) air gap, wide", "gap / pitch", "proper pixels lost to it (%)", 3, "x")
+    wide = Map("gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to it (%)", 3, "x")
     for count in (100, 1000):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
-        for gap, (_, proper, stray) in zip(gaps, found, strict=True):
+        for gap, (_, designed, stray) in zip(gaps, found, strict=True):
             narrow.add(f"N = {count}", gap, 100 * stray)
-            wide.add(f"N = {count}", gap, 100 * (1 - proper / found[0][1]))
-        narrow.limit("detailed", f"N = {count}", GAP[0], rising=False)
-        wide.limit("detailed", f"N = {count}", GAP[1])
+            wide.add(f"N = {count}", gap, 100 * (1 - designed / found[0][1]))
+        narrow.limit("detailed", f"N = {count}", GAP_RANGE[0], rising=False)
+        wide.limit("detailed", f"N = {count}", GAP_RANGE[1])
     yield narrow
     yield wide
 
 
 def _wrong(scene: Directions, size) -> tuple[float, float, float]:
-    """The fractions of proper pixels that are wrong, of pixels that are proper, and of stray ones that are wrong."""
+    """Fractions: of pixels on the designed path that are wrong; of pixels on it; of stray pixels that are wrong."""
     inside, direction = probes.rays(scene, size)
     found = probes.traced(scene, direction, max_trace_level(scene))
     (told,) = probes.frames([scene], size)
     wrong = ~(np.linalg.norm(told[inside] - found.direction, axis=1) < 1e-3)
-    stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.proper
-    return wrong[found.proper].mean(), found.proper.mean(), wrong[stray].mean()
+    stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.designed
+    return wrong[found.designed].mean(), found.designed.mean(), wrong[stray].mean()
 
 
 def trace_level(size=TINY) -> Iterator[Map]:
@@ -160,8 +160,8 @@ def trace_level(size=TINY) -> Iterator[Map]:
 
     The limit is the level that povgen takes for the scene.
     """
-    map = Map("trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * LOST, "")
-    levels = np.arange(5, FACES)
+    map = Map("trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * MAX_LOST_FRACTION, "")
+    levels = np.arange(5, MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
         ("z2 = 6", Directions(sheet="detailed")),
@@ -189,7 +189,10 @@ def trace_level(size=TINY) -> Iterator[Map]:
 
 def field_angle(distances=(0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size=SMALL) -> Iterator[Map]:
     """(e) Pixels that show no rotated light, by field angle; and those of a whole window, by the eye's distance."""
-    y, most = "pixels without rotated light (%)", 100 * (1 - PROPER) + 1  # one for the sample that povgen warns by
+    y, most = (
+        "pixels without rotated light (%)",
+        100 * (1 - MIN_DESIGNED_FRACTION) + 1,
+    )  # one for the sample that povgen warns by
     angles = Map("field", "(e) field angle", "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
@@ -199,7 +202,7 @@ def field_angle(distances=(0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), si
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
-            distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).proper))
+            distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).designed))
     for alpha in (0, 66, 120, 180):
         near = next(z2 for z2 in np.arange(0.5, 9, 0.1) if not _warned(alpha, z2))
         distance.limit("detailed", f"α = {alpha}°", near, "tiles", rising=False)
@@ -226,7 +229,9 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
     """(f) The ideal sheet's camera off the axis: the error of what is seen, over the most that it should be."""
     x = "the most that the error should be (px)"
     # 0.011 px of it are the 16 bits that tell the place
-    map = Map("grid", "(f) cells of the ideal camera", x, "worst error of position (px)", GRID_ERROR + 0.011, "xy")
+    map = Map(
+        "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
+    )
     place = probes.pixels(size)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
@@ -234,7 +239,7 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
         # the square lies across the whole window
         values = {"E": E, "L": rotation.object_position(0, E, z1, z2, radians(alpha)), "extent": 2 / abs(seen)}
         values |= {"sheet": "ideal", "alpha": alpha, "z1": z1, "z2": z2}
-        enough = ceil(sqrt(grid_error(Positions(**values), 1) / GRID_ERROR))
+        enough = ceil(sqrt(grid_error(Positions(**values), 1) / MAX_CAMERA_ERROR))
         cut = [Positions(**values, grid=max(1, enough // part)) for part in (8, 4, 2, 1)]
         for scene, told in zip(cut, probes.frames(cut, size), strict=True):
             inside, _ = probes.rays(scene, size)
@@ -243,7 +248,7 @@ def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
             error = abs(predicted - place[inside]).max(initial=0)
             series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
             map.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
-        map.limit("ideal", series, GRID_ERROR, "px")
+        map.limit("ideal", series, MAX_CAMERA_ERROR, "px")
     yield map
 
 
@@ -263,26 +268,26 @@ def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]
         off = coarse - fine
         map.add("pixels", width / count, rms(off))
         map.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
-    map.limit("detailed", "pixels", PIXELS_PER_PRISM, "px", rising=False)
+    map.limit("detailed", "pixels", MIN_PIXELS_PER_PRISM, "px", rising=False)
     yield map
 
 
 def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
-    """(h) Bands where the sheets are nearly parallel: how far the share of proper pixels differs between neighbours."""
+    """(h) Moire bands of nearly parallel sheets: how far blocks of pixels differ in their share on the designed path."""
     map = Map("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast over that at 30°", 1.35, "")
     for count in (50, 100, 400):
         contrast = []
         for alpha in alphas:
             scene = Directions(sheet="detailed", alpha=alpha, prisms=count)
             inside, direction = probes.rays(scene, size)
-            proper = np.zeros(inside.shape)
-            proper[inside] = probes.traced(scene, direction).proper
-            blocks = _blocks(proper[probes.window(scene, size)][6:-6, 6:-6], 24)
+            designed = np.zeros(inside.shape)
+            designed[inside] = probes.traced(scene, direction).designed
+            blocks = _blocks(designed[probes.window(scene, size)][6:-6, 6:-6], 24)
             # of neighbours, for the slow fall towards the edges does not count
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
             map.add(f"N = {count}", alpha, value / contrast[-1])
-        map.limit("detailed", f"N = {count}", PARALLEL, "deg", rising=False)
+        map.limit("detailed", f"N = {count}", MIN_ALPHA, "deg", rising=False)
     yield map
 
 

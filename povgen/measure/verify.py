@@ -52,7 +52,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from finite_prisms()
         yield from paraxial_prediction()
         yield from hyperbola()
-        yield from proper_fraction()
+        yield from designed_fraction()
 
 
 def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
@@ -209,18 +209,18 @@ def any_window(count: int, seed: int) -> list[Directions]:
 
 
 def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
-    proper, agree, sensitive = [], [], []
+    designed, agree, sensitive = [], [], []
     for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
         found = probes.traced(scene, direction, prediction.max_trace_level(scene))
         off = np.nan_to_num(np.linalg.norm(told[inside] - found.direction, axis=1), nan=np.inf)
         seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
-        proper.append((off < 1e-3)[seen & found.proper])
+        designed.append((off < 1e-3)[seen & found.designed])
         agree.append((off < 1e-3)[seen])
         sensitive.append(_sensitive(scene, direction[seen & (off >= 1e-3)]))
     yield Measured(
-        "detailed", f"{kind}: proper pixels within 1e-3 rad of the ray trace",
-        100 * np.concatenate(proper).mean(), 99.99, "%", least=True,
+        "detailed", f"{kind}: pixels on the designed path within 1e-3 rad of the ray trace",
+        100 * np.concatenate(designed).mean(), 99.99, "%", least=True,
     )  # fmt: skip
     yield Measured(
         "detailed", f"{kind}: all pixels whose ray leaves, likewise",
@@ -323,14 +323,14 @@ def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
     )
 
 
-def proper_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
+def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
     """The fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
     found = list(fractions(alphas, size))
     worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
     angles = [angle for _, angle, *_ in found] or [np.nan]
     yield Measured(
         "detailed",
-        f"fraction of proper pixels, fields of {min(angles):g} to {max(angles):g} deg, against the ray trace, worst",
+        f"fraction of pixels on the designed path, fields of {min(angles):g} to {max(angles):g} deg, worst error",
         worst,
         0.002,
     )

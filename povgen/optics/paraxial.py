@@ -18,7 +18,7 @@ def image(z1, z2, alpha, pitch):
 
     z1, z2 and the pitch of the prisms in one unit, alpha in radians. For pitch = 0, a = 1 - P and b = 0 (eq. 7).
     Where |A| = |B| light from L meets the eye's plane in a line or not at all; a and b grow without bound towards it,
-    and with them their error: `limits.CORRECTION`.
+    and with them their error: `limits.MAX_CORRECTION`.
     """
     A, B = _depths(z1, z2, alpha, pitch)
     with np.errstate(divide="ignore", invalid="ignore"):

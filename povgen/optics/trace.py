@@ -46,14 +46,14 @@ class Sheet:
 @dataclass
 class Rays:
     """Where rays leave the sheets: position and direction (n, 3); how, `End` (n,); faces met, `Face` (n, most), and
-    how many (n,); and whether each took the proper path: entry facet, base and exit facet in every sheet."""
+    how many (n,); and whether each took the designed path: entry facet, base and exit facet in every sheet."""
 
     position: np.ndarray
     direction: np.ndarray
     end: np.ndarray
     faces: np.ndarray
     count: np.ndarray
-    proper: np.ndarray
+    designed: np.ndarray
 
 
 class _Glass:
@@ -170,7 +170,7 @@ def trace(
     steps = 3 * len(sheets)
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     path = np.where(direction[:, 2:] > 0, path, path[::-1])
-    rays.proper = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
+    rays.designed = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
     return rays
 
 

@@ -15,7 +15,7 @@ from threading import Thread
 from typing import Any
 
 from povgen import __version__
-from povgen.errors import ChanceError, InputError, PovrayError
+from povgen.errors import InputError, PovrayError, TransientError
 from povgen.files import temporary_folder
 from povgen.rendering import povray
 from povgen.settings import Rendering
@@ -73,7 +73,7 @@ class Cluster:
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """As povray.Runner.run, on a worker. Where a worker is lost, another does its frame.
 
-        Raises PovrayError, which names the worker where POV-Ray failed; ChanceError where worker after worker was lost.
+        Raises PovrayError, which names the worker where POV-Ray failed; TransientError where several workers were lost.
         """
         future = self._client.submit(frame, self._versions, source, rendering, pure=False)
         try:
@@ -82,7 +82,7 @@ class Cluster:
             raise
         except distributed.scheduler.KilledWorker as lost:
             number, last = lost.allowed_failures + 1, lost.last_worker.address
-            raise ChanceError(f"workers lost while they rendered it: {number}, the last {last}") from None
+            raise TransientError(f"workers lost while they rendered it: {number}, the last {last}") from None
         except Exception as error:
             raise PovrayError(f"scheduler {self._scheduler}: {_line(error)}") from None
         finally:

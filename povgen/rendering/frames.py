@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from povgen.errors import ChanceError, InputError, PovrayError
+from povgen.errors import InputError, PovrayError, TransientError
 from povgen.optics import prism, trace
 from povgen.rendering import cache, povray
 from povgen.scene import limits, prediction
@@ -78,7 +78,7 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
             picture = runner.run(source, rendering, folder)
             png = picture.read_bytes()  # once it is in the cache another povgen may remove it
             if not whole(png, rendering.size):
-                raise ChanceError("POV-Ray's picture is not whole (is the disk full?)")
+                raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
             return png, cache.keep(picture, kept_at(source, rendering))
         except PovrayError as error:
             values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
@@ -174,7 +174,7 @@ def render_all(
                 png = frame.result()
                 if isinstance(png, Path):  # another povgen may just have removed it
                     png = _found(png, rendering) or _rendered(scene, rendering, source, runner)[0]
-            except ChanceError as fault:
+            except TransientError as fault:
                 failures.append(f"frame {number}: {fault}")
             else:
                 done()
@@ -182,7 +182,7 @@ def render_all(
                     yield png
         if failures:
             others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
-            raise ChanceError((others if len(scenes) > 1 else "") + "\n".join(failures))
+            raise TransientError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         runner.stop()

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from povgen import stopping
-from povgen.errors import ChanceError, PovrayError
+from povgen.errors import PovrayError, TransientError
 from povgen.rendering import sandbox
 from povgen.settings import Rendering
 
@@ -133,9 +133,9 @@ class Runner:
         for attempt in range(1, TRIES + 1):
             try:
                 return self._run(source, rendering, folder.resolve() / str(attempt))
-            except ChanceError as fault:
+            except TransientError as fault:
                 if attempt == TRIES:
-                    raise ChanceError(f"{fault}, {TRIES} times") from None
+                    raise TransientError(f"{fault}, {TRIES} times") from None
         raise AssertionError("no tries")
 
     def stop(self) -> None:
@@ -182,7 +182,7 @@ class Runner:
         try:
             _, messages = process.communicate(timeout=timeout)
         except subprocess.TimeoutExpired:
-            raise ChanceError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
+            raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
         finally:
             process.kill()
             process.wait()
@@ -215,7 +215,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(largest())} to a file, and wanted more")
     if status < 0:
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
-        return ChanceError(f"POV-Ray was killed by signal {-status}{perhaps}")
+        return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
     # POV-Ray does not say so; other frames that failed may have left room since, for a picture at the most
     if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
@@ -227,4 +227,4 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
     last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
     failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")
     # said on a machine that is overloaded
-    return (ChanceError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)
+    return (TransientError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)

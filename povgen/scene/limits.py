@@ -5,26 +5,26 @@
 
 # (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
 # correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.
-CONDITION = 150
-CORRECTION = 8
-# (b) Most prisms at which no more than 1 in 10,000 rays on the proper path goes astray.
-PRISMS = 3000
+MAX_CONDITION = 150
+MAX_CORRECTION = 8
+# (b) Most prisms at which no more than 1 in 10,000 rays on the designed path goes astray.
+MAX_PRISMS = 3000
 # (c) Widths of the air gap, in units of the pitch, between which it matters little: narrower POV-Ray misses it.
-GAP = (1e-4, 0.09)
+GAP_RANGE = (1e-4, 0.09)
 # (d) The fraction of the window's pixels that may stay black, for want of trace level, though light comes through.
-LOST = 0.05
+MAX_LOST_FRACTION = 0.05
 # The most faces that rays are traced through to find that level. A max_trace_level of 240 can crash POV-Ray.
-FACES = 180
-# (e) The least fraction of them on the prisms' proper path.
-PROPER = 0.25
+MAX_FACES = 180
+# (e) The least fraction of them on the prisms' designed path.
+MIN_DESIGNED_FRACTION = 0.25
 # (f) The error that the ideal sheet's camera may have off the axis, pixels of 1280x960, and the most cells a side to
 # keep it: POV-Ray takes some 1.3 CPU s to read these.
-GRID_ERROR = 0.03
-CELLS = 100
+MAX_CAMERA_ERROR = 0.03
+MAX_CELLS = 100
 # (g) Pixels per prism below which a picture without antialiasing is as far from right as pixels taken at random.
-PIXELS_PER_PRISM = 1.2
+MIN_PIXELS_PER_PRISM = 1.2
 # (h) alpha, degrees, below which parallel prisms make dark bands.
-PARALLEL = 3
+MIN_ALPHA = 3
 
 
 def units_per_tile(prisms: int) -> int:

@@ -43,8 +43,8 @@ class Scene(BaseModel):
     sheet: Sheet = Field(
         "detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none"
     )
-    prisms: Annotated[int, Field(ge=1, le=limits.PRISMS)] = Field(
-        100, description=f"Dove prisms to the window's side, in each sheet, 1 to {limits.PRISMS}"
+    prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
+        100, description=f"Dove prisms to the window's side, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
 
     name: ClassVar[str]

@@ -9,15 +9,15 @@ from math import ceil, hypot, inf, radians, sqrt
 from typing import NamedTuple
 
 from povgen.scene.limits import (
-    CELLS,
-    CONDITION,
-    CORRECTION,
-    FACES,
-    GRID_ERROR,
-    LOST,
-    PARALLEL,
-    PIXELS_PER_PRISM,
-    PROPER,
+    MAX_CAMERA_ERROR,
+    MAX_CELLS,
+    MAX_CONDITION,
+    MAX_CORRECTION,
+    MAX_FACES,
+    MAX_LOST_FRACTION,
+    MIN_ALPHA,
+    MIN_DESIGNED_FRACTION,
+    MIN_PIXELS_PER_PRISM,
 )
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
@@ -26,8 +26,8 @@ from povgen.settings import Rendering
 class Survey(NamedTuple):
     """What becomes of the rays that the eye sends through a window of prisms."""
 
-    trace_level: int  # the least max_trace_level that loses no more than LOST
-    proper: float  # the fraction on the proper path
+    trace_level: int  # the least max_trace_level that loses no more than MAX_LOST_FRACTION
+    designed: float  # the fraction on the designed path
 
 
 surveys: dict[tuple, Survey] = {}  # those that are known, by what they follow from
@@ -65,16 +65,16 @@ def _survey(
     found = trace.trace(eye, direction, glass, window, prisms, gap)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8: what a picture loses may be a little more than the sample
-    lost = int(0.8 * LOST * len(x))
+    lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # the level is among them
-        longer = trace.trace(eye, direction[unfinished], glass, window, prisms, gap, FACES)
+        longer = trace.trace(eye, direction[unfinished], glass, window, prisms, gap, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
-    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.proper.mean()))
+    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed.mean()))
 
 
 def max_trace_level(scene: Scene) -> int:
-    """How many surfaces POV-Ray follows a ray through: 6 prism faces on the proper path, more for stray light.
+    """How many surfaces POV-Ray follows a ray through: 6 prism faces on the designed path, more for stray light.
 
     A probe may have a level of its own (`trace_level`).
     """
@@ -82,13 +82,13 @@ def max_trace_level(scene: Scene) -> int:
 
 
 def camera_cells(scene: Scene) -> int:
-    """Cells a side in which the ideal sheet's camera interpolates view directions, CELLS at most.
+    """Cells a side in which the ideal sheet's camera interpolates view directions, MAX_CELLS at most.
 
-    The least number that keeps GRID_ERROR, unless a probe has its own (`grid`); see camera.pov.j2.
+    The least number that keeps MAX_CAMERA_ERROR, unless a probe has its own (`grid`); see camera.pov.j2.
     """
     if grid := getattr(scene, "grid", None):
         return grid
-    return ceil(min(CELLS, max(1, sqrt(grid_error(scene, 1) / GRID_ERROR)))) if scene.E else 1
+    return ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR)))) if scene.E else 1
 
 
 def grid_error(scene: Scene, cells: int) -> float:
@@ -114,18 +114,21 @@ def _P(scene: Scene, z1: float) -> float:
 def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple[str, str]]:
     """What a picture of the scene will not show right: the parameter to blame, and the limit in words."""
     glass = scene.sheet in ("detailed", "single")
-    if glass and (proper := survey(scene).proper) < PROPER:
+    if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = f" and the eye at {scene.E:g}" if scene.E else ""
-        text = f"z2 = {scene.z2:g}{eye}: {100 * proper:.0f} % of the window shows light on the prisms' proper path"
-        yield "z2", f"{text}, the rest is stray light; below {100 * PROPER:.0f} % little of the scene is seen"
-    if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < PARALLEL:
-        text = f"alpha = {scene.alpha:.3g}: within {PARALLEL} degrees of 0 the prisms of the two sheets"
+        text = f"z2 = {scene.z2:g}{eye}: {100 * designed:.0f} % of the window shows light on the prisms' designed path"
+        yield (
+            "z2",
+            f"{text}, the rest is stray light; below {100 * MIN_DESIGNED_FRACTION:.0f} % little of the scene is seen",
+        )
+    if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < MIN_ALPHA:
+        text = f"alpha = {scene.alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets"
         yield "alpha", f"{text} lie so nearly parallel that they make dark bands"
     yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         pixels = scene.window / scene.view_height * rendering.size[1] / scene.prisms
-        if pixels < PIXELS_PER_PRISM:
-            text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {PIXELS_PER_PRISM} pixels,"
+        if pixels < MIN_PIXELS_PER_PRISM:
+            text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {MIN_PIXELS_PER_PRISM} pixels,"
             yield "prisms", f"{text} without antialiasing, the picture is noise"
 
 
@@ -150,14 +153,14 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
             found = rotation.condition(scene.z2 / z1, alpha)
             # for an eye aside the camera may err by a pixel before that
             right = found / grid_error(scene, camera_cells(scene)) if scene.E else np.inf
-            limit = np.broadcast_to(np.fmin(CONDITION, right), found.shape)
+            limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
             thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
             # what enters one sheet at a prism's edge leaves it half a pitch off
             moved = scene.seen(scene.L, z1) - thin if two else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
             found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
-            limit = np.full(len(found), CORRECTION)
+            limit = np.full(len(found), MAX_CORRECTION)
             what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
     worst = np.argmax(found / limit)
     if found[worst] > limit[worst]:

@@ -289,9 +289,9 @@ def _traced_through_P(alpha: float, z1: float, z2: float) -> tuple[int, float, f
     spread = np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * window / prisms
     direction = np.column_stack((place.real + spread[:, 0] - 1, place.imag + spread[:, 1], np.full(len(spread), z2)))
     rays = trace.trace(np.array([[1.0, 0, -z2]]), direction, trace.pair(alpha, window, prisms), window, prisms)
-    x, y, z = rays.position[rays.proper].T
-    dx, dy, dz = rays.direction[rays.proper].T
-    before, after = direction[rays.proper] @ (1, 1j, 0), dx + 1j * dy
+    x, y, z = rays.position[rays.designed].T
+    dx, dy, dz = rays.direction[rays.designed].T
+    before, after = direction[rays.designed] @ (1, 1j, 0), dx + 1j * dy
     start = x + 1j * y + after / dz * (z1 - z)
     return prisms, degrees(np.angle(before / after).mean()), abs(start.mean())
 

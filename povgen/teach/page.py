@@ -120,7 +120,7 @@ def _data(movies: list[dict[str, Any]]) -> dict[str, Any]:
         "movies": movies,
         "view_height": Scene.view_height,
         "prism": {"air_gap": prism.AIR_GAP, "aspect": prism.aspect(), "slab_shift": prism.slab_shift()},
-        "limits": {"condition": limits.CONDITION, "correction": limits.CORRECTION},
+        "limits": {"condition": limits.MAX_CONDITION, "correction": limits.MAX_CORRECTION},
     }
 
 
