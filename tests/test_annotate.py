@@ -37,7 +37,7 @@ def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
     scene = Chess(sheet=sheet, alpha=alpha, z1=z1, offset=(0.4, -0.73))
     marks = yellow(drawn(scene, overlay=True))
     pixel = scene.view_height / 480
-    assert len(marks) > 20 and abs(marks.mean() - scene.seen(scene.L, scene.z1)) < 0.5 * pixel
+    assert len(marks) > 20 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
 
 
 def test_every_sphere_has_its_mark_on_the_circle():
@@ -94,10 +94,10 @@ def dense(first, last, *about):
 def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):
     """Every visible point of the true curve is drawn, and nothing farther from it than the line is wide."""
     distances = dense(scene.depth / 2, 1e4 * scene.z2, scene.depth / 2, z1)
-    true = [(scene.seen(scene.L, distances), scene.visible(scene.L, distances))]
+    true = [(scene.apparent_position(scene.L, distances), scene.visible(scene.L, distances))]
     if alphas:
         angles, at = dense(-180, 180, -180, *alphas), scene.distances[0]
-        true.append((scene.seen(scene.L, at, angles), scene.visible(scene.L, at, angles)))
+        true.append((scene.apparent_position(scene.L, at, angles), scene.visible(scene.L, at, angles)))
     places = np.concatenate([place[visible] for place, visible in true])
     monkeypatch.setattr(overlay, "positions", lambda scene: [])
     changed = (drawn(scene, overlay=True) != 120).any(-1)
@@ -123,7 +123,7 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     inside, _ = probes.rays(scene, (160, 120))
     shown, place = scene.L + verify.transverse(told), probes.pixels((160, 120))
     coarse = 2.5 * scene.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
-    designed = inside & (abs(scene.seen(shown, 2) - place) < 0.04 + coarse)
+    designed = inside & (abs(scene.apparent_position(shown, 2) - place) < 0.04 + coarse)
     hidden = designed & ~scene.visible(shown, 2)
     assert designed.sum() > 1500 and hidden.sum() <= most * designed.sum()
     grid = 4 * place[scene.visible(4 * place, 2)]
@@ -151,7 +151,7 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
 def test_a_single_sheet_shows_a_place_where_it_is_marked():
     scenes = [Positions(sheet="single", z1=z1, L=0.5 - 0.3j, extent=0.2, prisms=400) for z1 in (1, 3, 12)]
     for scene, seen in verify.located(scenes, (640, 480)):
-        assert verify.px(abs(seen.place - scene.seen(scene.L, scene.z1))) < 1
+        assert verify.px(abs(seen.place - scene.apparent_position(scene.L, scene.z1))) < 1
 
 
 def test_the_overlay_leaves_the_rest_of_the_picture():

@@ -93,7 +93,7 @@ def test_apparent_place_of_what_is_seen_through_prisms():
     told = told[inside][:, 0] + 1j * told[inside][:, 1]
     seen = locate(probes.pixels(SIZE)[inside], told, scene.extent)
     pixel = 3.85 / 960
-    assert abs(seen.place - scene.seen(scene.L, scene.z1)) < 0.5 * pixel
+    assert abs(seen.place - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
     ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
     assert 2.5 * pixel < abs(seen.place - ideal) < 4 * pixel
 

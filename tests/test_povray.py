@@ -32,7 +32,7 @@ def test_command():
 
 
 def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
-    """Above 128 MB it would swap it to a file outside the fence."""
+    """Above 128 MB it would swap it to a file outside the sandbox."""
     large = Rendering(size=(3200, 2400), antialias="off")
     assert frames.read(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
 

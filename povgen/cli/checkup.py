@@ -21,7 +21,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
-            ("fence", _fence, "report it: povgen's issues"),
+            ("sandbox", _sandbox, "report it: povgen's issues"),
             (
                 "frame",
                 lambda: _frame(frame),
@@ -41,7 +41,7 @@ def _cache() -> str:
         return str(cache.folder())
 
 
-def _fence() -> str:
+def _sandbox() -> str:
     """What POV-Ray can read and write; a kernel without Landlock is no fault, but worth knowing."""
     version = sandbox.version()
     return (

@@ -202,7 +202,7 @@ def _position_error(scene: Scene, sheet: str) -> float:
     worst = 0.0
     for z1 in (*scene.distances, FAR):
         L = rotation.object_position(place, scene.E, z1, scene.z2, alpha)
-        prisms = scene.seen(L, z1)
+        prisms = scene.apparent_position(L, z1)
         if rotation.condition(scene.z2 / z1, alpha) > limits.MAX_CONDITION:
             return inf
         shown = place if sheet == "ideal" else rotation.apparent_position(L, scene.E, z1, scene.z2, 0.0)

@@ -99,7 +99,7 @@ def prediction(conditions=(1, 1.5, 2, 3, 4, 6, 8), size=TINY) -> Iterator[Map]:
             (f"{toward}, wide field", {"z2": 3.6, "P": 0.6 - 0.6j}),
         ):
             for _, scene, place, thin in _near_pole(toward, conditions, size, sheet="detailed", **values):
-                seen = scene.seen(scene.L, scene.z1)
+                seen = scene.apparent_position(scene.L, scene.z1)
                 map.add(series, px(abs(seen - thin)), px(abs(place - seen)))
             map.limit("detailed", series, MAX_CORRECTION, "px")
     yield map
@@ -273,7 +273,7 @@ def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]
 
 
 def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
-    """(h) Moire bands of nearly parallel sheets: how far blocks of pixels differ in their share on the designed path."""
+    """(h) Moire of nearly parallel sheets: how far blocks of pixels differ in their share on the designed path."""
     map = Map("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast over that at 30°", 1.35, "")
     for count in (50, 100, 400):
         contrast = []

@@ -65,7 +65,7 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
     off, turn, scale = [], [], []
     for scene, seen in located(scenes, size):
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
-        off.append(px(abs(seen.place - scene.seen(scene.L, scene.z1))))
+        off.append(px(abs(seen.place - scene.apparent_position(scene.L, scene.z1))))
         turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * rotation.nu(r, alpha))))))
         scale.append(100 * abs(abs(seen.a) / rotation.M(r, alpha) - 1))
     # numpy's max keeps NaN
@@ -299,7 +299,7 @@ def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
     for scene, seen in located(scenes, size):
         ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
         thin.append(abs(seen.place - ideal))
-        thick.append(abs(seen.place - scene.seen(scene.L, scene.z1)))
+        thick.append(abs(seen.place - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
 
 

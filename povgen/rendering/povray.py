@@ -19,7 +19,7 @@ from povgen.settings import Rendering
 SCENE = "scene.pov"
 FATAL = "fatal.log"
 # POV-Ray takes the stricter of this and the system's own. (Its release 3.7.0.10 obeys the ban on shell-outs but not
-# always the one on files: the fence does not depend on it.)
+# always the one on files: the sandbox does not depend on it.)
 CONFIG = """\
 [File I/O Security]
 restricted
@@ -48,7 +48,7 @@ def command(binary: str, rendering: Rendering) -> list[str]:
     """POV-Ray's command line for the scene in its work folder: one thread, no display, messages kept apart."""
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
-        # a large picture stays in memory: POV-Ray would swap it to a place outside the fence
+        # a large picture stays in memory: POV-Ray would swap it to a place outside the sandbox
         *("+WT1", f"+MI{MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
 

@@ -1,7 +1,7 @@
-"""What a process that povgen starts may do: a fence of the Linux kernel's, Landlock.
+"""What a process that povgen starts may do: a sandbox made with Landlock, which is part of the Linux kernel.
 
-A thread that has put up the fence, and every process that it starts, can read, write and run only what is named. povgen
-puts one up in a thread of its own for each POV-Ray.
+A thread in a sandbox, and every process that it starts, can read, write and run only what is named. povgen
+makes one in a thread of its own for each POV-Ray.
 """
 
 import ctypes
@@ -40,21 +40,21 @@ def version() -> int:
 def within(
     work: Callable[[], Result], *, read: Iterable[Path] = (), run: Iterable[Path] = (), write: Iterable[Path] = ()
 ) -> Result:
-    """Call `work` in a thread, fenced in: it may read, run or write only these files, or what is in these folders.
+    """Call `work` in a sandbox, in a thread of its own.
 
-    What may be run may be read, what may be written may be all but run. There is no TCP. Without Landlock there is no
-    fence. Raises what `work` raises, OSError where the kernel refuses.
+    It may read, run or write only these files, or what is in these folders. What may be run may be read; what may be
+    written may be all but run. There is no TCP. Without Landlock there is no sandbox. Raises what `work` raises, OSError where the kernel refuses.
     """
     outcome: dict = {}
 
-    def fenced() -> None:
+    def confined() -> None:
         try:
-            _put_up(read, run, write)
+            _confine(read, run, write)
             outcome["result"] = work()
         except BaseException as error:
             outcome["error"] = error
 
-    thread = Thread(target=fenced)
+    thread = Thread(target=confined)
     thread.start()
     thread.join()
     if "error" in outcome:
@@ -62,7 +62,7 @@ def within(
     return outcome["result"]
 
 
-def _put_up(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -> None:
+def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -> None:
     abi = version()
     if not abi:
         return

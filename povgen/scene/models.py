@@ -80,7 +80,7 @@ class Scene(BaseModel):
         """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
         return max(0.24, 1.02 * self.sheets_depth)
 
-    def seen(self, L, z1, alpha=None):
+    def apparent_position(self, L, z1, alpha=None):
         """Where a point is seen, in the plane z = 0: eq. 7, and for prisms the paraxial prediction. Arrays broadcast.
 
         L complex and z1 in tiles; alpha, degrees, takes the place of the scene's own.
@@ -100,7 +100,7 @@ class Scene(BaseModel):
         return rotation.apparent_position(L, self.E, z1, self.z2, alpha)
 
     def visible(self, L, z1, alpha=None):
-        """Whether light from a point reaches the eye through the window, as it is predicted; arguments as in `seen`.
+        """Whether light from a point reaches the eye through the window, as predicted; see `apparent_position`.
 
         It must pass the frame's front and back and, between them, the middle planes of the sheets, which turn it.
         """
@@ -108,7 +108,8 @@ class Scene(BaseModel):
 
         turn = numpy.exp(-1j * numpy.radians(self.alpha if alpha is None else alpha))
         with numpy.errstate(invalid="ignore"):
-            slope = (self.seen(L, z1, alpha) - self.E) / self.z2  # of the ray before the sheets, and behind them:
+            # of the ray before the sheets, and behind them
+            slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
             behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
             middle = max(0, self.sheets_depth - prism.thickness(self.pitch, 1)) / 2  # of a sheet, from z = 0
             crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
@@ -201,7 +202,7 @@ class Chess(Scene):
     @property
     def steps_seen(self) -> tuple[complex, complex]:
         """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
-        right, up = (self.seen(self.E + step, self.z1) - self.E for step in (1, 1j))
+        right, up = (self.apparent_position(self.E + step, self.z1) - self.E for step in (1, 1j))
         return right, up
 
     @model_validator(mode="after")

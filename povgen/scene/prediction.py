@@ -158,7 +158,11 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
         else:
             thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
             # what enters one sheet at a prism's edge leaves it half a pitch off
-            moved = scene.seen(scene.L, z1) - thin if two else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
+            moved = (
+                scene.apparent_position(scene.L, z1) - thin
+                if two
+                else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
+            )
             found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
             limit = np.full(len(found), MAX_CORRECTION)
             what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"

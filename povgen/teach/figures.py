@@ -220,7 +220,7 @@ def spheres(rendering: Rendering) -> Drawn:
         for z1 in scene.distances
     ]
     found = [(target, seen.place) for target, seen in verify.located(targets, (320, 240)) if np.isfinite(seen.place)]
-    thick = [place - target.seen(target.L, target.z1) for target, place in found]
+    thick = [place - target.apparent_position(target.L, target.z1) for target, place in found]
     thin = [
         place - rotation.apparent_position(target.L, target.E, target.z1, target.z2, radians(target.alpha))
         for target, place in found

@@ -138,7 +138,7 @@ def positions(scene: Scene) -> list[complex]:
 
     Only of those whose light the window's frame lets through to the eye.
     """
-    return [complex(scene.seen(scene.L, z1)) for z1 in scene.distances if scene.visible(scene.L, z1)]
+    return [complex(scene.apparent_position(scene.L, z1)) for z1 in scene.distances if scene.visible(scene.L, z1)]
 
 
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[np.ndarray], Colour]]:
@@ -153,7 +153,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[np.ndarray], Colo
     infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, pitch).real)
 
     def of_alpha(z1):
-        return scene.seen(scene.L, z1), scene.visible(scene.L, z1)
+        return scene.apparent_position(scene.L, z1), scene.visible(scene.L, z1)
 
     curves = [(_pieces(scene, of_alpha, ends, infinite, step), ALPHA_COLOUR)]
     if len(scene.distances) == 1 and scene.sheet in ("detailed", "ideal"):
@@ -161,7 +161,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[np.ndarray], Colo
         far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, pitch).real)
 
         def of_r(alpha):
-            return scene.seen(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)
+            return scene.apparent_position(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)
 
         curves.append((_pieces(scene, of_r, (-180, 180), (-far, far), step), R_COLOUR))
     return curves

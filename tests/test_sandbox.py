@@ -282,7 +282,7 @@ def test_a_frame_under_lower_limits(tmp_path):
     assert done.returncode == 0 and (tmp_path / "a.png").is_file(), done.stderr
 
 
-# The fence itself, about Python: what POV-Ray does not even try.
+# The sandbox itself, round Python: what POV-Ray does not even try.
 
 
 def test_results_and_exceptions_are_passed_on():
@@ -308,7 +308,7 @@ def places(tmp_path):
 
 
 def allowed(places, work):
-    """Where, of four folders, work on a file (of three, in a fence) is allowed."""
+    """Where, of four folders, work on a file (of three, in a sandbox) is allowed."""
 
     def possible(name):
         try:
@@ -351,7 +351,7 @@ def test_files(work, where, places):
 
 
 @landlock
-def test_what_is_started_is_fenced_in_as_well(places):
+def test_what_is_started_is_confined_as_well(places):
     """And what that starts."""
     command = ["/bin/sh", "-c", f"echo x > {places}/write/new; exec /bin/sh -c 'echo x > {places}/outside/new'"]
     system = [path for path in [*povray.RUN, Path("/bin"), Path("/usr/bin")] if path.exists()]
@@ -386,7 +386,7 @@ def test_no_signals():
 
 
 @landlock
-def test_many_fences_at_once(places):
+def test_many_sandboxes_at_once(places):
     """Each thread has its own."""
     found = []
     threads = [threading.Thread(target=lambda: found.append(allowed(places, Path.read_text))) for _ in range(20)]
