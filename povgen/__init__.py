@@ -5,27 +5,41 @@ The names below are loaded when they are first used, so that ``povgen --help`` l
 
 import sys
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-_HOME = {
-    "Chess": "scene.models",
-    "Spheres": "scene.models",
-    "to_pov": "scene.sdl",
-    "Rendering": "settings",
-    "render": "video.still",
-    "MovieSpec": "scene.spec",
-    "movie": "video.build",
-    "InputError": "errors",
-    "PovrayError": "errors",
-}
+if TYPE_CHECKING:
+    from povgen.errors import InputError, PovrayError
+    from povgen.scene.models import Chess, Spheres
+    from povgen.scene.sdl import to_pov
+    from povgen.scene.spec import MovieSpec
+    from povgen.settings import Rendering
+    from povgen.video.build import movie
+    from povgen.video.still import render
+
 __all__ = ["Chess", "InputError", "MovieSpec", "PovrayError", "Rendering", "Spheres", "movie", "render", "to_pov"]
+_MODULES = {
+    "Chess": "scene.models",
+    "InputError": "errors",
+    "MovieSpec": "scene.spec",
+    "PovrayError": "errors",
+    "Rendering": "settings",
+    "Spheres": "scene.models",
+    "movie": "video.build",
+    "render": "video.still",
+    "to_pov": "scene.sdl",
+}
 
 
-def __getattr__(name: str):
-    if name not in _HOME:
+def __getattr__(name: str) -> object:
+    if name not in _MODULES:
         raise AttributeError(f"module 'povgen' has no attribute {name!r}")
-    return getattr(import_module(f"povgen.{_HOME[name]}"), name)
+    return getattr(import_module(f"povgen.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 def _shown_in_notebooks() -> None:
@@ -33,9 +47,11 @@ def _shown_in_notebooks() -> None:
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
-        formatter.for_type_by_name(
-            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").png(scene)
-        )
+        formatter.for_type_by_name("povgen.scene.models", "Scene", _png)
+
+
+def _png(scene: object) -> object:
+    return import_module("povgen.video.still").png(scene)
 
 
 _shown_in_notebooks()

@@ -104,6 +104,13 @@ def test_one_module_uses_an_external_library(library, users):
     assert bool(found) == bool(users)
 
 
+def test_the_public_names_are_listed_and_are_there():
+    assert set(povgen.__all__) == set(povgen._MODULES) <= set(dir(povgen))
+    assert all(getattr(povgen, name).__name__ == name for name in povgen.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'colour'"):
+        povgen.__getattr__("colour")
+
+
 def test_the_mathematics_is_numpy_alone():
     assert imports(MODULES["optics.rotation"]) == {"numpy"}
     assert imports(MODULES["optics.prism"]) <= {"math"} | {f"math.{name}" for name in vars(math)}

@@ -43,7 +43,8 @@ def within(
     """Call `work` in a sandbox, in a thread of its own.
 
     It may read, run or write only these files, or what is in these folders. What may be run may be read; what may be
-    written may be all but run. There is no TCP. Without Landlock there is no sandbox. Raises what `work` raises, OSError where the kernel refuses.
+    written may be all but run. There is no TCP. Without Landlock there is no sandbox. Raises what `work` raises, and
+    OSError where the kernel refuses.
     """
     outcome: dict = {}
 
