@@ -55,7 +55,7 @@ def work_folder(parent: Path) -> Iterator[Path]:
                 stopping.check()
                 folder = Path(tempfile.mkdtemp(prefix=WORK, dir=parent))
                 stopping.folders.add(str(folder))
-            made.callback(stopping.folders.discard, str(folder))
+            made.callback(_forget, folder)
             with suppress(FileNotFoundError, BlockingIOError):  # another povgen came upon it before it was locked
                 opened = held.enter_context(_opened(folder))
                 made.callback(_remove, folder, opened)
@@ -65,6 +65,12 @@ def work_folder(parent: Path) -> Iterator[Path]:
                 os.write(lock, MARK)
                 break
         yield folder
+
+
+def _forget(folder: Path) -> None:
+    """A folder that is gone need not be removed when povgen is stopped; one that is still there must be."""
+    if not os.path.lexists(folder):
+        stopping.folders.discard(str(folder))
 
 
 def temporary_folder() -> AbstractContextManager[Path]:

@@ -311,7 +311,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     striker = threading.Thread(target=strike)
     striker.start()
     output = place / "a.mp4"
-    files.write_bytes(b"kept")
+    output.write_bytes(b"kept")
     try:
         with pytest.raises(PovrayError) as failure:
             movie(place / "z2.toml", output, size=(64, 48), timeout=5)
@@ -322,7 +322,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     assert len(met) == povray.TRIES and f"{said}" in message and f"{povray.TRIES} times" in message
     assert f"1 of {COUNT} frames failed" in message and "frame 4: " in message and f"z2 = {scenes[4].z2}" in message
     assert len(finished(place)) == COUNT - 1
-    assert files.read_bytes() == b"kept" and not processes(place)
+    assert output.read_bytes() == b"kept" and not processes(place)
 
 
 def test_a_killed_povray_is_tried_again(place, monkeypatch):

@@ -173,6 +173,13 @@ def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
     other.wait()
 
 
+def test_a_work_folder_that_has_been_removed_is_not_made_again(tmp_path):
+    """As when povgen is stopped, which removes it."""
+    with pytest.raises(FileNotFoundError):
+        povray.run(to_pov(EMPTY), TINY, tmp_path / "gone")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     """What POV-Ray 3.7 says and does then is not the scene's fault."""
     fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'

@@ -147,7 +147,8 @@ class Runner:
 
     def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         config = folder / ".povray" / "3.7" / "povray.conf"
-        config.parent.mkdir(parents=True)
+        for part in (folder, folder / ".povray", config.parent):
+            part.mkdir(exist_ok=True)  # one by one: a work folder that has been removed is not made again
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source)
         # POV-Ray writes every block of pixels there, 20 bytes a pixel, for a render that is to be continued
