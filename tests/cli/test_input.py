@@ -1,15 +1,12 @@
 """What cannot be is refused: exit status 2, one or two lines that name it, no file touched."""
 
 import re
-import sys
-from contextlib import redirect_stderr, redirect_stdout
-from io import BytesIO, TextIOWrapper
 
 import pytest
+from conftest import povgen, refused
 from PIL import Image
 
 from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
-from povgen.cli import app
 from povgen.rendering import povray
 from povgen.video import still
 
@@ -25,31 +22,6 @@ start = 0
 stop = 180
 frames = 5
 """
-
-
-def povgen(arguments, folder):
-    """Run the command line in a folder: exit status, output, errors."""
-    out, err = (TextIOWrapper(BytesIO(), "utf-8", errors="backslashreplace") for _ in range(2))
-    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
-        patch.chdir(folder)
-        patch.setattr(sys, "argv", ["povgen", *arguments])
-        with pytest.raises(SystemExit) as done:
-            app.main()
-    told = []
-    for stream in (out, err):
-        stream.flush()
-        told.append(stream.buffer.getvalue().decode())
-    return done.value.code or 0, *told
-
-
-def refused(arguments, folder):
-    before = sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file())
-    status, out, err = povgen(arguments, folder)
-    assert status == 2, err
-    assert 1 <= len(err.strip().splitlines()) <= 2 and not out
-    assert "Traceback" not in err
-    assert sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file()) == before
-    return err
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,8 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 import pytest
+from conftest import refused, tree
 from PIL import Image
-from test_faults import tree
-from test_input import refused
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
 from povgen.rendering import cache, frames

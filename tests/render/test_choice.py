@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import PROJECT
 
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
@@ -21,7 +22,7 @@ from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
 POVGEN = Path(sys.executable).with_name("povgen")
-CHART = Path(__file__).parents[1] / "docs" / "chart" / "frames.csv"
+CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)
 SMALL = Rendering(size=(160, 120))

@@ -1,10 +1,10 @@
 """What `povgen chart` measures, in small."""
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import PROJECT
 from typer.testing import CliRunner
 
 from povgen import Chess, to_pov
@@ -12,7 +12,7 @@ from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
 
-PEERS = Path(__file__).parents[1] / "benchmarks"
+PEERS = PROJECT / "benchmarks"
 
 
 def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):

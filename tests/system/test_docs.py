@@ -12,11 +12,11 @@ from pathlib import Path
 import nbformat
 import notebook  # docs/notebook.py
 import pytest
+from conftest import PROJECT
 from nbclient import NotebookClient
 
 from povgen.cli.app import COMMANDS
 
-PROJECT = Path(__file__).parents[1]
 PAGES = [
     *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG")),
     *sorted((PROJECT / "docs").glob("*.md")),

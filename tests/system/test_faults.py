@@ -17,7 +17,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import wait_for
+from conftest import tree, wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
 from povgen.rendering import cache, frames, povray
@@ -105,17 +105,6 @@ def test_folders_of_the_killed_are_removed(tmp_path):
         assert sorted(tmp_path.iterdir()) == sorted([first, second])
         assert not files.left(tmp_path)
     assert not list(tmp_path.iterdir())
-
-
-def tree(folder):
-    """All that is in a folder: what it is, its mode, and what it holds or leads to."""
-    return {
-        path: (
-            path.lstat().st_mode,
-            os.readlink(path) if path.is_symlink() else path.read_bytes() if path.is_file() else None,
-        )
-        for path in folder.rglob("*")
-    }
 
 
 def test_what_is_not_povgens_stays(tmp_path):

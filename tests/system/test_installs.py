@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import PROJECT
 from uv import find_uv_bin
 
 pytestmark = pytest.mark.timeout(1500)  # packages come over the network
-PROJECT = Path(__file__).parents[1]
 
 
 def pythons():

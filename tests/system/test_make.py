@@ -4,14 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import imageio_ffmpeg
 import pytest
+from conftest import PROJECT
 from uv import find_uv_bin
 
 pytestmark = pytest.mark.timeout(1500)  # packages come over the network
-PROJECT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
