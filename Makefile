@@ -14,9 +14,9 @@ NEEDED := $(if $(shell command -v povray),,povray) \
   $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
 SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
 # root or sudo can install
-MAY := $(filter 0,$(shell id -u))$(SUDO)
+CAN_INSTALL := $(filter 0,$(shell id -u))$(SUDO)
 # installs packages of Debian's, or says who has to
-install = $(if $(strip $(MAY)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
+install = $(if $(strip $(CAN_INSTALL)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
 # What a whole environment's READY says: the Python and the folder that it was made for. Where it says anything else, as
@@ -28,7 +28,7 @@ $(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/py
 # Installs into the environment, which is not whole until that has ended: what was interrupted is made anew.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(WHOLE)" > $(READY)
 
-.PHONY: movies frame demo figures pictures test lint tested-with verify chart bench cluster-bench auto-check clean help
+.PHONY: movies frame demo figures readme-images test lint test-deps verify chart bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -37,13 +37,13 @@ movies/%.mp4: movies/%.toml $(SOURCES) build/quality | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY)
 
 frame: | $(READY)  ## one frame, frame.png: the chess piece and its predicted place
-	$(POVGEN) frame chess --ghost --quality $(QUALITY) -o frame.png
+	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) -o frame.png
 
 demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies beside the equations, no network needed
 	@mkdir -p build
 	$(POVGEN) demo -o build/demo --quality $(QUALITY)
 
-test: $(VENV)/test-ready tested-with  ## all tests
+test: $(VENV)/test-ready test-deps  ## all tests
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
@@ -51,7 +51,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
 	cat docs/figures/figure?.md > docs/figures/README.md
 
-pictures: | $(READY)  ## the pictures in README.md
+readme-images: | $(READY)  ## the pictures in README.md
 	$(POVGEN) movie vary-alpha --sheet ideal --size 400x300 --antialias 1,0.1,3 --caption --overlay -o docs/alpha.gif
 	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 -o docs/prisms.png
 	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 --sheet ideal -o docs/ideal.png
@@ -74,15 +74,15 @@ verify: $(VENV)/charts-ready  ## every picture against the equations, and where 
 	cp stability/stability.png docs
 
 chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
-	$(POVGEN) chart --peers benchmarks -o docs/chart
+	$(POVGEN) chart --baselines benchmarks -o docs/chart
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
 	@mkdir -p build
-	$(VENV)/bin/python benchmarks/speed.py $(VENV)/mitsuba/bin/python
+	$(VENV)/bin/python benchmarks/bench.py $(VENV)/mitsuba/bin/python
 
 cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs: tables, and build/cluster.json
 	@mkdir -p build
-	$(VENV)/bin/python benchmarks/cluster.py
+	$(VENV)/bin/python benchmarks/cluster_bench.py
 
 auto-check: $(VENV)/charts-ready  ## what --sheet auto promises, on 100 random scenes: a table; goes on where it stopped
 	$(VENV)/bin/python benchmarks/auto_check.py
@@ -113,10 +113,10 @@ $(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
 # what only tests need: a browser, with which they drive the page of demo, and POV-Ray's own includes
 TESTED := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /usr/lib/*/libatomic.so.1),,libatomic1) \
   $(if $(wildcard /usr/share/povray*/include/colors.inc),,povray-includes)
-tested-with:
+test-deps:
 	$(if $(strip $(TESTED)),$(call install,$(strip $(TESTED))))
 
-# a peer of the benchmark, in an environment of its own
+# a baseline of the benchmark, in an environment of its own
 $(VENV)/mitsuba/ready: | $(READY)
 	python3 -m venv --clear $(VENV)/mitsuba
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy

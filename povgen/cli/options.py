@@ -80,12 +80,13 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
 def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
     texts = {_about(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
+    flag = name.replace("_", "-")
     kind: Any
     if owners[0][1].annotation is bool:
-        kind, info = bool, typer.Option(f"--{name}/--no-{name}", help=about)
+        kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
         # the spheres' scene takes several z1
-        kind, info = list[str] if name == "z1" else str, typer.Option(f"--{name}", help=about, metavar=name.upper())
+        kind, info = list[str] if name == "z1" else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
     # None: not given, so that a movie's spec decides
     annotation = Annotated[kind | None, info]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)

@@ -89,7 +89,7 @@ def choose(
     samplings. Raises InputError where none meets it, or where flip-evaluator is missing; PovrayError.
     """
     # POV-Ray's own picture has no sheet where light is not turned
-    plain = all(scene.alpha % 360 == 0 and not getattr(scene, "ghost", False) for scene in scenes)
+    plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)
     stand_in = "none" if plain else "ideal"
     off = {
         sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)

@@ -89,9 +89,9 @@ def rewrites(folder: Path) -> dict[str, Callable[[str], str]]:
         }
     except (OSError, ValueError) as error:  # ValueError: not UTF-8
         reason = getattr(error, "strerror", "not UTF-8")
-        raise InputError(f"peers = {str(folder)!r}: {reason}; allowed: a folder of .inc files") from None
+        raise InputError(f"baselines = {str(folder)!r}: {reason}; allowed: a folder of .inc files") from None
     if not found:
-        raise InputError(f"peers = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
+        raise InputError(f"baselines = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
     return found
 
 
@@ -143,11 +143,11 @@ def flip_evaluator() -> ModuleType:
     return flip_evaluator
 
 
-def frames(peers: dict[str, Callable[[str], str]], done: Callable[[str], object]) -> list[Point]:
-    """Every method with every sampling; `peers` turn povgen's text for detailed sheets into another for the same."""
+def frames(baselines: dict[str, Callable[[str], str]], done: Callable[[str], object]) -> list[Point]:
+    """Every method with every sampling. Each of `baselines` turns povgen's .pov of detailed sheets into its own."""
     detailed, ideal = Chess(), Chess(sheet="ideal")
     texts = {"detailed": to_pov(detailed), "ideal": to_pov(ideal)}
-    texts |= {name: by_hand(texts["detailed"]) for name, by_hand in peers.items()}
+    texts |= {name: by_hand(texts["detailed"]) for name, by_hand in baselines.items()}
     points = [
         Point(method, sampling, size, text)
         for method, text in texts.items()

@@ -182,7 +182,7 @@ class Chess(Scene):
         (0, floor), description="L - E, X,Y from the eye to where the piece stands, -10 to 10 tiles, Y below 0"
     )
     piece: Piece = Field("knight", description=", ".join(PIECES))
-    ghost: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
+    predicted_image: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
 
     @property
     def L(self) -> complex:
@@ -208,15 +208,15 @@ class Chess(Scene):
     @model_validator(mode="after")
     def _check_piece(self):
         self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
-        if self.ghost and self.sheet not in ("detailed", "ideal"):
+        if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
-                f"ghost = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
+                f"predicted_image = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
                 "allowed with sheet 'detailed' or 'ideal'"
             )
-        if self.ghost and self.z1 == self.z2 and abs(self.alpha) == 180:
+        if self.predicted_image and self.z1 == self.z2 and abs(self.alpha) == 180:
             raise ValueError(
-                f"ghost = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at infinity "
-                "(the pole of eq. 7); allowed: any other alpha or z1"
+                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at "
+                "infinity (the pole of eq. 7); allowed: any other alpha or z1"
             )
         return self
 

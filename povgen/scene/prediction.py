@@ -133,10 +133,10 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
 
 
 def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
-    """Where what predicts the ghost, the overlay and the caption's nu and M ends: of the object farthest beyond."""
+    """Where the predicted image, the overlay and the caption can no longer be trusted, for the worst of the objects."""
     two = scene.sheet in ("detailed", "ideal")
     shows = {
-        "ghost": getattr(scene, "ghost", False),
+        "predicted_image": getattr(scene, "predicted_image", False),
         "overlay": rendering and rendering.overlay,
         "caption": rendering and rendering.caption and two,
     }

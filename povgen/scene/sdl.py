@@ -53,7 +53,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
             mosaic=mosaic,
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
-            solid="merge" if getattr(scene, "ghost", False) else "union",
+            solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )
     )
 

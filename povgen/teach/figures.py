@@ -145,8 +145,8 @@ def mirroring(rendering: Rendering) -> Drawn:
 
 
 def vary_alpha(rendering: Rendering) -> Drawn:
-    """Figure 3: frames of the alpha movie, the ghost in the one at 66 deg."""
-    scenes = [Chess(alpha=alpha, ghost=alpha == 66) for alpha in (0, 33, 66, 99, 132, 180)]
+    """Figure 3: frames of the alpha movie, with the predicted image in the one at 66 degrees."""
+    scenes = [Chess(alpha=alpha, predicted_image=alpha == 66) for alpha in (0, 33, 66, 99, 132, 180)]
     figure, _ = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes])
     return Drawn(
         figure,

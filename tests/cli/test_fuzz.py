@@ -179,7 +179,17 @@ WORDS = [
         "\u2028",
         "\ud83d\ude00"[:0],
     ),
-    *("tcp://x", "tcp://192.0.2.1:8786", "tls://[::1]:99999", "http://192.0.2.1:1", "peers", "binary", "1", "7", "6"),
+    *(
+        "tcp://x",
+        "tcp://192.0.2.1:8786",
+        "tls://[::1]:99999",
+        "http://192.0.2.1:1",
+        "baselines",
+        "binary",
+        "1",
+        "7",
+        "6",
+    ),
 ]
 ELSEWHERE = ["/proc/x.png", "/proc/x.mp4", "/proc/x", "/nonexistent/x.png", "/dev/full", "/dev/null", "/dev/zero"]
 CHARACTERS = st.characters(exclude_categories=["Cs"], exclude_characters="\0")  # no argument has a NUL
@@ -195,7 +205,7 @@ SOME = {  # right values for what is no field of a model
     "part": st.sampled_from(["1/1", "1/2", "3/3", "9/9"]),
     "tolerance": st.sampled_from(["1px", "5px", "0.5flip", "100px,1flip"]),
     "json": st.just("x.json"),
-    "peers": st.just("peers"),
+    "baselines": st.just("baselines"),
     "output": st.sampled_from(["x.png", "x.mp4", "x.gif", "x.webm", "x.pov", "x", "kept.png", "kept.mp4", "folder"]),
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
     "quality": st.sampled_from(["draft", "paper"]),
@@ -303,10 +313,10 @@ def new_folder():
     shutil.rmtree(ROOT, ignore_errors=True)
     WORK.mkdir(parents=True)
     os.chdir(WORK)
-    for name in ("folder", "folder.mp4", "peers", "binary"):
+    for name in ("folder", "folder.mp4", "baselines", "binary"):
         (WORK / name).mkdir()
     (WORK / "spec.toml").write_text(SPEC)
-    (WORK / "peers" / "one.inc").write_text("#macro Sheet() #end\n")
+    (WORK / "baselines" / "one.inc").write_text("#macro Sheet() #end\n")
     (WORK / "binary" / "one.inc").write_bytes(b"\xff")
     for name in ("kept.png", "kept.mp4", "kept.pov", "movie.mp4", "frame.png"):
         (WORK / name).write_bytes(b"kept")
@@ -651,7 +661,9 @@ def test_what_is_right_is_done(data):
     }
     if scene == "chess":
         given["piece"] = data.draw(rights("piece"))
-    status, source, said = tried(["pov", scene, *(f"--{name}={text_of(x)}" for name, x in given.items())], test="right")
+    status, source, said = tried(
+        ["pov", scene, *(f"--{name.replace('_', '-')}={text_of(x)}" for name, x in given.items())], test="right"
+    )
     assert status == 0, said
     number = re.escape(f"{given['z2']:.15g}")
     assert re.search(rf"#declare Z2 +={' '}{number};", source) and f"{given['z1']:.15g}" in source
@@ -726,8 +738,8 @@ def test_no_sdl_in_specs(table, name):
         (["movie", ""], ["'': no movie spec"]),
         (["movie", "a\nb\x1b[31m\u202e.toml"], [r"a\nb\x1b[31m\u202e.toml: no movie spec"]),
         (["frame", "--" + "x" * 100_000], ["No such option", "..."]),
-        (["chart", "--peers", "nowhere"], ["peers = 'nowhere'"]),
-        (["chart", "--peers", "binary"], ["peers = 'binary': not UTF-8"]),
+        (["chart", "--baselines", "nowhere"], ["baselines = 'nowhere'"]),
+        (["chart", "--baselines", "binary"], ["baselines = 'binary': not UTF-8"]),
     ],
     ids=lambda value: " ".join(value)[:40],
 )

@@ -53,8 +53,8 @@ frames = 5
         (["--quality", "best"], ["quality", "best", "draft"]),
         (["--antialias", "3,0.3,2"], ["antialias", "3,0.3,2"]),
         (["--antialias", "1,1,2"], ["antialias", "1,1,2", "less than 1"]),
-        (["--ghost", "--sheet", "single"], ["ghost", "single", "detailed"]),
-        (["--ghost", "--z1", "6", "--alpha", "180"], ["ghost", "alpha = 180", "infinity"]),
+        (["--predicted-image", "--sheet", "single"], ["predicted_image", "single", "detailed"]),
+        (["--predicted-image", "--z1", "6", "--alpha", "180"], ["predicted_image", "alpha = 180", "infinity"]),
         (["--timeout", "0"], ["timeout", "0"]),
         (["-o", "x.jpg"], ["x.jpg", ".png"]),
         (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),
@@ -115,7 +115,7 @@ def test_spec_with_scenes_own_words(tmp_path):
     assert "60 a second" in refused(["movie", "fast.toml", "-o", "x.gif"], tmp_path)
     (tmp_path / "slow.toml").write_text(SPEC.replace("= 10", "= 0.1").replace("frames = 5", "frames = 66"))
     assert "a GIF of 66 frames, 0.1 a second, 660 s long: " in refused(["movie", "slow.toml", "-o", "x.GIF"], tmp_path)
-    assert "ghost" in refused(["movie", "spheres", "--ghost"], tmp_path)
+    assert "predicted_image" in refused(["movie", "spheres", "--predicted-image"], tmp_path)
     message = refused(["frame", "spheres", "--z1", "0.05"], tmp_path)
     limit = float(message.rsplit(">", 1)[1])
     assert Spheres(z1=limit + 1e-3).distances == (limit + 1e-3,)
@@ -142,9 +142,9 @@ def test_a_title_is_text_in_the_metadata(title, tmp_path):
 
 
 FAR = [
-    Chess(alpha=5e-324, sheet="ideal", ghost=True),
-    Chess(alpha=180, z1=6.000000000000001, sheet="ideal", ghost=True),
-    Chess(alpha=180, z1=6.000000000000001, ghost=True),
+    Chess(alpha=5e-324, sheet="ideal", predicted_image=True),
+    Chess(alpha=180, z1=6.000000000000001, sheet="ideal", predicted_image=True),
+    Chess(alpha=180, z1=6.000000000000001, predicted_image=True),
     Chess(prisms=1, z1=150, z2=150),
     Chess(prisms=3000, z1=3000, z2=150, offset=(-10, -5e-324)),
     Chess(z2=0.1300001, offset=(10, -10)),
@@ -179,14 +179,16 @@ def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
 
 
 def test_a_flag_in_a_spec_is_taken_back(tmp_path):
-    """By --no-ghost; without it the spec decides. The shard has no frames, so nothing is rendered."""
-    (tmp_path / "spec.toml").write_text(SPEC.replace("z1 = 2", "z1 = 2\nghost = true"))
+    """By --no-predicted-image; without it the spec decides. The shard has no frames, so nothing is rendered."""
+    (tmp_path / "spec.toml").write_text(SPEC.replace("z1 = 2", "z1 = 2\npredicted_image = true"))
     single = ["movie", "spec.toml", "--sheet", "single", "--shard", "9/9"]
-    assert "ghost = true" in refused(single, tmp_path)
-    assert povgen([*single, "--no-ghost"], tmp_path)[0] == 0
-    plain, ghost, none = (povgen(["pov", "chess", *flag], tmp_path)[1] for flag in ([], ["--ghost"], ["--no-ghost"]))
-    assert plain == none != ghost
-    assert "ghost" in refused(["pov", "spheres", "--no-ghost"], tmp_path)
+    assert "predicted_image = true" in refused(single, tmp_path)
+    assert povgen([*single, "--no-predicted-image"], tmp_path)[0] == 0
+    plain, predicted, none = (
+        povgen(["pov", "chess", *flag], tmp_path)[1] for flag in ([], ["--predicted-image"], ["--no-predicted-image"])
+    )
+    assert plain == none != predicted
+    assert "predicted_image" in refused(["pov", "spheres", "--no-predicted-image"], tmp_path)
     assert "--no-caption" in povgen(["frame", "--help"], tmp_path)[1]
 
 

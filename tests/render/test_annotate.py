@@ -232,7 +232,7 @@ def test_at_the_pole_there_is_nothing_to_mark(sheet):
         (Spheres(sheet="single", z1=[2, 5]), {"overlay": True}, "overlay: at z1 = 5 the prisms' size"),
         (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
         (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
-        (Chess(alpha=179, z1=5, ghost=True), {"overlay": True}, "ghost, overlay: at alpha = 179"),
+        (Chess(alpha=179, z1=5, predicted_image=True), {"overlay": True}, "predicted_image, overlay: at alpha = 179"),
     ],
 )
 def test_predictions_warn_beyond_their_limit(scene, options, words):

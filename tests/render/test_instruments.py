@@ -35,8 +35,8 @@ def test_an_object_is_located_to_a_thousandth_of_a_pixel():
 
 def test_ghosts_and_stray_light_do_not_move_it(rng):
     pixels, told = looked_at()
-    _, ghost = looked_at(place=-0.8 + 0.7j, a=0.2, b=0)
-    told = np.where(np.isnan(told), ghost, told)
+    _, predicted = looked_at(place=-0.8 + 0.7j, a=0.2, b=0)
+    told = np.where(np.isnan(told), predicted, told)
     stripes = np.round(pixels.real * 40) % 3 == 0  # prisms cut the object into slices
     told[stripes] = np.nan
     stray = rng.random(len(pixels)) < 0.005  # as many as the object has left

@@ -64,7 +64,7 @@ def test_every_object_changes_the_picture(piece):
     [
         Chess(),
         Spheres(sheet="single", z1=(1, 3)),
-        Chess(sheet="ideal", ghost=True),
+        Chess(sheet="ideal", predicted_image=True),
         Spheres(sheet="none", alpha=0, z1=(1, 3)),
         Spheres(sheet="ideal"),
     ],

@@ -157,8 +157,8 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 @pytest.mark.parametrize("alpha", [0, 66, 120])
 def test_the_ghost_lies_on_the_piece(alpha, sheet):
     scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, offset=(0.2, -1.33))
-    without, ghost = picture(scene), picture(scene.model_copy(update={"ghost": True}))
-    changed = INSIDE & (abs(ghost - without).max(axis=-1) > 12)
+    without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))
+    changed = INSIDE & (abs(predicted - without).max(axis=-1) > 12)
     piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
     overlap = (changed & piece).sum() / (changed | piece).sum()
     assert overlap > 0.8  # the prediction is for the piece's axis, and flat

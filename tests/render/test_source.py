@@ -22,8 +22,8 @@ def scenes():
         yield Directions(sheet=sheet)
         yield Positions(sheet=sheet, z1=3)
         yield Piece(sheet=sheet)
-    yield Chess(ghost=True)
-    yield Chess(ghost=True, sheet="ideal", offset=(0.5, -1))
+    yield Chess(predicted_image=True)
+    yield Chess(predicted_image=True, sheet="ideal", offset=(0.5, -1))
 
 
 def body(text):

@@ -12,7 +12,7 @@ from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
 
-PEERS = PROJECT / "benchmarks"
+BASELINES = PROJECT / "benchmarks"
 
 
 def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
@@ -29,7 +29,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     }
     for name, value in small.items():
         monkeypatch.setattr(speed, name, value)
-    done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--peers", str(PEERS)])
+    done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--baselines", str(BASELINES)])
     assert done.exit_code == 0, done.output
     charts = ("frames-64x48", "frames-80x60", "prisms", "workers")
     files = {f"{name}.{kind}" for name in charts for kind in ("png", "svg")}
@@ -69,7 +69,7 @@ def test_the_front():
 def test_peers_are_the_same_prisms(tmp_path):
     text = to_pov(Chess())
     ours = speed.sample(text, "off", (160, 120))[1]
-    for name, by_hand in speed.rewrites(PEERS).items():
+    for name, by_hand in speed.rewrites(BASELINES).items():
         theirs = speed.sample(by_hand(text), "off", (160, 120))[1]
         assert speed.picture_error(theirs, ours, Chess())[0] < 0.02, name
     with pytest.raises(InputError, match="no .inc file"):

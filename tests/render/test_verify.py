@@ -279,7 +279,7 @@ def test_no_warning_without_cause():
     draft = Rendering(quality="draft")
     for scene in (
         Chess(),
-        Chess(ghost=True),
+        Chess(predicted_image=True),
         Spheres(),
         Chess(sheet="ideal", alpha=0, z2=1),
         Chess(sheet="none"),
@@ -296,14 +296,18 @@ def test_no_warning_without_cause():
         (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "designed path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
-        (Chess(ghost=True, alpha=179, z1=5), None, ["ghost", "8", "alpha = 179", "z1 = 5", "moves the object by"]),
-        (Chess(ghost=True, prisms=12, z1=3), None, ["ghost", "beyond 8", "moves the object by"]),
-        (Chess(ghost=True, sheet="ideal", alpha=179.9, z1=6), None, ["ghost", "150", "573 times"]),
+        (
+            Chess(predicted_image=True, alpha=179, z1=5),
+            None,
+            ["predicted_image", "8", "alpha = 179", "z1 = 5", "moves the object by"],
+        ),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "beyond 8", "moves the object by"]),
+        (Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6), None, ["predicted_image", "150", "573 times"]),
         # an eye aside: the camera's cells are not small enough before that
         (
-            Chess(ghost=True, sheet="ideal", alpha=178.5, z1=1, z2=1, offset=(0, -2)),
+            Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, offset=(0, -2)),
             None,
-            ["ghost", "27.9", "38.2 times"],
+            ["predicted_image", "27.9", "38.2 times"],
         ),
         (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.37 pixels", "1.2 pixels", "noise"]),
     ],

@@ -36,8 +36,8 @@ SCENES = MovieSpec.parse(SPEC, "x").scenes("paper")
 SMALL = Rendering(size=(64, 48))
 MOVIE = [BIN / "povgen", "movie", "z2.toml", "--size", "64x48"]
 # root may make networks, unless it is a container's
-MAY = os.geteuid() == 0 and shutil.which("ip") and not subprocess.run(["unshare", "--net", "true"]).returncode
-NETWORKS = ["loopback", "namespaces"] if MAY else ["loopback"]
+CAN_UNSHARE = os.geteuid() == 0 and shutil.which("ip") and not subprocess.run(["unshare", "--net", "true"]).returncode
+NETWORKS = ["loopback", "namespaces"] if CAN_UNSHARE else ["loopback"]
 
 
 class Machines:

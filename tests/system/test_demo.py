@@ -549,9 +549,11 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
             for n, scene in enumerate(wanted):
                 page.evaluate(MOVE, n)
                 for z1 in (scene.z1, 2, 4, 5, 5.5, 5.8, 5.97, 6.02, 7, 20):
-                    if (scene.alpha, z1) != (180, 6):  # the pole, where there is no ghost
-                        ghost = Chess(**scene.model_dump(exclude={"z1", "ghost"}), z1=z1, ghost=True)
-                        warned = "ghost" in dict(prediction.warnings(ghost))
+                    if (scene.alpha, z1) != (180, 6):  # the pole, where there is no predicted image
+                        predicted = Chess(
+                            **scene.model_dump(exclude={"z1", "predicted_image"}), z1=z1, predicted_image=True
+                        )
+                        warned = "predicted_image" in dict(prediction.warnings(predicted))
                         assert page.evaluate(unsure, z1) == warned
                         if z1 == scene.z1:
                             assert ("off by pixels" in page.locator("#told").text_content()) == warned

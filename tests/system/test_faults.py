@@ -30,7 +30,7 @@ SPEC = (
     f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
 )
 # may make file systems, unless in a container
-MAY = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
+CAN_MOUNT = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
 SMALL = Rendering(size=(64, 48))
 MOVIE = ["movie", "z2.toml", "--size", "64x48", "-o", "a.mp4"]
 LARGE = ["--size", "1000x750", "--antialias", "off"]
@@ -339,7 +339,7 @@ def crowded(place, size, script):
     return subprocess.run(whole, cwd=place, capture_output=True, text=True, timeout=200, env=os.environ)
 
 
-@pytest.mark.parametrize("what", ["rendering", "encoding", "encoding a GIF"] if MAY else [])
+@pytest.mark.parametrize("what", ["rendering", "encoding", "encoding a GIF"] if CAN_MOUNT else [])
 def test_no_room(place, what):
     kind = "gif" if "GIF" in what else "mp4"
     store, output = ("small/cache", f"a.{kind}") if what == "rendering" else ("cache", f"small/a.{kind}")

@@ -13,7 +13,7 @@ def command(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="for charts and tables")] = Path(
         "chart"
     ),
-    peers: Annotated[
+    baselines: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="of other ways to write the prisms, as .inc files")
     ] = None,
 ) -> None:
@@ -21,7 +21,7 @@ def command(
     from povgen.files import save
     from povgen.measure import charts, speed
 
-    by_hand = speed.rewrites(peers) if peers else {}
+    by_hand = speed.rewrites(baselines) if baselines else {}
     folder = made_folder(output)
     charts.save_frames(speed.frames(by_hand, say), folder)
     charts.save_counts(list(speed.prism_counts(say)), folder)

@@ -9,7 +9,7 @@ def command() -> None:
     for name, scene in SCENES.items():
         print(f"{name}: {scene.subject}")
         for field, info in scene.model_fields.items():
-            print(f"    --{field:8} {info.description}")
+            print(f"    --{field.replace('_', '-'):17}{info.description}")
     print(f"pieces: {', '.join(PIECES)}")
     for path in sorted(MOVIES.glob("*.toml")):
         print(f"movie {path.stem}: {MovieSpec.load(path).title}")

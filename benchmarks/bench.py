@@ -71,7 +71,7 @@ def mitsuba(python: str):
     mesh = json.dumps(triangles(Chess()))
 
     def run() -> float:
-        command = [python, HERE / "mitsuba_peer.py", str(prediction.max_trace_level(Chess()))]
+        command = [python, HERE / "mitsuba_baseline.py", str(prediction.max_trace_level(Chess()))]
         return float(subprocess.run(command, input=mesh, capture_output=True, text=True, check=True).stdout)
 
     return run
@@ -118,13 +118,13 @@ def movie(frames: int, sheet: str, width: int) -> tuple[float, float]:
 
 def lines():
     """Every line of the table: what, povgen's figure, whose, its figure, the ratio, and what it should be at most."""
-    detailed, peers = to_pov(Chess()), speed.rewrites(HERE)
-    for name, by_hand in peers.items():
+    detailed, baselines = to_pov(Chess()), speed.rewrites(HERE)
+    for name, by_hand in baselines.items():
         bound = 0.25 if name == "intersections" else None
         yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(by_hand(detailed)), 5), bound
     if len(sys.argv) > 1:
         yield "detailed, CPU s", "Mitsuba 3, the same mesh", *paired(cpu(detailed), mitsuba(sys.argv[1]), 5), 0.9
-    yield equal_error(detailed, peers["intersections"](detailed))
+    yield equal_error(detailed, baselines["intersections"](detailed))
     ideal, none = to_pov(Chess(sheet="ideal")), to_pov(Chess(sheet="none"))
     for sampling in ("off", "1,0.9,2", "1,0.3,3", "2,0.3,2", "2,0.1,3"):
         rendering = Rendering(size=PLAIN.size, antialias=sampling)
@@ -173,12 +173,14 @@ def equal_error(detailed: str, by_hand: str) -> tuple:
 
 
 def main() -> None:
-    table = Table("povgen", "peer", "povgen's", "peer's", "ratio", "bound", title=speed.machine())
+    table = Table("povgen", "baseline", "povgen's", "baseline's", "ratio", "bound", title=speed.machine())
     figures = []
-    for name, peer, ours, theirs, ratio, bound in lines():
-        table.add_row(name, peer, *(f"{x:.3g}" for x in (ours, theirs, ratio)), f"{bound or ''}")
-        figures.append({"povgen": name, "peer": peer, "ours": ours, "theirs": theirs, "ratio": ratio, "bound": bound})
-        print(f"{name}: {ours:.3g}; {peer}: {theirs:.3g}; ratio {ratio:.3g}", file=sys.stderr, flush=True)
+    for name, baseline, ours, theirs, ratio, bound in lines():
+        table.add_row(name, baseline, *(f"{x:.3g}" for x in (ours, theirs, ratio)), f"{bound or ''}")
+        figures.append(
+            {"povgen": name, "baseline": baseline, "ours": ours, "theirs": theirs, "ratio": ratio, "bound": bound}
+        )
+        print(f"{name}: {ours:.3g}; {baseline}: {theirs:.3g}; ratio {ratio:.3g}", file=sys.stderr, flush=True)
     Console(width=None if sys.stdout.isatty() else 120).print(table)
     text = json.dumps({"machine": speed.machine(), "figures": figures}, indent=2) + "\n"
     Path("build/bench.json").write_text(text)

@@ -1,6 +1,6 @@
 """CPU seconds that Mitsuba 3 (scalar_rgb, one thread, one ray a pixel) takes for the sheets of povgen's detailed frame.
 
-Run by speed.py in an environment of its own, with the greatest number of faces on a path, and with the mesh on standard
+Run by bench.py in an environment of its own, with the greatest number of faces on a path, and with the mesh on standard
 input: a JSON list of sheets, each a list of triangles of three corners in tiles. Prints the CPU seconds of rendering
 alone, after a first frame that warms up.
 """
