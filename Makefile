@@ -28,7 +28,7 @@ $(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/py
 # Installs into the environment, which is not whole until that has ended: what was interrupted is made anew.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(WHOLE)" > $(READY)
 
-.PHONY: movies frame demo figures readme-images test lint test-deps verify chart bench cluster-bench auto-check clean help
+.PHONY: movies frame demo figures readme-images test lint test-deps verify chart docs bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -75,6 +75,9 @@ verify: $(VENV)/charts-ready  ## every picture against the equations, and where 
 
 chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
+
+docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html
+	$(VENV)/bin/python docs/api.py build/api
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
 	@mkdir -p build
