@@ -3,48 +3,30 @@
 import functools
 import inspect
 import json
-import os
 import re
 import struct
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from hashlib import sha256
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from povgen.errors import InputError, PovrayError, TransientError
 from povgen.optics import prism, trace
 from povgen.rendering import cache, povray
+from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.scene import limits, prediction
 from povgen.scene.models import Scene
 from povgen.scene.sdl import template_of, to_pov
 from povgen.settings import Rendering
 
-# A POV-Ray process sleeps about 0.65 s whatever its frame costs: so many of them keep a core busy.
-WORKERS_PER_CORE = 8
 # Frames under way for each worker: one is rendered while the next waits.
 AHEAD = 2
-
-
-class Runner(Protocol):
-    """What renders scenes' texts for one render, as povray.Runner, here or elsewhere."""
-
-    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """The picture, made in a work folder of its own. Raises PovrayError."""
-
-    def stop(self) -> None:
-        """End at once all that it runs, and run nothing more."""
-
-
-def default_workers() -> int:
-    """How many POV-Ray processes run at once."""
-    return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
 def _made(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
@@ -141,53 +123,64 @@ def render_all(
     done: Callable[[], object] = lambda: None,
     runner: Runner | None = None,
 ) -> Generator[bytes, None, None]:
-    """The PNG files of many scenes' frames in their order, rendered `workers` at a time; calls `done` after each.
+    """Yield the PNG file of each scene's frame, in the scenes' order. Call `done` after each.
 
-    `runner` renders, in place of POV-Rays here; it is stopped at the end.
+    `workers` frames are rendered at once. `runner` renders them: POV-Ray on this machine unless another is given. It
+    is stopped at the end.
 
-    Where POV-Ray is killed or hangs, the other frames go on; then PovrayError names those that failed. Any other fault
-    ends it at once. The frames that are finished stay in the cache, which at the end is trimmed to its limit.
+    If POV-Ray is killed or hangs, the other frames are rendered all the same; then TransientError names the frames
+    that failed. Any other error ends the rendering at once. Finished frames stay in the cache, which is trimmed to its
+    limit at the end.
     """
     cache.check()
     most = cache.limit()
     runner = runner or povray.Runner()
     workers = workers or default_workers()
-    pool = ThreadPoolExecutor(workers)
-    todo, failures = iter(scenes), []
-    frames: deque[tuple[str, Future[Path | bytes]]] = deque()
-    running: set[Future[Path | bytes]] = set()
+    failures = []
     try:
-        for number, scene in enumerate(scenes):
-            while True:
-                running = {frame for frame in running if not frame.done()}
-                # texts are made in this thread: rays are traced for them in Python, which a signal interrupts only here
-                for next_scene in islice(todo, AHEAD * workers - len(running)):
-                    known(next_scene, keep=True)
-                    source = to_pov(next_scene)
-                    frames.append((source, pool.submit(_made, next_scene, rendering, source, runner)))
-                    running.add(frames[-1][1])
-                if frames[0][1].done():
-                    break
-                wait(running, return_when=FIRST_COMPLETED)
-            source, frame = frames.popleft()
-            try:
-                png = frame.result()
-                if isinstance(png, Path):  # another povgen may just have removed it
-                    png = _found(png, rendering) or _rendered(scene, rendering, source, runner)[0]
-            except TransientError as fault:
-                failures.append(f"frame {number}: {fault}")
-            else:
-                done()
-                if not failures:
-                    yield png
+        with thread_pool(runner, workers) as pool:
+            finished = _finished(scenes, rendering, runner, pool, AHEAD * workers)
+            for number, (scene, (source, frame)) in enumerate(zip(scenes, finished, strict=True)):
+                try:
+                    png = frame.result()
+                    if isinstance(png, Path):  # another povgen may just have removed it
+                        png = _found(png, rendering) or _rendered(scene, rendering, source, runner)[0]
+                except TransientError as fault:
+                    failures.append(f"frame {number}: {fault}")
+                else:
+                    done()
+                    if not failures:
+                        yield png
         if failures:
             others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
             raise TransientError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        runner.stop()
-        pool.shutdown()
         cache.trim(most)
+
+
+def _finished(
+    scenes: Sequence[Scene], rendering: Rendering, runner: Runner, pool: ThreadPoolExecutor, at_once: int
+) -> Iterator[tuple[str, Future[Path | bytes]]]:
+    """Yield each scene's text and its frame, in the scenes' order, as soon as that frame is finished.
+
+    So many frames are in the pool at once, finished ones that wait for an earlier one not counted.
+    """
+    todo = iter(scenes)
+    frames: deque[tuple[str, Future[Path | bytes]]] = deque()
+    running: set[Future[Path | bytes]] = set()
+    for _ in scenes:
+        while True:
+            running = {frame for frame in running if not frame.done()}
+            # texts are made in this thread: they need ray traces in Python, which a signal can interrupt only here
+            for scene in islice(todo, at_once - len(running)):
+                known(scene, keep=True)
+                source = to_pov(scene)
+                frames.append((source, pool.submit(_made, scene, rendering, source, runner)))
+                running.add(frames[-1][1])
+            if frames[0][1].done():
+                break
+            wait(running, return_when=FIRST_COMPLETED)
+        yield frames.popleft()
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:
