@@ -37,7 +37,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
 
 
 def _cache() -> str:
-    with cache.work():
+    with cache.work_folder():
         return str(cache.folder())
 
 
@@ -58,5 +58,5 @@ def _frame(frame: Path) -> str:
 def _encode(frame: Path) -> str:
     import imageio_ffmpeg
 
-    encode.encode([frames.read(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
+    encode.encode([frames.read_png(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
     return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"

@@ -17,7 +17,7 @@ from povgen.files import temporary_folder
 from povgen.measure import probes, speed
 from povgen.optics import rotation
 from povgen.rendering import povray
-from povgen.rendering.frames import read
+from povgen.rendering.frames import read_png
 from povgen.rendering.parallel import thread_pool
 from povgen.scene import limits
 from povgen.scene.models import Scene
@@ -146,7 +146,7 @@ class _Trial:
         def render(source: str, part: Mosaic) -> np.ndarray:
             size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
             with temporary_folder() as folder:
-                return read(runner.run(source, validated(_Part, {"size": size, "antialias": antialias}), folder))
+                return read_png(runner.run(source, validated(_Part, {"size": size, "antialias": antialias}), folder))
 
         runner = povray.Runner()
         with thread_pool(runner) as pool:

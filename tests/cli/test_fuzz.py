@@ -361,7 +361,7 @@ def place(tmp_path_factory):
         patch.setattr(spec, "MOVIES", movies)
         patch.setattr(page, "OWN", ("vary-z1",))
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
-        patch.setattr(frames, "whole", lambda png, size: True)  # though smaller than was asked for
+        patch.setattr(frames, "is_whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
         client = mock.MagicMock(**{"nthreads.return_value": {"worker": 1}, "run.return_value": {}})
         patch.setattr(cluster, "_connected", lambda _: client)

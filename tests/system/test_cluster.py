@@ -22,7 +22,7 @@ from conftest import wait_for
 
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, to_pov
 from povgen.errors import TransientError
-from povgen.rendering import cluster, frames
+from povgen.rendering import cache, cluster, frames
 from povgen.rendering.cluster import Cluster
 
 pytestmark = pytest.mark.xdist_group("cluster")  # what is costly is made once
@@ -163,9 +163,9 @@ def shared(tmp_path_factory):
 def same_as_here(machines):
     """Whether the frames there are those that are rendered here."""
     kept = {path.name: path for path in machines.finished()}
-    places = [kept[frames.kept_at(to_pov(scene), SMALL).name] for scene in SCENES]
+    places = [kept[cache.frame_path(to_pov(scene), SMALL).name] for scene in SCENES]
     own = frames.render_all(SCENES, SMALL)
-    same = [np.array_equal(frames.read(png), frames.read(path)) for png, path in zip(own, places, strict=True)]
+    same = [np.array_equal(frames.read_png(png), frames.read_png(path)) for png, path in zip(own, places, strict=True)]
     return all(same) and len(kept) == COUNT
 
 
@@ -276,7 +276,7 @@ def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, tmp_p
         assert not isinstance(fault.value, TransientError)
         with pytest.raises(TransientError, match=f"worker {address}: POV-Ray took longer than 0.1 s .* 2 times"):
             there.run(to_pov(SCENES[0]), Rendering(size=(64, 48), timeout=0.1), tmp_path)
-        assert frames.whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
+        assert frames.is_whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
 
 
 def test_another_dask_is_named(shared, monkeypatch):

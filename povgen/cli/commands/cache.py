@@ -22,14 +22,14 @@ def command(
     cache.check()
     if what == "clear":
         print(f"removed {_kinds(cache.trim(-1))} from {cache.folder()}")
-        if swept := cache.sweep():
+        if swept := cache.remove_leftovers():
             print(f"removed {swept} folders that killed povgens left")
     else:
-        files = cache.entries()
+        files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30
         kinds = _kinds([path for _, _, path in files])
-        print(f"{kinds}, {size:.3f} of {cache.limit() / 2**30:g} GiB, in {cache.folder()}")
-        if left := cache.left():
+        print(f"{kinds}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
+        if left := cache.leftover_sizes():
             print(f"{len(left)} folders that killed povgens left, {sum(left) / 2**30:.3f} GiB")
 
 
