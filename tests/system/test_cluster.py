@@ -191,7 +191,7 @@ def test_a_worker_lost_in_mid_movie(network, tmp_path):
 
 UNFIT = {
     "no-povray": ({"PATH": "/nowhere"}, "POV-Ray is not installed"),
-    "other-povray": ({"PATH": "."}, "POV-Ray 3.8.0, Dask .*; wanted, as here: povgen"),
+    "other-povray": ({"PATH": "."}, "POV-Ray 3.8.0, Dask .*; wanted, as on this machine: povgen"),
     "other-povgen": ({"PYTHONPATH": "."}, "it has povgen 0.0.9, POV-Ray"),
     "no-povgen": ({"PYTHONPATH": "."}, "No module named 'povgen'"),
 }
@@ -282,15 +282,15 @@ def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, tmp_p
 def test_another_dask_is_named(shared, monkeypatch):
     own = distributed.__version__
     monkeypatch.setattr(distributed, "__version__", "2024.8.0")
-    with pytest.raises(PovrayError, match=f"{shared.address}: it has Dask {own}; wanted, as here: 2024.8.0"):
+    with pytest.raises(PovrayError, match=f"{shared.address}: it has Dask {own}; wanted, as on this machine: 2024.8.0"):
         Cluster(shared.address)
 
 
 @pytest.fixture
 def soon(monkeypatch):
     """What is silent is given up after 5 s, not 25."""
-    monkeypatch.setattr(cluster, "PULSE", 1)
-    assert cluster.SILENT == 5
+    monkeypatch.setattr(cluster, "POLL", 1)
+    assert cluster.MAX_SILENT == 5
 
 
 def test_workers_or_the_scheduler_lost(soon, tmp_path):
@@ -349,7 +349,7 @@ def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
         options = {"size": (64, 48), "scheduler": machines.address, "workers": 4, "done": freeze}
         pool.submit(movie, MovieSpec.parse(SPEC, "x"), tmp_path / "a.gif", **options).result(200)
         told = [record.message for record in caplog.records if record.name == "povgen"]
-        silent = f"worker {one}: nothing was heard of it for 5 s; it is dismissed, others do its frames"
+        silent = f"worker {one}: nothing was heard from it for 5 s; other workers render its frames"
         assert told == [f"povgen: warning: {silent}"] and len(list(tmp_path.glob("cache/??/*.png"))) == COUNT
         if when == "in mid-movie":
             with Cluster(machines.address) as there:
