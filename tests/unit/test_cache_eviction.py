@@ -1,4 +1,4 @@
-"""Any sequence of stores, reads, trims and clears: what is read is what was stored, the least recently used goes first."""
+"""Eviction from the cache: any sequence of stores, reads, trims and clears removes the least recently used files."""
 
 import os
 import shutil
@@ -39,7 +39,8 @@ class Eviction(RuleBasedStateMachine):
         data = (key * size).encode()
         with cache.work_folder() as folder:
             (folder / "made").write_bytes(data)
-            os.utime(folder / "made", ns=(time.time_ns(),) * 2)  # the kernel's clock has coarser ticks
+            # exact, unlike the kernel's clock; modified long ago, so that the kernel does not update the time of use
+            os.utime(folder / "made", ns=(time.time_ns(), 0))
             assert cache.store(folder / "made", self.path(key))
         self.stored.pop(key, None)
         self.stored[key] = data
