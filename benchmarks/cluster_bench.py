@@ -25,12 +25,13 @@ from rich.table import Table
 
 from povgen import MovieSpec, Rendering, movie, to_pov
 from povgen.measure import speed
-from povgen.rendering import frames
+from povgen.rendering import frames, parallel
 from povgen.rendering.cluster import Cluster
 from povgen.scene import prediction
+from povgen.video import still
 
 DASK = Path(sys.executable).with_name("dask")
-THREADS = frames.WORKERS_PER_CORE
+THREADS = parallel.POVRAYS_PER_CORE
 ROUNDS = 3
 LONG, ALONE = 600, 100  # frames that cost nothing, at once and one after the other
 # a worker's povray.run, which hands out a picture that is there
@@ -137,7 +138,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
     scenes, rendering = spec(LONG).scenes("paper"), Rendering(quality=quality)
     with empty_cache() as folder:
         picture = folder / "picture.png"
-        picture.write_bytes(frames.png(scenes[LONG // 2], rendering))
+        picture.write_bytes(still.png(scenes[LONG // 2], rendering))
         (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)

@@ -7,7 +7,6 @@ through the scene's own prisms, converged.
 
 import re
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
 
@@ -18,7 +17,8 @@ from povgen.files import temporary_folder
 from povgen.measure import probes, speed
 from povgen.optics import rotation
 from povgen.rendering import povray
-from povgen.rendering.frames import default_workers, read
+from povgen.rendering.frames import read_png
+from povgen.rendering.parallel import thread_pool
 from povgen.scene import limits
 from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
@@ -146,17 +146,13 @@ class _Trial:
         def render(source: str, part: Mosaic) -> np.ndarray:
             size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
             with temporary_folder() as folder:
-                return read(runner.run(source, validated(_Part, {"size": size, "antialias": antialias}), folder))
+                return read_png(runner.run(source, validated(_Part, {"size": size, "antialias": antialias}), folder))
 
-        runner, pool = povray.Runner(), ThreadPoolExecutor(default_workers())
-        try:
+        runner = povray.Runner()
+        with thread_pool(runner) as pool:
             # texts are made in this thread: rays are traced for them in Python, which a signal interrupts only here
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
             return list(pool.map(render, texts, [part for _, part in self.mosaics]))
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-            runner.stop()
-            pool.shutdown()
 
 
 def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:

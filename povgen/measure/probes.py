@@ -5,7 +5,6 @@ Places in the picture are complex numbers, tiles in the plane z = 0, as in `scen
 
 import re
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from math import radians
 from pathlib import Path
@@ -18,7 +17,7 @@ from povgen.errors import PovrayError
 from povgen.files import temporary_folder
 from povgen.optics import prism, trace
 from povgen.rendering import povray
-from povgen.rendering.frames import default_workers
+from povgen.rendering.parallel import thread_pool
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -93,13 +92,8 @@ def frames(scenes: Iterable[Scene], size: tuple[int, int]) -> Iterator[np.ndarra
         return np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan) * getattr(scene, "extent", 1)
 
     scenes, runner = list(scenes), povray.Runner()
-    pool = ThreadPoolExecutor(default_workers())
-    try:
+    with thread_pool(runner) as pool:
         yield from pool.map(measure, scenes, map(to_pov, scenes))
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        runner.stop()
-        pool.shutdown()
 
 
 def _read(path: Path) -> np.ndarray:

@@ -26,7 +26,7 @@ from povgen.measure import probes
 from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
 from povgen.rendering import povray
-from povgen.rendering.frames import read
+from povgen.rendering.frames import read_png
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -104,7 +104,7 @@ def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, np.ndarray]:
         before = getrusage(RUSAGE_CHILDREN)
         path = povray.run(text, rendering, folder)
         after = getrusage(RUSAGE_CHILDREN)
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read(path)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read_png(path)
 
 
 def sample(text: str, sampling: str, size: tuple[int, int]) -> tuple[float, np.ndarray]:

@@ -16,7 +16,7 @@ from povgen.measure import probes, verify
 from povgen.measure.plotting import Axes, Figure, save_drawing, style
 from povgen.measure.probes import Directions, Piece, Positions
 from povgen.optics import prism, rotation, trace
-from povgen.rendering.frames import read, render_all
+from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Chess, Scene, Spheres
 from povgen.settings import Rendering
 from povgen.video import overlay
@@ -107,7 +107,7 @@ def mirroring(rendering: Rendering) -> Drawn:
     """Figure 2: a picture, mirrored about the vertical, then about an axis at alpha/2 = 16 deg, is turned by 32 deg."""
     alpha = radians(32)
     scene = Chess(sheet="none", z1=2.2, offset=(0, -0.75))
-    picture = read(next(render_all([scene], rendering)))
+    picture = read_png(next(render_all([scene], rendering)))
     side = rendering.size[1] // 2
     place = (np.arange(side) + 0.5) / side * 2 - 1
     z = place - 1j * place[:, None]
@@ -258,7 +258,7 @@ def _montage(
     layout = {"left": 0.005, "right": 0.995, "top": 0.945, "bottom": 0.005, "hspace": 0.13, "wspace": 0.03}
     axes = figure.subplots(2, 3, gridspec_kw=layout).ravel()
     for ax, scene, frame, label in zip(axes, scenes, render_all(scenes, rendering), labels, strict=True):
-        picture = read(frame)
+        picture = read_png(frame)
         high = scene.view_height / 2
         wide = high * picture.shape[1] / picture.shape[0]
         ax.imshow(picture, extent=(-wide, wide, -high, high))

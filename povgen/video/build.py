@@ -50,7 +50,7 @@ def movie(
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
         frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(cache.work())  # whose size is counted if povgen is killed
+        folder = opened.enter_context(cache.work_folder())  # whose size is counted if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))

@@ -5,7 +5,7 @@ from contextlib import closing
 import numpy as np
 
 from povgen.errors import validated
-from povgen.rendering.frames import read, render_all
+from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
@@ -32,7 +32,7 @@ def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
 
 def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
     """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
-    plain = read(frame)
+    plain = read_png(frame)
     if not rendering.annotated:
         return plain
     from povgen.video.overlay import annotated

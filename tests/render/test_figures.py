@@ -8,7 +8,7 @@ import pytest
 
 from povgen.measure import verify
 from povgen.optics import rotation
-from povgen.rendering.frames import read
+from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
 from povgen.teach.figures import FIGURES, save_figure
 
@@ -26,7 +26,7 @@ def figures(tmp_path_factory):
         for number in FIGURES:
             files = save_figure(number, folder, Rendering(quality="draft"))
             assert {path.suffix for path in files} == {".png", ".md", *([".svg"] if number in DRAWINGS else [])}
-            made[number] = read(folder / f"figure{number}.png"), (folder / f"figure{number}.md").read_text()
+            made[number] = read_png(folder / f"figure{number}.png"), (folder / f"figure{number}.md").read_text()
     for number in DRAWINGS:
         ElementTree.parse(folder / f"figure{number}.svg")
     return made

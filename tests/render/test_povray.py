@@ -34,7 +34,7 @@ def test_command():
 def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
     """Above 128 MB it would swap it to a file outside the sandbox."""
     large = Rendering(size=(3200, 2400), antialias="off")
-    assert frames.read(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
+    assert frames.read_png(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
 
 
 def test_qualities():
@@ -44,7 +44,7 @@ def test_qualities():
 
 
 def test_a_frame_is_rendered_once(monkeypatch):
-    first, kept = still.png(EMPTY, TINY), frames.kept_at(to_pov(EMPTY), TINY)
+    first, kept = still.png(EMPTY, TINY), cache.frame_path(to_pov(EMPTY), TINY)
     written = kept.stat().st_mtime_ns
     monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered again"))
     # no sheet, no alpha: the same text
@@ -58,7 +58,7 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     still.png(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
-    assert files and set(files) == {path for _, _, path in cache.entries()}
+    assert files and set(files) == {path for _, _, path in cache.by_last_use()}
     assert not list(cache.folder().glob(".povgen-*"))
 
 
@@ -115,7 +115,7 @@ def test_killed(kills, tmp_path):
     killer = threading.Thread(target=kill)
     killer.start()
     if kills < povray.TRIES:
-        assert frames.read(runner.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
+        assert frames.read_png(runner.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
     else:
         with pytest.raises(PovrayError, match="killed by signal 9, 2 times"):
             runner.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)

@@ -12,4 +12,4 @@ def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
     (tmp_path / "scene.pov").write_text(to_pov(scene))
     (command,) = re.findall(r"^//   (povray .*)$", to_pov(scene), flags=re.M)
     subprocess.run([*command.split(), "-D", "+Oown.png"], cwd=tmp_path, check=True, capture_output=True)
-    assert (frames.read(tmp_path / "own.png") == render(scene)).all()
+    assert (frames.read_png(tmp_path / "own.png") == render(scene)).all()

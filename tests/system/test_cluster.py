@@ -22,7 +22,7 @@ from conftest import wait_for
 
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, to_pov
 from povgen.errors import TransientError
-from povgen.rendering import cluster, frames
+from povgen.rendering import cache, cluster, frames
 from povgen.rendering.cluster import Cluster
 
 pytestmark = pytest.mark.xdist_group("cluster")  # what is costly is made once
@@ -163,9 +163,9 @@ def shared(tmp_path_factory):
 def same_as_here(machines):
     """Whether the frames there are those that are rendered here."""
     kept = {path.name: path for path in machines.finished()}
-    places = [kept[frames.kept_at(to_pov(scene), SMALL).name] for scene in SCENES]
+    places = [kept[cache.frame_path(to_pov(scene), SMALL).name] for scene in SCENES]
     own = frames.render_all(SCENES, SMALL)
-    same = [np.array_equal(frames.read(png), frames.read(path)) for png, path in zip(own, places, strict=True)]
+    same = [np.array_equal(frames.read_png(png), frames.read_png(path)) for png, path in zip(own, places, strict=True)]
     return all(same) and len(kept) == COUNT
 
 
@@ -191,7 +191,7 @@ def test_a_worker_lost_in_mid_movie(network, tmp_path):
 
 UNFIT = {
     "no-povray": ({"PATH": "/nowhere"}, "POV-Ray is not installed"),
-    "other-povray": ({"PATH": "."}, "POV-Ray 3.8.0, Dask .*; wanted, as here: povgen"),
+    "other-povray": ({"PATH": "."}, "POV-Ray 3.8.0, Dask .*; wanted, as on this machine: povgen"),
     "other-povgen": ({"PYTHONPATH": "."}, "it has povgen 0.0.9, POV-Ray"),
     "no-povgen": ({"PYTHONPATH": "."}, "No module named 'povgen'"),
 }
@@ -276,21 +276,21 @@ def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, tmp_p
         assert not isinstance(fault.value, TransientError)
         with pytest.raises(TransientError, match=f"worker {address}: POV-Ray took longer than 0.1 s .* 2 times"):
             there.run(to_pov(SCENES[0]), Rendering(size=(64, 48), timeout=0.1), tmp_path)
-        assert frames.whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
+        assert frames.is_whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
 
 
 def test_another_dask_is_named(shared, monkeypatch):
     own = distributed.__version__
     monkeypatch.setattr(distributed, "__version__", "2024.8.0")
-    with pytest.raises(PovrayError, match=f"{shared.address}: it has Dask {own}; wanted, as here: 2024.8.0"):
+    with pytest.raises(PovrayError, match=f"{shared.address}: it has Dask {own}; wanted, as on this machine: 2024.8.0"):
         Cluster(shared.address)
 
 
 @pytest.fixture
 def soon(monkeypatch):
     """What is silent is given up after 5 s, not 25."""
-    monkeypatch.setattr(cluster, "PULSE", 1)
-    assert cluster.SILENT == 5
+    monkeypatch.setattr(cluster, "POLL", 1)
+    assert cluster.MAX_SILENT == 5
 
 
 def test_workers_or_the_scheduler_lost(soon, tmp_path):
@@ -349,7 +349,7 @@ def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
         options = {"size": (64, 48), "scheduler": machines.address, "workers": 4, "done": freeze}
         pool.submit(movie, MovieSpec.parse(SPEC, "x"), tmp_path / "a.gif", **options).result(200)
         told = [record.message for record in caplog.records if record.name == "povgen"]
-        silent = f"worker {one}: nothing was heard of it for 5 s; it is dismissed, others do its frames"
+        silent = f"worker {one}: nothing was heard from it for 5 s; other workers render its frames"
         assert told == [f"povgen: warning: {silent}"] and len(list(tmp_path.glob("cache/??/*.png"))) == COUNT
         if when == "in mid-movie":
             with Cluster(machines.address) as there:

@@ -90,20 +90,20 @@ def test_killed_at_twenty_moments(place):
 
     undisturbed = MovieSpec.parse(SPEC, "x").scenes("paper")
     for scene in undisturbed:
-        (killed,) = (path for path in finished(place) if path.name == frames.kept_at(to_pov(scene), SMALL).name)
-        assert np.array_equal(still.render(scene, size=(64, 48)), frames.read(killed))
+        (killed,) = (path for path in finished(place) if path.name == cache.frame_path(to_pov(scene), SMALL).name)
+        assert np.array_equal(still.render(scene, size=(64, 48)), frames.read_png(killed))
 
 
 def test_folders_of_the_killed_are_removed(tmp_path):
     """Killed while one was made, before or after it was marked, or while one was removed; not those in use."""
     for number, content in enumerate([{}, {"lock": b""}, {"lock": files.MARK}, {"lock": files.MARK, "a.pov": b"a"}]):
-        left = tmp_path / f"{files.WORK}left000{number}"
+        left = tmp_path / f"{files.WORK_PREFIX}left000{number}"
         left.mkdir(mode=0o700)
         for name, data in content.items():
             (left / name).write_bytes(data)
     with files.work_folder(tmp_path) as first, files.work_folder(tmp_path) as second:
         assert sorted(tmp_path.iterdir()) == sorted([first, second])
-        assert not files.left(tmp_path)
+        assert not files.leftover_sizes(tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -128,7 +128,7 @@ def test_what_is_not_povgens_stays(tmp_path):
     (place / ".povgen-abcdefg9" / "lock").symlink_to(other / "lock")
     before = tree(tmp_path)
     files.save(b"new", place / "a.pov")
-    assert files.sweep(place) == 0 and not files.left(place)
+    assert files.remove_leftovers(place) == 0 and not files.leftover_sizes(place)
     (place / "a.pov").unlink()
     assert tree(tmp_path) == before
 
@@ -139,25 +139,25 @@ def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     script = (
         "from povgen import files; from povgen.rendering import cache; import os, pathlib, signal\n"
-        "with cache.work() as one, files.temporary_folder() as two:\n"
+        "with cache.work_folder() as one, files.temporary_folder() as two:\n"
         "    (one / 'deep').mkdir(); (one / 'deep' / 'movie.mp4').write_bytes(bytes(300_000))\n"
         "    (two / 'frame.png').write_bytes(bytes(50_000))\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", script], env=environment)
-    with cache.work() as own, files.temporary_folder() as another:
+    with cache.work_folder() as own, files.temporary_folder() as another:
         subprocess.run([sys.executable, "-c", script], env=environment)
-        assert [size // 10_000 for size in cache.left()] == [30, 5]
+        assert [size // 10_000 for size in cache.leftover_sizes()] == [30, 5]
         told = [
             subprocess.check_output([POVGEN, "cache", what], env=environment, text=True) for what in ("info", "clear")
         ]
         assert "\n2 folders that killed povgens left, 0.000 GiB\n" in told[0]
         assert "\nremoved 2 folders that killed povgens left\n" in told[1]
-        assert not cache.left() and own.is_dir() and another.is_dir()
+        assert not cache.leftover_sizes() and own.is_dir() and another.is_dir()
     subprocess.run([sys.executable, "-c", script], env=environment)
-    with cache.work(), files.temporary_folder():  # the next povgen removes them, too
-        assert not cache.left()
+    with cache.work_folder(), files.temporary_folder():  # the next povgen removes them, too
+        assert not cache.leftover_sizes()
     assert {path.name for path in tmp_path.iterdir()} == {"cache"}
 
 
@@ -367,7 +367,7 @@ def test_no_room(place, what):
 def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("paper")
-    data, frame = still.png(scene, SMALL), frames.kept_at(to_pov(scene), SMALL)
+    data, frame = still.png(scene, SMALL), cache.frame_path(to_pov(scene), SMALL)
     middle = len(data) // 2
     frame.write_bytes(
         {
@@ -378,7 +378,7 @@ def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
         }[damage]
     )
     again = still.png(scene, SMALL)
-    assert np.array_equal(frames.read(again), frames.read(data)) and frame.read_bytes() == again
+    assert np.array_equal(frames.read_png(again), frames.read_png(data)) and frame.read_bytes() == again
 
 
 def test_two_at_once(place):
@@ -397,9 +397,9 @@ def test_the_cache_keeps_to_its_size(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
     scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
     pictures = list(frames.render_all(scenes, SMALL))
-    first = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes[:-1]]
+    first = [cache.frame_path(to_pov(scene), SMALL) for scene in scenes[:-1]]
     for path, picture in zip(first[:4], pictures, strict=False):
-        assert cache.find(path, 10**6) == picture  # used again
+        assert cache.read(path, 10**6) == picture  # used again
     size = sum(path.stat().st_size for path in first[:5])
     monkeypatch.setenv("POVGEN_CACHE_SIZE", str(size / 2**30))
     list(frames.render_all(scenes[:1], SMALL))

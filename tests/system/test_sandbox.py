@@ -162,7 +162,7 @@ def test_endless_messages_are_not_kept(tmp_path):
     ],
 )
 def test_no_more_memory_than_its_share(grows, words, tmp_path, monkeypatch):
-    monkeypatch.setattr(povray, "MEMORY", 512 << 20)
+    monkeypatch.setattr(povray, "MAX_MEMORY", 512 << 20)
     refused(grows, tmp_path, "out of memory: it may take 512 MiB", *words)
 
 
@@ -181,7 +181,7 @@ HUNGRY = {
 @pytest.mark.parametrize("mebibytes", [64, 90, 200])
 def test_the_limit_is_told_whatever_takes_the_memory(mebibytes, tmp_path, monkeypatch):
     """POV-Ray ends in many ways, and does not even start its threads with the least."""
-    monkeypatch.setattr(povray, "MEMORY", mebibytes << 20)
+    monkeypatch.setattr(povray, "MAX_MEMORY", mebibytes << 20)
 
     def told(name):
         (tmp_path / name).mkdir()
@@ -243,7 +243,7 @@ def test_what_povray_said_is_told(status, messages, log, told, tmp_path):
 
 
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
-    monkeypatch.setattr(povray, "LARGEST", 1 << 20)
+    monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     refused(
         '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "it may write 1 MiB to a file"
     )
@@ -251,14 +251,14 @@ def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
 
 
 def test_a_picture_is_not_larger_than_its_share(tmp_path, monkeypatch):
-    monkeypatch.setattr(povray, "LARGEST", 1 << 13)
+    monkeypatch.setattr(povray, "MAX_FILE", 1 << 13)
     with pytest.raises(PovrayError):
         run("plane { z, 5 pigment { granite scale 0.01 } finish { ambient 1 } }", tmp_path, Rendering(size=(256, 256)))
 
 
 def test_a_large_picture_takes_no_file_larger_than_itself(tmp_path, monkeypatch):
     """POV-Ray writes 20 bytes a pixel beside it, which is more than its share from 7680x7000 on."""
-    monkeypatch.setattr(povray, "LARGEST", 1 << 20)
+    monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     assert run("", tmp_path, Rendering(size=(320, 240), antialias="off")).stat().st_size < 1 << 20
 
 

@@ -23,7 +23,7 @@ def command(
     ] = Path("demo"),
     workers: Workers = None,
     quiet: Quiet = False,
-    **options,
+    **options: object,
 ) -> None:
     """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
     from povgen.rendering import cache

@@ -13,7 +13,7 @@ from povgen.cli.report import warn
 def command(
     scene: SceneName,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = None,
-    **values,
+    **values: object,
 ) -> None:
     """Write a scene's POV-Ray source, to standard output unless -o says where."""
     from povgen.files import checked_output, save
