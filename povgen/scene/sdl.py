@@ -63,6 +63,11 @@ def to_html(page: dict[str, Any]) -> str:
     return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
+def to_caption(number: int, data: dict[str, Any]) -> str:
+    """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
+    return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
+
+
 def template_of(source: str, line: int) -> str:
     """The template that a line (counted from 1) of `to_pov`'s text came from; each part begins with its name."""
     name = "header.pov.j2"
