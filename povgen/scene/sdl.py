@@ -28,8 +28,13 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     options = " ".join(Rendering.model_validate({}).picture_options)
-    environment.globals.update(version=__version__, prism=prism, options=options)
+    environment.globals.update(version=__version__, prism=prism, options=options, raw=_raw)
     return environment
+
+
+def _raw(name: str) -> str:
+    """Return the text of a file in templates/ unchanged: braces in a script are not Jinja's."""
+    return (TEMPLATES / name).read_text("utf-8")
 
 
 class Mosaic(NamedTuple):
