@@ -280,13 +280,14 @@ def test_a_large_picture_needs_little_memory_more():
     """It needs memory for the copy of the picture, 24 MiB at 3840x2160, and about as much again for all else."""
     code = """if True:
         import re, numpy
-        from povgen import Chess
+        from povgen import Spheres
         from povgen.video import overlay
         from povgen.settings import Rendering
         picture = numpy.full((2160, 3840, 3), 120, numpy.uint8)
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()
-        overlay.annotated(picture, Chess(), Rendering(size=(3840, 2160), overlay=True, caption=True))
+        scene = Spheres(alpha=100, z1=[6], offset=(0.1, 0.05))  # its curves span the window
+        overlay.annotated(picture, scene, Rendering(size=(3840, 2160), overlay=True, caption=True))
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     assert 20 < float(done.stdout) < 50
