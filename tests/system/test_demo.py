@@ -152,7 +152,7 @@ def check(shown, movie, scene: Scene, n, chosen=0):
     assert number(shown["nu"]) == pytest.approx(nu, abs=0.0501, nan_ok=True)
     if np.isinf(P):
         assert shown["P"] == shown["M"] == "∞" and shown["nu"] == "undefined"
-        assert shown["corners"][2] is None and "infinitely far" in shown["alt"]
+        assert shown["corners"][2] is None and "infinitely far away" in shown["alt"]
     else:
         assert abs(number(shown["P"]) - P) <= 1e-3 * max(1, abs(P))
         # what is seen: of prisms as large as these
@@ -652,7 +652,8 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
 def test_the_command(tmp_path):
     povgen = Path(sys.executable).with_name("povgen")
     (tmp_path / "short.toml").write_text(
-        'title = "Short"\nscene = "chess"\nframe_rate = 10\n[sweep]\nparameter = "alpha"\nstart = 10\nstop = 20\nframes = 2\n'
+        'title = "Short"\nscene = "chess"\nframe_rate = 10\n'
+        '[sweep]\nparameter = "alpha"\nstart = 10\nstop = 20\nframes = 2\n'
     )
     arguments = ["demo", "short.toml", "--quality", "draft", "--size", "64x48", "-o", "a page"]
     done = subprocess.run([povgen, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
