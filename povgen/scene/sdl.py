@@ -28,8 +28,13 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     options = " ".join(Rendering.model_validate({}).picture_options)
-    environment.globals.update(version=__version__, prism=prism, options=options)
+    environment.globals.update(version=__version__, prism=prism, options=options, raw=_raw)
     return environment
+
+
+def _raw(name: str) -> str:
+    """Return the text of a file in templates/ unchanged: braces in a script are not Jinja's."""
+    return (TEMPLATES / name).read_text("utf-8")
 
 
 class Mosaic(NamedTuple):
@@ -61,6 +66,11 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
 def to_html(page: dict[str, Any]) -> str:
     """The teaching page, which holds its own styles and script. `page` is what the script reads (`demo`)."""
     return _environment().get_template("demo/index.html.j2").render(page=page)
+
+
+def to_caption(number: int, data: dict[str, Any]) -> str:
+    """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
+    return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 
 
 def template_of(source: str, line: int) -> str:

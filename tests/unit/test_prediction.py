@@ -33,7 +33,7 @@ from povgen.settings import Rendering
     ],
 )
 def test_predictions_warn_beyond_their_limit(scene, options, words):
-    """Whatever shows them, for the object that is farthest beyond it."""
+    """The warning names every option that shows the prediction, and the object that is farthest beyond the limit."""
     said = [text for _, text in prediction.warnings(scene, Rendering(**options))]
     assert (len(said) == 1 and words in said[0]) if words else not said
 

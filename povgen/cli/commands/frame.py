@@ -1,4 +1,4 @@
-"""povgen frame."""
+"""The command povgen frame."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,7 @@ def command(
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
+    """Render a scene to a PNG file. --sheet auto chooses the cheapest sheet model within --tolerance."""
     from povgen.files import checked_output, save
     from povgen.rendering import cache
     from povgen.settings import Rendering

@@ -1,4 +1,4 @@
-"""povgen movie."""
+"""The command povgen movie."""
 
 import logging
 from pathlib import Path
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @takes("scenes", "rendering")
 def command(
     spec: Annotated[
-        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
+        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own movies")
     ],
     output: Annotated[
         Path | None,
@@ -26,23 +26,25 @@ def command(
             "-o",
             "--output",
             metavar="FILE",
-            help=".mp4, .webm or .gif (default SPEC's name with .mp4, in the current folder)",
+            help=".mp4, .webm or .gif (default: SPEC's name with .mp4, in the current folder)",
         ),
     ] = None,
     workers: Workers = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
+        typer.Option(metavar="ADDRESS", help="address of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
     ] = None,
     part: Annotated[
         str | None,
-        typer.Option("--shard", metavar="I/N", help="render every N-th frame, from the I-th on, and no movie yet"),
+        typer.Option(
+            "--shard", metavar="I/N", help="only render every N-th frame, starting with the I-th; make no movie"
+        ),
     ] = None,
     tolerance: Tolerance = None,
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
     from povgen.scene.spec import MovieSpec
