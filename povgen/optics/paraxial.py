@@ -1,24 +1,28 @@
-"""Where two sheets of prisms of finite size show things: ray-transfer matrices for small angles, on numpy arrays.
+"""Where two sheets of prisms of finite size show an object: ray-transfer matrices for small angles, on numpy arrays.
 
-Eq. 7 is for infinitely thin sheets. Prisms of a given pitch make each sheet a few pitches thick, and it does not act in
-one plane: it mirrors the direction across its prisms, as if in its middle plane, while along them it is a slab of
-glass, which moves light sideways by -g times the component of its slope along the prisms (`prism.slab_shift`). The
-shifts that depend on where in a prism a ray enters are as often to one side as to the other and cancel.
-Derivation in docs/sheets.md. Signs and units as in `rotation`; the planes z = 0, from which z1 and z2 count, and of
-the apparent position are midway between the sheets.
+Eq. 7 is for infinitely thin sheets. A sheet of prisms with a given pitch is a few pitches thick. Across the ridges it
+reverses the slope of light, as if in the sheet's middle plane. Along the ridges it acts as a slab of glass: it shifts
+light sideways by -g times the component of the slope along the ridges (`prism.slab_shift`). Other shifts depend on the
+point at which a ray enters a prism. They are as often to one side as to the other, and cancel on average.
+docs/sheets.md has the derivation.
+
+Signs and units are those of `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
+refer to this plane.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from povgen.optics import prism
+from povgen.optics.rotation import Complexes, Floats
 
 
-def image(z1, z2, alpha, pitch):
-    """The numbers a, b by which light from L reaches E at P, P - E = a (L - E) + b conj(L - E); they broadcast.
+def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Complexes, Complexes]:
+    """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
-    z1, z2 and the pitch of the prisms in one unit, alpha in radians. For pitch = 0, a = 1 - P and b = 0 (eq. 7).
-    Where |A| = |B| light from L meets the eye's plane in a line or not at all; a and b grow without bound towards it,
-    and with them their error: `limits.MAX_CORRECTION`.
+    z1, z2 and the pitch of the prisms are in one unit, alpha in radians. For pitch = 0, a = 1 - P of eq. 7, and b = 0.
+    At |A| = |B| (`_depths`) light from L meets the eye's plane in a line, or not at all. Near this, a and b are large,
+    and so is their error (`limits.MAX_CORRECTION`).
     """
     A, B = _depths(z1, z2, alpha, pitch)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -26,13 +30,13 @@ def image(z1, z2, alpha, pitch):
         return A.conj() * scale, -B * scale
 
 
-def nu_and_M(z1, z2, alpha, pitch):
-    """The angle nu, radians, through which an object appears turned, and its magnification M, for prisms of a pitch.
+def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Floats, Floats]:
+    """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
-    A short step d on the object appears as a d + b conj(d), with a, b of `image`: nu = arg(a), and M is the mean of the
-    greatest and the least magnification over the directions of d, |a| + |b| and |a| - |b|, so M = |a|. For pitch = 0
-    they are eqs. 8 and 9, corrected. Where |b| > |a| the object appears mirrored: nu is NaN, and that mean is |b|.
-    Where |A| = |B|, nu is NaN and M infinite.
+    A short step d on the object appears as a d + b conj(d), with a, b of `image`. Then nu = arg(a). The magnification
+    depends on the direction of d and is between |a| - |b| and |a| + |b|; M is their mean |a|. For pitch = 0 these are
+    eqs. 8 and 9, corrected. At |b| > |a| the object appears mirrored: nu is NaN, and the mean is |b|. At |A| = |B|, nu
+    is NaN and M is infinite.
     """
     A, B = _depths(z1, z2, alpha, pitch)
     a, b = image(z1, z2, alpha, pitch)
@@ -40,46 +44,55 @@ def nu_and_M(z1, z2, alpha, pitch):
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 
 
-def infinite_z1(z2, alpha, pitch):
-    """The two z1 for which |A| = |B|; complex where there are none, their real part that of the least |A|."""
+def infinite_z1(z2: ArrayLike, alpha: ArrayLike, pitch: float) -> Complexes:
+    """Return the two z1 at which |A| = |B|.
+
+    If there are none, the results are complex, and their real part is the z1 at which |A| is least.
+    """
     g, apart = _sheet(pitch)
     h = (apart + g) / 2
-    half = np.emath.sqrt((apart - g) ** 2 - ((z2 - h) * np.sin(alpha)) ** 2)
-    return h - (z2 - h) * np.cos(alpha) + np.array([-half, half])
+    half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
+    return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
 
 
-def infinite_alpha(z1, z2, pitch):
-    """The alpha from 0 to pi, radians, for which |A| = |B|, as it is for -alpha; complex as in `infinite_z1`."""
+def infinite_alpha(z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
+    """Return the alpha from 0 to pi, radians, at which |A| = |B|; -alpha is another. Complex if there is none."""
     g, apart = _sheet(pitch)
-    near, far = z2 - (apart + g) / 2, z1 - (apart + g) / 2
+    near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
     return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
-def apparent_position(L, E, z1, z2, alpha, pitch):
-    """Where light from L crosses the plane z = 0: as `rotation.apparent_position`, for prisms of a pitch."""
+def apparent_position(
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float
+) -> Complexes:
+    """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for prisms with a pitch."""
     a, b = image(z1, z2, alpha, pitch)
     D = np.subtract(L, E)
-    return E + a * D + b * np.conj(D)
+    return np.add(E, a * D) + b * np.conj(D)
 
 
-def mirrored_position(L, E, z1, z2, pitch):
-    """Where light from L crosses z = 0, the middle of one sheet whose prisms lie along x: a line along z is seen as a
-    hyperbola. For z1 = z2 light from L meets the eye's plane in a line or not at all: infinite or NaN there.
+def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
+    """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
+
+    A line along z appears as a hyperbola. For z1 = z2 light from L meets the eye's plane in a line, or not at all: the
+    result is infinite or NaN.
     """
     D = np.subtract(L, E)
     g = prism.slab_shift() * pitch * (1 - prism.AIR_GAP)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return E + z2 * (D.real / (z2 + z1 - g) + 1j * np.divide(D.imag, np.subtract(z2, z1)))
+        slope = D.real / (np.add(z2, z1) - g) + 1j * np.divide(D.imag, np.subtract(z2, z1))
+        return np.add(E, np.multiply(z2, slope))
 
 
-def _depths(z1, z2, alpha, pitch):
-    """A and B: L - E = A s + B conj(s) for a ray from L that reaches the eye with the slope s."""
+def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Complexes, Complexes]:
+    """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
     g, apart = _sheet(pitch)
+    h = (apart + g) / 2
     turn = np.exp(-1j * np.asarray(alpha))
-    return (z2 - (apart + g) / 2) + turn * (z1 - (apart + g) / 2), (apart - g) * turn.conj()
+    return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
 
 
-def _sheet(pitch):
-    """g, by which the glass of a sheet brings nearer what is seen along its prisms, and the middle planes' distance."""
+def _sheet(pitch: float) -> tuple[float, float]:
+    """Return g, the shift of one sheet's slab of glass (`prism.slab_shift`), and the distance of the middle planes."""
     height = pitch * (1 - prism.AIR_GAP)
     return prism.slab_shift() * height, height * prism.aspect() + pitch * prism.AIR_GAP

@@ -1,6 +1,6 @@
-"""Dove prisms and the sheets made of them (section 2 of the paper). Lengths in any one unit, angles in degrees.
+"""Dove prisms and the sheets made of them (section 2 of the paper). Lengths are in any one unit, angles in degrees.
 
-The paper states neither the base angle nor the refractive index; these are the usual ones.
+The paper states neither the base angle nor the refractive index. povgen uses the usual values.
 """
 
 from math import asin, cos, radians, sin, tan
@@ -11,27 +11,30 @@ AIR_GAP = 0.01  # air between neighbouring prisms, and between the two sheets, i
 
 
 def aspect() -> float:
-    """Length over height of a prism at full aperture: 1 + cot(base angle - refraction angle), 4.30.
+    """Return a prism's length divided by its height: 1 + cot(base angle - refraction angle) = 4.30.
 
-    A ray along the prism that enters at the top of the slanted facet then just reaches the far end of the base.
+    With this length the full aperture is used: a ray along z that enters at the top of the slanted facet just reaches
+    the far end of the base.
     """
     return 1 + 1 / tan(_slope())
 
 
 def slab_shift() -> float:
-    """How much nearer the prism's glass brings what is seen through it, along its length, over its height: 1.00.
+    """Return how much nearer a prism makes objects appear, divided by its height: 1.00.
 
-    As a slab of glass does: the path along z in the glass, times 1 - 1/n for a slab that light crosses at right angles.
+    This holds for the component of light's direction along the ridges, for which the prism acts as a slab of glass. The
+    shift is the path's extent along z, times 1 - 1/(n cos(slope)). (For a slab at right angles to the light the factor
+    is 1 - 1/n.)
     """
     return (1 - 1 / (INDEX * cos(_slope()))) / tan(_slope())
 
 
 def _slope() -> float:
-    """Angle, radians, between the base and a ray in the glass that runs along the prism outside."""
+    """Return the angle, radians, between the base and a ray in the glass that runs along z outside the prism."""
     return radians(BASE_ANGLE) - asin(sin(radians(BASE_ANGLE)) / INDEX)
 
 
 def thickness(pitch: float, sheets: int) -> float:
-    """How deep one sheet or two parallel sheets of prisms are, along their normal, for a given pitch."""
+    """Return the extent along z of one sheet, or of two parallel sheets and the air between them."""
     gap = AIR_GAP * pitch
     return sheets * (pitch - gap) * aspect() + (sheets - 1) * gap

@@ -1,23 +1,30 @@
-"""Exact ray trace of Dove-prism sheets, on numpy arrays. Every ray is followed until it leaves the sheets.
+"""Exact ray trace of Dove-prism sheets, on numpy arrays. Each ray is followed until it leaves the sheets.
 
-Coordinates are those of the scenes: x right, y up, z away from the eye, the sheets centred on z = 0, lengths in the
-unit of the window's side. Rays may run either way. Glass neither absorbs nor reflects partially; light that meets the
-frame round the window ends there. Inside a sheet, u is the height above the base of the prism (or of the prism below
-the air) that the ray is in, in the sheet's own frame, whose prisms lie along x.
+The coordinates are the scenes': x right, y up, z away from the eye. The sheets are centred on z = 0. Lengths are in the
+unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. Light that
+meets the window frame ends there.
+
+Each sheet has its own coordinate system, in which its prisms' ridges lie along x. Each of its prisms has a cell, one
+pitch high: the prism and the air above it. There u is the height above the prism's base.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics import prism
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Booleans = NDArray[np.bool_]
+
 
 class Face(IntEnum):
-    """Faces of a prism, in the order in which a ray's path lists them. NEAR is the facet towards negative z."""
+    """Faces of a prism. NEAR is the slanted facet towards negative z, where the eye is."""
 
     NONE = 0
     BASE = 1
@@ -31,13 +38,13 @@ class End(IntEnum):
 
     THROUGH = 0  # leaves on the side that it did not come from
     BACK = 1  # leaves on the side that it came from
-    FRAME = 2  # meets the frame
-    UNFINISHED = 3  # still among the prisms after the greatest number of faces
+    FRAME = 2  # meets the window frame
+    UNFINISHED = 3  # has met the greatest allowed number of faces
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A sheet of prisms: turned by `angle` (radians) about z, centred on z = `centre`."""
+    """A sheet of prisms. It is turned by `angle` (radians) about z, and its middle plane is z = `centre`."""
 
     angle: float
     centre: float
@@ -45,230 +52,265 @@ class Sheet:
 
 @dataclass
 class Rays:
-    """Where rays leave the sheets: position and direction (n, 3); how, `End` (n,); faces met, `Face` (n, most), and
-    how many (n,); and whether each took the designed path: entry facet, base and exit facet in every sheet."""
+    """Where and how n rays end."""
 
-    position: np.ndarray
-    direction: np.ndarray
-    end: np.ndarray
-    faces: np.ndarray
-    count: np.ndarray
-    designed: np.ndarray
+    position: Floats  # where the ray leaves the sheets, or meets the window frame, (n, 3)
+    direction: Floats  # unit vector, (n, 3)
+    end: NDArray[np.uint8]  # `End`, (n,)
+    faces: NDArray[np.uint8]  # the faces that the ray has met, in order, `Face`, (n, most)
+    count: Indices  # how many faces the ray has met, (n,)
+    designed: Booleans  # took the designed path: entry facet, base and exit facet in every sheet, (n,)
 
 
 class _Glass:
-    """The shape of the prisms, and the plane of each face: outward normal (u, z) and distance from u = z = 0."""
+    """The shape of the prisms. Each face has an outward normal (u, z), at the index of its `Face`."""
 
-    def __init__(self, window: float, prisms: int, gap: float):
+    def __init__(self, window: float, prisms: int, gap: float) -> None:
         self.window, self.pitch = window, window / prisms
         self.gap = gap * self.pitch
         self.height = self.pitch - self.gap
         self.half = self.height * prism.aspect() / 2
         slope = np.radians(prism.BASE_ANGLE)
         c, s = np.cos(slope), np.sin(slope)
-        # in the order of Face
-        self.nu = np.array([0.0, -1.0, 1.0, c, c])
-        self.nz = np.array([0.0, 0.0, 0.0, -s, s])
-        self.facet = s * self.half  # distance of the slanted facets from u = z = 0
-        self.first = -prisms / 2 * self.pitch + self.gap / 2  # the base of prism 0
+        self.normal_u = np.array([0.0, -1.0, 1.0, c, c])
+        self.normal_z = np.array([0.0, 0.0, 0.0, -s, s])
+        self.facet = s * self.half  # distance of the slanted facets' planes from u = z = 0
+        self.first = -prisms / 2 * self.pitch + self.gap / 2  # y of the base of prism 0
 
-    def _facets(self, u, z, dy, dz):
-        """For the facets near and far: how fast a ray nears their plane from inside, and when it meets it."""
-        for nu, nz in zip(self.nu[Face.NEAR :], self.nz[Face.NEAR :], strict=True):
+    def _facets(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> list[tuple[Face, Floats, Floats]]:
+        """For each slanted facet: how fast a ray approaches its plane from inside, and when the ray meets it."""
+        found = []
+        for face in (Face.NEAR, Face.FAR):
+            nu, nz = self.normal_u[face], self.normal_z[face]
             along = nu * dy + nz * dz
-            yield along, (self.facet - nu * u - nz * z) / along
+            found.append((face, along, (self.facet - nu * u - nz * z) / along))
+        return found
 
-    def way_out(self, u, z, dy, dz):
-        """Where rays in the glass meet a face, as a multiple of their direction; and the `Face`."""
+    def way_out(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return where rays in the glass meet a face, as a multiple of their direction, and the `Face`."""
         up = dy > 0
         t = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
         face = np.where(up, Face.TOP, Face.BASE)
-        for facet, (along, reach) in zip((Face.NEAR, Face.FAR), self._facets(u, z, dy, dz), strict=True):
+        for facet, along, reach in self._facets(u, z, dy, dz):
             nearer = (along > 0) & (reach < t)
             t, face = np.where(nearer, reach, t), np.where(nearer, facet, face)
         return np.maximum(t, 0), face
 
-    def way_in(self, u, z, dy, dz):
-        """Where rays in the air meet a face, `Face.BASE` being that of the next prism; `Face.NONE`: the sheet ends."""
+    def way_in(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return where rays in the air meet a face, as a multiple of their direction, and the `Face`.
+
+        `Face.BASE` is the base of the prism above. `Face.NONE` means that the ray leaves the sheet.
+        """
         up = dy > 0
         t_in = np.where(up | (dy == 0), np.where(u > self.height, np.inf, -np.inf), (self.height - u) / dy)
         face = np.full(len(u), Face.TOP)
         t_out = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
-        for facet, (along, reach) in zip((Face.NEAR, Face.FAR), self._facets(u, z, dy, dz), strict=True):
+        for facet, along, reach in self._facets(u, z, dy, dz):
             t_out = np.where((along > 0) & (reach < t_out), reach, t_out)
             later = (along < 0) & (reach > t_in)
             t_in, face = np.where(later, reach, t_in), np.where(later, facet, face)
-            t_in = np.where((along == 0) & (reach < 0), np.inf, t_in)  # along the facet, outside
+            t_in = np.where((along == 0) & (reach < 0), np.inf, t_in)  # parallel to the facet, outside
         meets = (t_in > -1e-12 * self.pitch) & (t_in < t_out) & (t_out >= 0)
         t = np.where(meets, np.maximum(t_in, 0), np.inf)
-        for other, reach in (
-            (Face.BASE, np.where(up, (self.pitch - u) / dy, np.inf)),
-            (Face.NONE, np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz)),
-        ):
-            reach = np.maximum(reach, 0)
-            nearer = reach < t if other == Face.BASE else reach <= t
-            t, face = np.where(nearer, reach, t), np.where(nearer, other, face)
-        return t, face
+        base = np.maximum(np.where(up, (self.pitch - u) / dy, np.inf), 0)
+        t, face = np.where(base < t, base, t), np.where(base < t, Face.BASE, face)
+        side = np.maximum(np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz), 0)
+        return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
 
 
 def pair(alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, Sheet]:
-    """The two sheets that rotate light by alpha (radians), from the eye onwards: the near one turned by alpha/2."""
+    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
     glass = _Glass(window, prisms, gap)
     offset = glass.half + glass.gap / 2
     return Sheet(alpha / 2, -offset), Sheet(0.0, offset)
 
 
 def sheets(model: str, alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, ...]:
-    """The sheets of a scene, 'detailed' or 'single'."""
+    """Return the sheets of a scene whose `sheet` is 'detailed' or 'single'. alpha in radians."""
     return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, window, prisms, gap)
 
 
 def trace(
-    origin: np.ndarray,
-    direction: np.ndarray,
+    origin: ArrayLike,
+    direction: ArrayLike,
     sheets: tuple[Sheet, ...],
     window: float,
     prisms: int,
     gap: float = prism.AIR_GAP,
     most: int = 60,
 ) -> Rays:
-    """Follow rays, (n, 3) origins and directions of any length, from outside through sheets listed from the eye on.
+    """Follow rays through the sheets.
 
-    `gap` is the air between prisms in units of their pitch; after `most` faces a ray is given up, which its end says.
-    Raises ValueError if a ray does not run from outside the sheets towards them: parallel to them, dz = 0, or away.
+    Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
+    eye's side first. `gap` is the air between prisms, in units of their pitch. A ray ends after `most` faces. Raises
+    ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prisms, gap)
-    origin, direction = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
+    position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
-        front = np.where(direction[:, 2] > 0, sheets[0].centre - glass.half, sheets[-1].centre + glass.half)
-        way = front - origin[:, 2]
-        entry = origin + (way / direction[:, 2])[:, None] * direction
-        # a ray may start where another has left the sheets, but for rounding
-        towards = (way * np.sign(direction[:, 2]) > -1e-9 * window) & np.isfinite(entry).all(1)
-    if not towards.all():
-        i = np.argmin(towards)
-        raise ValueError(
-            f"ray {i} from {origin[i]} along {direction[i]} does not reach the sheets; "
-            "allowed: from outside the sheets, towards them"
-        )
-    n = len(origin)
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    _check_approach(position, along, sheets, glass)
+    forward = along[:, 2:] > 0
+    n = len(position)
     rays = Rays(
-        np.empty((n, 3)),
-        np.empty((n, 3)),
+        position.copy(),
+        along,
         np.empty(n, np.uint8),
         np.zeros((n, most), np.uint8),
         np.zeros(n, int),
         np.zeros(n, bool),
     )
     for start in range(0, n, CHUNK):
-        part = slice(start, start + CHUNK)
-        chunk = Rays(*(getattr(rays, name)[part] for name in rays.__dataclass_fields__))
-        chunk.position[:], chunk.direction[:] = origin[part], direction[part]
+        chunk = Rays(*(getattr(rays, field.name)[start : start + CHUNK] for field in fields(Rays)))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _follow(chunk, sheets, glass)
-    steps = 3 * len(sheets)
+            _Trace(chunk, sheets, glass).run()
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
-    path = np.where(direction[:, 2:] > 0, path, path[::-1])
+    steps = len(path)
+    path = np.where(forward, path, path[::-1])
     rays.designed = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
     return rays
 
 
-def _follow(rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
-    """Take rays through the sheets, back and forth between them, until they leave, or meet the frame or `most` faces.
+def _check_approach(origin: Floats, direction: Floats, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
+    """Raise ValueError for the first ray that does not run towards the sheets from outside."""
+    dz = direction[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        way = np.where(dz > 0, sheets[0].centre - glass.half, sheets[-1].centre + glass.half) - origin[:, 2]
+        entry = origin + (way / dz)[:, None] * direction
+        # a ray may start where another ray has left the sheets, which rounding moves
+        towards = (way * np.sign(dz) > -1e-9 * glass.window) & np.isfinite(entry).all(1)
+    if not towards.all():
+        i = np.argmin(towards)
+        raise ValueError(
+            f"ray {i} from {origin[i]} along {direction[i]} does not reach the sheets; "
+            "allowed: from outside the sheets, towards them"
+        )
 
-    x, u, z and the direction are in the frame of the sheet that a ray is at, u above the base of prism `cell`.
+
+class _Trace:
+    """Rays under way. `run` takes them through the sheets and writes how they end.
+
+    The methods take and return the indices of rays. x, u, z and dx, dy, dz, each (n,), are position and direction in
+    the coordinate system of the sheet that the ray is at, u above the base of prism `cell`. c and s are the cosine and
+    the sine of that sheet's angle.
     """
-    n, most = rays.faces.shape
-    angle, centre = (np.array([getattr(sheet, name) for sheet in sheets]) for name in ("angle", "centre"))
-    cosine, sine = np.cos(angle), np.sin(angle)
-    half = glass.window / 2
-    x, u, z, dx, dy, dz, cell, c, s = np.empty((9, n))
-    forward = rays.direction[:, 2] > 0
-    at = np.where(forward, 0, len(sheets) - 1)
 
-    def enter(i: np.ndarray) -> np.ndarray:
-        """Take rays to their sheet; returns those that meet no frame before it."""
-        here = at[i]
-        co, si = c[i], s[i] = cosine[here], sine[here]
-        px, py, pz = rays.position[i].T
-        vx, vy, vz = rays.direction[i].T
-        front = np.where(vz > 0, -glass.half, glass.half)
-        step = (front + centre[here] - pz) / vz
-        px, py = px + step * vx, py + step * vy
-        x[i], y, z[i] = co * px + si * py, co * py - si * px, front
-        dx[i], dy[i], dz[i] = co * vx + si * vy, co * vy - si * vx, vz
-        cell[i] = np.floor((y - glass.first) / glass.pitch)
-        u[i] = y - glass.first - cell[i] * glass.pitch
-        return stopped(i, (abs(px) > half) | (abs(py) > half), End.FRAME)
+    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
+        n, self.most = rays.faces.shape
+        self.rays, self.glass, self.sheets = rays, glass, len(sheets)
+        angle = np.array([sheet.angle for sheet in sheets])
+        self.cosine, self.sine = np.cos(angle), np.sin(angle)
+        self.centre = np.array([sheet.centre for sheet in sheets])
+        self.x, self.u, self.z, self.dx, self.dy, self.dz, self.cell, self.c, self.s = np.empty((9, n))
+        self.forward = rays.direction[:, 2] > 0
+        self.sheet = np.where(self.forward, 0, len(sheets) - 1)
 
-    def leave(i: np.ndarray) -> None:
-        """Bring rays back to the world's frame."""
-        co, si = c[i], s[i]
-        y = u[i] + cell[i] * glass.pitch + glass.first
-        rays.position[i] = np.column_stack((co * x[i] - si * y, si * x[i] + co * y, z[i] + centre[at[i]]))
-        rays.direction[i] = np.column_stack((co * dx[i] - si * dy[i], si * dx[i] + co * dy[i], dz[i]))
+    def run(self) -> None:
+        """Move all rays on, face by face, until each has ended."""
+        air = self.enter(np.arange(len(self.x)))
+        glass = air[:0]
+        while len(air) or len(glass):
+            entering, leaving = self.cross_air(air)
+            glass = np.concatenate((glass, entering))
+            air = self.change_sheet(leaving)
+            leaving, glass = self.cross_glass(glass)
+            air = np.concatenate((air, leaving))
 
-    def stopped(i: np.ndarray, those: np.ndarray, end: End) -> np.ndarray:
-        """End some rays; returns the others."""
-        if those.any():
-            leave(i[those])
-            rays.end[i[those]] = end
-            i = i[~those]
+    def enter(self, i: Indices) -> Indices:
+        """Take rays to the surface of their sheet. Return those that reach it within the window."""
+        here = self.sheet[i]
+        c = self.c[i] = self.cosine[here]
+        s = self.s[i] = self.sine[here]
+        x, y, z = self.rays.position[i].T
+        dx, dy, dz = self.rays.direction[i].T
+        surface = np.where(dz > 0, -self.glass.half, self.glass.half)
+        step = (surface + self.centre[here] - z) / dz
+        x, y = x + step * dx, y + step * dy
+        v = c * y - s * x
+        self.x[i], self.z[i] = c * x + s * y, surface
+        self.dx[i], self.dy[i], self.dz[i] = c * dx + s * dy, c * dy - s * dx, dz
+        cell = self.cell[i] = np.floor((v - self.glass.first) / self.glass.pitch)
+        self.u[i] = v - self.glass.first - cell * self.glass.pitch
+        half = self.glass.window / 2
+        return self.without_ended(i, (abs(x) > half) | (abs(y) > half), End.FRAME)
+
+    def leave(self, i: Indices) -> None:
+        """Write positions and directions in the scene's coordinates."""
+        c, s = self.c[i], self.s[i]
+        x, dx, dy = self.x[i], self.dx[i], self.dy[i]
+        y = self.u[i] + self.cell[i] * self.glass.pitch + self.glass.first
+        z = self.z[i] + self.centre[self.sheet[i]]
+        self.rays.position[i] = np.column_stack((c * x - s * y, s * x + c * y, z))
+        self.rays.direction[i] = np.column_stack((c * dx - s * dy, s * dx + c * dy, self.dz[i]))
+
+    def without_ended(self, i: Indices, ended: Booleans, end: End) -> Indices:
+        """Write the end of the rays that have ended. Return the others."""
+        if ended.any():
+            self.leave(i[ended])
+            self.rays.end[i[ended]] = end
+            i = i[~ended]
         return i
 
-    def advance(i: np.ndarray, t: np.ndarray, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Move rays on to a face; returns those that meet no frame on the way, and their faces."""
-        xi = x[i] = x[i] + t * dx[i]
-        ui = u[i] = u[i] + t * dy[i]
-        z[i] += t * dz[i]
-        y = ui + cell[i] * glass.pitch + glass.first
-        blocked = (abs(c[i] * xi - s[i] * y) > half) | (abs(s[i] * xi + c[i] * y) > half)
-        return stopped(i, blocked, End.FRAME), face[~blocked]
+    def without_unfinished(self, i: Indices) -> Indices:
+        """End the rays that have met the greatest number of faces. Return the others."""
+        return self.without_ended(i, self.rays.count[i] == self.most, End.UNFINISHED)
 
-    def bend(i: np.ndarray, face: np.ndarray, eta: float) -> np.ndarray:
-        """Refract or reflect rays at a face, eta the index before it over that behind; returns which are reflected."""
-        count = rays.count[i]
-        rays.faces[i, count] = face
-        rays.count[i] = count + 1
-        nu, nz = glass.nu[face], glass.nz[face]
-        vy, vz = dy[i], dz[i]
-        along = nu * vy + nz * vz  # above 0 on the way out
+    def cross_air(self, i: Indices) -> tuple[Indices, Indices]:
+        """Take rays from the air to the next face. Return those that enter a prism and those that leave the sheet."""
+        i, face = self.advance(i, *self.glass.way_in(self.u[i], self.z[i], self.dy[i], self.dz[i]))
+        enters = face != Face.NONE
+        entering, leaving, face = i[enters], i[~enters], face[enters]
+        above = entering[face == Face.BASE]
+        self.cell[above] += 1
+        self.u[above] = 0
+        self.bend(entering, face, 1 / prism.INDEX)
+        return self.without_unfinished(entering), leaving
+
+    def change_sheet(self, i: Indices) -> Indices:
+        """Take rays that leave a sheet to the next one, if there is one. Return those that reach it."""
+        self.leave(i)
+        self.sheet[i] += np.where(self.dz[i] > 0, 1, -1)
+        at = self.sheet[i]
+        ended = (at < 0) | (at == self.sheets)
+        out = i[ended]
+        self.rays.end[out] = np.where((at[ended] > 0) == self.forward[out], End.THROUGH, End.BACK)
+        return self.enter(i[~ended])
+
+    def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
+        """Take rays in the glass to the next face. Return those that leave the prism and those that are reflected."""
+        i, face = self.advance(i, *self.glass.way_out(self.u[i], self.z[i], self.dy[i], self.dz[i]))
+        reflected = self.bend(i, face, prism.INDEX)
+        below = i[~reflected & (face == Face.BASE)]
+        self.cell[below] -= 1
+        self.u[below] = self.glass.pitch
+        return self.without_unfinished(i[~reflected]), self.without_unfinished(i[reflected])
+
+    def advance(self, i: Indices, t: Floats, face: Indices) -> tuple[Indices, Indices]:
+        """Move rays on to a face. Return those that the window frame does not stop, and their faces."""
+        x = self.x[i] = self.x[i] + t * self.dx[i]
+        u = self.u[i] = self.u[i] + t * self.dy[i]
+        self.z[i] += t * self.dz[i]
+        y = u + self.cell[i] * self.glass.pitch + self.glass.first
+        c, s, half = self.c[i], self.s[i], self.glass.window / 2
+        blocked = (abs(c * x - s * y) > half) | (abs(s * x + c * y) > half)
+        return self.without_ended(i, blocked, End.FRAME), face[~blocked]
+
+    def bend(self, i: Indices, face: Indices, eta: float) -> Booleans:
+        """Refract or totally reflect rays at a face. Return which of the rays are reflected.
+
+        eta is the refractive index before the face, divided by the index behind the face.
+        """
+        count = self.rays.count[i]
+        self.rays.faces[i, count] = face
+        self.rays.count[i] = count + 1
+        nu, nz = self.glass.normal_u[face], self.glass.normal_z[face]
+        dy, dz = self.dy[i], self.dz[i]
+        along = nu * dy + nz * dz  # positive for a ray that leaves the prism
         square = 1 - eta**2 * (1 - along**2)
         total = square < 0
         change = np.where(total, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
         scale = np.where(total, 1, eta)
-        dx[i] *= scale
-        dy[i] = scale * vy + change * nu
-        dz[i] = scale * vz + change * nz
+        self.dx[i] *= scale
+        self.dy[i] = scale * dy + change * nu
+        self.dz[i] = scale * dz + change * nz
         return total
-
-    def unfinished(i: np.ndarray) -> np.ndarray:
-        return stopped(i, rays.count[i] == most, End.UNFINISHED)
-
-    air = enter(np.arange(n))
-    inside = air[:0]
-    while len(air) or len(inside):
-        t, face = glass.way_in(u[air], z[air], dy[air], dz[air])
-        air, face = advance(air, t, face)
-        out, into, face = air[face == Face.NONE], air[face != Face.NONE], face[face != Face.NONE]
-        above = into[face == Face.BASE]
-        cell[above] += 1
-        u[above] = 0
-        bend(into, face, 1 / prism.INDEX)
-        inside = np.concatenate((inside, unfinished(into)))
-
-        leave(out)
-        at[out] += np.where(dz[out] > 0, 1, -1)
-        ended = (at[out] < 0) | (at[out] == len(sheets))
-        rays.end[out[ended]] = np.where((at[out[ended]] > 0) == forward[out[ended]], End.THROUGH, End.BACK)
-        air = enter(out[~ended])
-
-        t, face = glass.way_out(u[inside], z[inside], dy[inside], dz[inside])
-        inside, face = advance(inside, t, face)
-        total = bend(inside, face, prism.INDEX)
-        below = inside[~total & (face == Face.BASE)]  # out through the base: above the prism below
-        cell[below] -= 1
-        u[below] = glass.pitch
-        air = np.concatenate((air, unfinished(inside[~total])))
-        inside = unfinished(inside[total])

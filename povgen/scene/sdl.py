@@ -1,9 +1,9 @@
-"""From a scene to the text that POV-Ray reads, from movies to a page: the one place where templates are rendered."""
+"""Templates: a scene becomes the text that POV-Ray reads, movies become a page. Only this module uses Jinja2."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
@@ -38,17 +38,18 @@ def _raw(name: str) -> str:
 
 
 class Mosaic(NamedTuple):
-    """Blocks of a picture's pixels, to be rendered side by side in place of the whole picture."""
+    """Blocks of a picture's pixels. They are rendered side by side, instead of the whole picture."""
 
-    size: tuple[int, int]  # of the whole picture, pixels
-    side: int  # of a block, pixels
-    blocks: Sequence[Sequence[tuple[int, int]]]  # in rows: column and row of each block's upper left pixel
+    size: tuple[int, int]  # width and height of the whole picture, pixels
+    side: int  # width and height of a block, pixels
+    blocks: Sequence[Sequence[tuple[int, int]]]  # rows of blocks: column and row of each block's upper left pixel
 
 
-def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
-    """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone.
+def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None) -> str:
+    """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
 
-    With a mosaic the camera sees its blocks alone.
+    With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
+    `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
     """
     return (
         _environment()
@@ -56,6 +57,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
         .render(
             scene=scene,
             mosaic=mosaic,
+            sheet_macro=sheet_macro,
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
@@ -63,8 +65,8 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
     )
 
 
-def to_html(page: dict[str, Any]) -> str:
-    """The teaching page, which holds its own styles and script. `page` is what the script reads (`demo`)."""
+def to_html(page: Mapping[str, object]) -> str:
+    """Return the teaching page, with its styles and script. The script reads `page` (`teach.page`)."""
     return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
@@ -74,7 +76,7 @@ def to_caption(number: int, data: dict[str, Any]) -> str:
 
 
 def template_of(source: str, line: int) -> str:
-    """The template that a line (counted from 1) of `to_pov`'s text came from; each part begins with its name."""
+    """Return the template of a line, counted from 1, of `to_pov`'s text. Each template's text begins with its name."""
     name = "header.pov.j2"
     for text in source.splitlines()[:line]:
         if text.startswith("// ---- ") and text.endswith(") ----"):

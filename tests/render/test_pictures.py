@@ -1,6 +1,7 @@
-"""Pictures by real POV-Ray, measured against the equations. Positions in tiles, as seen in the plane z = 0."""
+"""Pictures by real POV-Ray, compared with the equations. Positions are in tiles, in the plane z = 0."""
 
 import base64
+import re
 from math import radians
 
 import numpy as np
@@ -11,7 +12,7 @@ import povgen
 from povgen import Chess, Rendering, Spheres, render, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation
-from povgen.rendering import povray
+from povgen.rendering import frames, povray
 from povgen.video import still
 
 WIDTH, HEIGHT = SIZE = 320, 240
@@ -26,8 +27,8 @@ def picture(scene, antialias="off"):
 
 
 def place(image, mask):
-    """Median position of a coloured object: stray light puts scraps of it elsewhere, which the median ignores."""
-    assert mask.sum() > 30, "the object is not to be seen"
+    """Return the median position of a coloured object. The median ignores the scraps that stray light makes."""
+    assert mask.sum() > 30, "the object is not visible"
     return complex(np.median(X[mask]), np.median(Y[mask]))
 
 
@@ -42,8 +43,10 @@ def green(image):
 
 
 def horizon(image):
-    """Angle of the horizon, degrees counter-clockwise, the sky on its left: the line through E (before the window's
-    centre) with the greatest step in brightness between the narrow strips on its two sides."""
+    """Return the angle of the horizon, degrees counter-clockwise; the sky is on its left.
+
+    It is the line through the window's centre with the greatest step in brightness between two narrow strips beside it.
+    """
     blue = image[..., 2]
     near = np.hypot(X, Y) < 0.9 * HALF
     angles = np.arange(-180, 180, 0.25)
@@ -57,7 +60,7 @@ def horizon(image):
 
 
 def head(mask):
-    """Where the top of a piece is: stray light washes out what is lower in the window and repeats it near the top."""
+    """Return where the top of a piece appears. Stray light hides the lower part, and repeats it above Y = 0.8."""
     mask = mask & (Y < 0.8)
     top = np.percentile(Y[mask], 98)
     return complex(np.median(X[mask & (Y > top - 0.25)]), top)
@@ -80,7 +83,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
 @pytest.mark.parametrize("alpha", [0, 66, -120])
 @pytest.mark.parametrize("offset", [(0, -0.3), (0.8, -0.01), (0, -0.001), (1.5, -1e-6)])
 def test_no_sky_below_the_horizon(offset, alpha):
-    """Wherever a ray runs downwards it meets the floor, the piece or the frame, however low the eye."""
+    """A ray that runs downwards meets the floor, the piece or the window frame, however low the eye is."""
     scene = Chess(sheet="ideal", alpha=alpha, offset=offset)
     image = picture(scene)
     sky = image[..., 2] > image[..., 0] + 70  # below the horizon it is of a deep blue
@@ -125,7 +128,7 @@ def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha):
 
 
 def test_a_single_sheet_mirrors():
-    """Along its prisms it leaves the direction alone, across them it reverses it: the horizon is upside down."""
+    """It keeps the x component of light's direction and reverses the y component: the horizon is upside down."""
     scene = Spheres(sheet="single", z1=100, offset=(9, 9))
     assert abs(angle_between(horizon(picture(scene)), 180)) < 2
     # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
@@ -137,14 +140,16 @@ def test_a_single_sheet_mirrors():
 @pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
 @pytest.mark.parametrize("prisms", [30, 100])
 def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, tmp_path):
-    """With glass of a glowing red and no far sheet, the window is red to its corners, and nothing else is."""
-    text = to_pov(Chess(alpha=alpha, prisms=prisms, z1=3)).replace("Sheet(0, (Length + Gap)/2)", "")
-    text = text.replace(
-        "pigment { rgbt 1 }\n    finish { ambient 0", "pigment { rgb x }\n    finish { ambient 0 emission 1"
-    )
-    import imageio.v3 as iio
-
-    image = iio.imread(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
+    """With glowing red glass and no far sheet, the window is red to its corners, and nothing else is red."""
+    scene = Chess(alpha=alpha, prisms=prisms, z1=3)
+    (macro,) = re.findall(r"^#macro Sheet\(.*?^#end$", to_pov(scene), flags=re.M | re.S)
+    only_near = """
+#declare GlassTexture = texture { pigment { rgb x } finish { ambient 0 emission 1 } }
+#declare Nothing = sphere { 0, 0 }
+#macro Sheet(Angle, Centre) #if (Centre < 0) OwnSheet(Angle, Centre) #else Nothing #end #end
+"""
+    text = to_pov(scene, sheet_macro=macro.replace("Sheet", "OwnSheet", 1) + only_near)
+    image = frames.read(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
     red = image[..., 0] > 100 + image[..., 1]
     inside = (abs(X) < HALF) & (abs(Y) < HALF)
     corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)
@@ -157,14 +162,14 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
 @pytest.mark.parametrize("alpha", [0, 66, 120])
-def test_the_ghost_lies_on_the_piece(alpha, sheet):
+def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, offset=(0.2, -1.33))
     without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))
     # the predicted image changes each of its pixels by 39 or more, and no other pixel
     changed = INSIDE & (abs(predicted - without).max(axis=-1) > 12)
     piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
     overlap = (changed & piece).sum() / (changed | piece).sum()
-    assert overlap > 0.8  # the prediction is for the piece's axis, and flat
+    assert overlap > 0.8  # the predicted image is flat, and right for the piece's axis
 
 
 def test_every_piece_is_different_and_stands_on_the_floor():
@@ -180,7 +185,6 @@ def test_every_piece_is_different_and_stands_on_the_floor():
 
 
 def test_a_scene_shows_itself_in_a_notebook():
-    """Which it is, wherever povgen is imported."""
     shell = InteractiveShell.instance()
     povgen._shown_in_notebooks()
     (data, _) = shell.display_formatter.format(Spheres(sheet="none", z1=2))

@@ -1,4 +1,4 @@
-"""The runner, with real POV-Ray: what it asks for, what it keeps, and how each failure is put."""
+"""The runner, with real POV-Ray: its command line, the frames in the cache, and the message for each failure."""
 
 import contextlib
 import os
@@ -32,7 +32,7 @@ def test_command():
 
 
 def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
-    """Above 128 MB it would swap it to a file outside the sandbox."""
+    """POV-Ray would swap a picture above 128 MB to a file outside the sandbox."""
     large = Rendering(size=(3200, 2400), antialias="off")
     assert frames.read_png(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
 
@@ -64,20 +64,21 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
 
 def test_a_fault_in_the_scene(monkeypatch):
     def broken(scene):
-        return to_pov(scene).replace("Disc(0.72", "Dics(0.72")
+        return to_pov(scene, sheet_macro="#macro Sheet(Angle, Centre) shpere { 0, 1 } #end")
 
     monkeypatch.setattr(frames, "to_pov", broken)
+    scene = Chess(sheet="single", piece="pawn", z1=3.25)
     with pytest.raises(PovrayError) as failure:
-        still.png(Chess(sheet="none", piece="pawn", z1=3.25), TINY)
+        still.png(scene, TINY)
     message = str(failure.value)
-    line = next(n for n, text in enumerate(broken(Chess(sheet="none", piece="pawn")).splitlines(), 1) if "Dics" in text)
-    assert f"scene.pov, line {line}: " in message and "\n  from pieces/pawn.pov.j2, in the frame with " in message
-    assert "Dics" in message and "z1 = 3.25" in message and "piece = pawn" in message
+    line = next(n for n, text in enumerate(broken(scene).splitlines(), 1) if "shpere" in text)
+    assert f"scene.pov, line {line}: " in message and "\n  from sheets.pov.j2, in the frame with " in message
+    assert "shpere" in message and "z1 = 3.25" in message and "piece = pawn" in message
 
 
 @pytest.fixture
 def forgotten():
-    """povgen asks for POV-Ray once in a process; here it asks anew, before and after."""
+    """Forget which POV-Ray this process has found, before and after the test."""
     for known in (povray.binary, povray.version):
         known.cache_clear()
     yield
@@ -101,7 +102,7 @@ def test_an_older_version(monkeypatch, tmp_path, forgotten):
 
 @pytest.mark.parametrize("kills", [1, 2])
 def test_killed(kills, tmp_path):
-    """Once: it is tried again. Each time: it is said."""
+    """After the first kill POV-Ray is started again. After the last one the error says so."""
 
     runner = povray.Runner()
 
@@ -123,7 +124,7 @@ def test_killed(kills, tmp_path):
 
 
 def test_what_povgen_stops_is_not_tried_again(tmp_path):
-    """And nothing else is started."""
+    """The runner then starts no other POV-Ray either."""
     runner = povray.Runner()
 
     def stop():
@@ -143,7 +144,7 @@ def test_what_povgen_stops_is_not_tried_again(tmp_path):
 
 
 def test_one_render_does_not_stop_another(tmp_path):
-    """In another thread, whose POV-Ray takes longer than all that end meanwhile."""
+    """The other render is in another thread, and takes longer than all others."""
     runner = povray.Runner()
     with ThreadPoolExecutor() as pool:
         other = pool.submit(runner.run, to_pov(Chess()), TINY, tmp_path)
@@ -157,7 +158,7 @@ def test_one_render_does_not_stop_another(tmp_path):
 
 
 def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
-    """And ends nothing else."""
+    """It ends no other child process."""
     other = subprocess.Popen(["sleep", "60"])
     good = frames.to_pov
     monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("#while (1) #end" if scene.z1 > 10 else ""))
@@ -174,14 +175,14 @@ def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
 
 
 def test_a_work_folder_that_has_been_removed_is_not_made_again(tmp_path):
-    """As when povgen is stopped, which removes it."""
+    """povgen removes it when it is stopped."""
     with pytest.raises(FileNotFoundError):
         povray.run(to_pov(EMPTY), TINY, tmp_path / "gone")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
-    """What POV-Ray 3.7 says and does then is not the scene's fault."""
+    """POV-Ray 3.7 fails with this message then. It is started again, because the scene is not at fault."""
     fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'
     message = "Timed out waiting for worker thread startup"
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", fake, message])
@@ -195,7 +196,7 @@ def test_too_slow(tmp_path):
 
 
 def test_no_shell(tmp_path):
-    """POV-Ray runs commands that an ini file names; povgen's configuration forbids it."""
+    """POV-Ray can run commands that an ini file names. povgen's configuration forbids that."""
     (tmp_path / "1").mkdir()  # where POV-Ray runs
     (tmp_path / "1" / "povray.ini").write_text(f"Pre_Scene_Command=touch {tmp_path}/ran\n")
     with contextlib.suppress(PovrayError):
@@ -216,7 +217,7 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
 
 
 def test_an_interrupted_movie_goes_on(tmp_path):
-    """SIGINT in mid-movie: no child, no partial file, a word on how to go on; then only what is missing is rendered."""
+    """SIGINT ends it without a child process or a partial file. The next run renders only the missing frames."""
     povgen = Path(sys.executable).with_name("povgen")
     cache = tmp_path / "cache"
     spec = tmp_path / "z2.toml"
@@ -254,9 +255,7 @@ def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_pa
 
     spec = MovieSpec.load("vary-alpha").model_copy(update={"fixed": {"sheet": "ideal", "piece": "pawn"}})
     good = frames.to_pov
-    monkeypatch.setattr(
-        frames, "to_pov", lambda scene: good(scene).replace("sphere {", "spere {" if scene.alpha > 150 else "sphere {")
-    )
+    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("shpere {}" if scene.alpha > 150 else ""))
     output = tmp_path / "movie.mp4"
     output.write_bytes(b"kept")
     with pytest.raises(PovrayError, match="alpha = 156"):
