@@ -17,7 +17,7 @@ from povgen.cli import app
 PROJECT = Path(__file__).parents[1]
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 
-# Each run has the same cases. A busy machine must not fail one, so there is no deadline; pytest-timeout ends what hangs.
+# Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
 settings.register_profile("povgen", deadline=None, derandomize=True, database=None)
 settings.load_profile("povgen")
 
@@ -67,7 +67,7 @@ def povgen(arguments, folder):
     return done.value.code or 0, *texts
 
 
-def povgen_process(*arguments, cwd, status=0, **options):
+def run_povgen(*arguments, cwd, status=0, **options):
     """Run the program in a folder. Check its exit status; return the completed process with its output as text."""
     done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
     assert done.returncode == status, done.stdout + done.stderr
@@ -76,7 +76,7 @@ def povgen_process(*arguments, cwd, status=0, **options):
 
 
 def refused(arguments, folder):
-    """Run the command line. Check that it refuses the arguments in one or two lines and changes no file; return its message."""
+    """Check that the command line refuses the arguments in one or two lines and changes no file. Return its message."""
     before = sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file())
     status, out, err = povgen(arguments, folder)
     assert status == 2, err
