@@ -3,11 +3,10 @@
 import re
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import POVGEN
 from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
@@ -604,14 +603,13 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
 
 
 def test_the_command(tmp_path):
-    povgen = Path(sys.executable).with_name("povgen")
     arguments = ["demo", "vary-z1", "--quality", "draft", "--size", "64x48", "-o", "a page"]
-    done = subprocess.run([povgen, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([POVGEN, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and "wrote a page/index.html" in done.stdout
     assert "32/32 frames" in done.stderr
     assert len(list((tmp_path / "a page" / "frames").glob("1-chess-*.webp"))) == 32
     for wrong in (["nowhere"], ["--quality", "best"], ["--workers", "0"], ["-o", "a page/index.html"]):
-        done = subprocess.run([povgen, "demo", *wrong], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = subprocess.run([POVGEN, "demo", *wrong], cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
 
 

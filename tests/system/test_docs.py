@@ -12,7 +12,7 @@ from pathlib import Path
 import nbformat
 import notebook  # docs/notebook.py
 import pytest
-from conftest import PROJECT
+from conftest import POVGEN, PROJECT
 from nbclient import NotebookClient
 
 from povgen.cli.app import COMMANDS
@@ -22,7 +22,6 @@ PAGES = [
     *sorted((PROJECT / "docs").glob("*.md")),
     PROJECT / "docs" / "figures" / "README.md",
 ]
-POVGEN = Path(sys.executable).with_name("povgen")
 MAKEFILE = (PROJECT / "Makefile").read_text()
 
 
