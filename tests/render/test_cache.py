@@ -8,7 +8,6 @@ import pwd
 import stat
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 import zlib
@@ -17,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 import pytest
-from conftest import refused, tree
+from conftest import POVGEN, refused, tree
 from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
@@ -25,7 +24,6 @@ from povgen.rendering import cache, frames, surveys
 from povgen.scene import prediction
 from povgen.video import encode, still
 
-POVGEN = Path(sys.executable).with_name("povgen")
 SCENE = Chess(sheet="none")
 SMALL = Rendering(size=(32, 34), antialias="off")
 COLOURS = np.random.default_rng(3).integers(0, 256, (34, 32, 3), np.uint8)

@@ -4,11 +4,10 @@ import csv
 import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PROJECT
+from conftest import POVGEN, PROJECT
 
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
@@ -21,7 +20,6 @@ from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
-POVGEN = Path(sys.executable).with_name("povgen")
 CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)

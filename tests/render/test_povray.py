@@ -5,14 +5,13 @@ import os
 import signal
 import stat
 import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from conftest import wait_for
+from conftest import POVGEN, wait_for
 
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure import probes
@@ -218,14 +217,13 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
 
 def test_an_interrupted_movie_goes_on(tmp_path):
     """SIGINT ends it without a child process or a partial file. The next run renders only the missing frames."""
-    povgen = Path(sys.executable).with_name("povgen")
     cache = tmp_path / "cache"
     spec = tmp_path / "z2.toml"
     spec.write_text(
         'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
         '[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = 12\n'
     )
-    arguments = [povgen, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
+    arguments = [POVGEN, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
     environment = {**os.environ, "POVGEN_CACHE": str(cache)}
     process = subprocess.Popen(
         arguments,

@@ -3,18 +3,16 @@
 import csv
 import json
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import POVGEN
 
 from povgen.measure import probes, stability, verify
 from povgen.measure.stability import Map
 from povgen.optics import prism
 from povgen.optics.trace import End
 
-POVGEN = Path(sys.executable).with_name("povgen")
 SIZE = (320, 240)
 REDUCED = {
     "positions": lambda: verify.ideal_positions(8, SIZE),

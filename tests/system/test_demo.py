@@ -3,12 +3,10 @@
 import re
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PROJECT, refused
+from conftest import POVGEN, PROJECT, refused
 from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
@@ -650,13 +648,12 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
 
 
 def test_the_command(tmp_path):
-    povgen = Path(sys.executable).with_name("povgen")
     (tmp_path / "short.toml").write_text(
         'title = "Short"\nscene = "chess"\nframe_rate = 10\n'
         '[sweep]\nparameter = "alpha"\nstart = 10\nstop = 20\nframes = 2\n'
     )
     arguments = ["demo", "short.toml", "--quality", "draft", "--size", "64x48", "-o", "a page"]
-    done = subprocess.run([povgen, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([POVGEN, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and "wrote a page/index.html" in done.stdout
     assert "4/4 frames" in done.stderr
     assert len(list((tmp_path / "a page" / "frames").glob("1-chess-*.webp"))) == 4

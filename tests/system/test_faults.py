@@ -17,13 +17,12 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import tree, wait_for
+from conftest import POVGEN, tree, wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
 from povgen.rendering import cache, frames, povray
 from povgen.video import still
 
-POVGEN = Path(sys.executable).with_name("povgen")
 COUNT = 12
 SPEC = (
     'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'

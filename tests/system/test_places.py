@@ -10,8 +10,8 @@ from pathlib import Path
 
 import imageio_ffmpeg
 import pytest
+from conftest import POVGEN, run_povgen
 
-POVGEN = Path(sys.executable).with_name("povgen")
 TINY = ["--size", "64x48", "--sheet", "none"]
 SPEC = """
 title = "A film"
@@ -25,13 +25,6 @@ frames = 3
 """
 
 
-def povgen(*arguments, cwd, status=0, **options):
-    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
-    assert done.returncode == status, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    return done
-
-
 @pytest.mark.parametrize(
     "name", ["with a space", 'o\'clock "quoted" `$HOME`', "-dash", "--help", "Größe-回転-🎬", "a%03d\n"]
 )
@@ -43,10 +36,10 @@ def test_names(name, tmp_path):
     own = {**os.environ, "POVGEN_CACHE": f"{name}/{name}"}
     for kind in (".mp4", ".webm", ".gif"):
         arguments = ["movie", "-o", f"{name}/{name}{kind}", *TINY, "--", f"{name}/{name}.toml"]
-        told = povgen(*arguments, cwd=tmp_path, env=own).stdout
+        told = run_povgen(*arguments, cwd=tmp_path, env=own).stdout
         assert told == f"wrote {name}/{name}{kind}\n"
-    povgen("frame", "chess", *TINY, "-o", f"{name}/{name}.png", cwd=tmp_path, env=own)
-    povgen("pov", "chess", "-o", f"{name}/{name}.pov", cwd=tmp_path, env=own)
+    run_povgen("frame", "chess", *TINY, "-o", f"{name}/{name}.png", cwd=tmp_path, env=own)
+    run_povgen("pov", "chess", "-o", f"{name}/{name}.pov", cwd=tmp_path, env=own)
     assert imageio_ffmpeg.count_frames_and_secs(str(folder / f"{name}.mp4"))[0] == 3
     kinds = (".gif", ".mp4", ".png", ".pov", ".toml", ".webm", "")
     assert {path.name for path in folder.iterdir()} == {f"{name}{kind}" for kind in kinds}
@@ -58,25 +51,27 @@ def test_a_link_as_output(tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "link.png").symlink_to("there/frame.png")
     (tmp_path / "movie.gif").symlink_to(tmp_path / "there" / "real.gif")
-    povgen("frame", "chess", *TINY, "-o", "link.png", cwd=tmp_path)
-    povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
+    run_povgen("frame", "chess", *TINY, "-o", "link.png", cwd=tmp_path)
+    run_povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
     assert (tmp_path / "link.png").is_symlink() and (tmp_path / "movie.gif").is_symlink()
     assert (tmp_path / "there" / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "there" / "real.gif").read_bytes().startswith(b"GIF89a")
     for name, target in (("lost.png", "nowhere/frame.png"), ("circle.png", "circle.png")):
         (tmp_path / name).symlink_to(target)
-        told = povgen("frame", "chess", *TINY, "-o", name, cwd=tmp_path, status=2).stderr
+        told = run_povgen("frame", "chess", *TINY, "-o", name, cwd=tmp_path, status=2).stderr
         assert f"output = '{name}'" in told and "allowed" in told
     assert sorted(os.listdir(tmp_path / "there")) == ["frame.png", "real.gif"]
 
 
 def test_a_spec_from_standard_input(tmp_path):
-    povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
+    run_povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
     for text, word in (("title = 1", "standard input"), ("[", "not TOML"), ("\udc80".join("ab"), "TOML")):
-        told = povgen("movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape").stderr
+        told = run_povgen(
+            "movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape"
+        ).stderr
         assert told.startswith("povgen: standard input: ") and word in told
-    povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
+    run_povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
     assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
 
 
@@ -96,10 +91,10 @@ def test_surroundings_that_lack_something(change, tmp_path):
     environment = {key: value for key, value in environment.items() if value is not None}
     for path in ("é.toml", "ä.mp4"):
         (tmp_path / path).write_text(SPEC)
-    told = povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
+    told = run_povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
     assert "wrote ä.mp4" in told.stdout
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "ä.mp4"))[0] == 3
-    assert "wrong.toml" in povgen("movie", "wrong.toml", cwd=tmp_path, env=environment, status=2).stderr
+    assert "wrong.toml" in run_povgen("movie", "wrong.toml", cwd=tmp_path, env=environment, status=2).stderr
 
 
 @cache
@@ -173,8 +168,8 @@ def test_on_a_terminal_and_without(tmp_path):
     """A bar on a terminal, a line now and then elsewhere, nothing but errors with --quiet."""
     (tmp_path / "a.toml").write_text(SPEC)
     arguments = ["movie", "a.toml", *TINY, "-o", "a.mp4"]
-    assert "a.mp4: 3/3 frames" in povgen(*arguments, cwd=tmp_path).stderr
-    assert povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
+    assert "a.mp4: 3/3 frames" in run_povgen(*arguments, cwd=tmp_path).stderr
+    assert run_povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
     ours, theirs = pty.openpty()
     able = {**os.environ, "TERM": "xterm"}
     process = subprocess.Popen([POVGEN, *arguments], cwd=tmp_path, env=able, stderr=theirs, stdout=theirs, stdin=theirs)

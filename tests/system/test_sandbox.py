@@ -5,13 +5,13 @@ import resource
 import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from conftest import POVGEN
 
 from povgen import PovrayError, Rendering
 from povgen.errors import TransientError
@@ -274,8 +274,7 @@ def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
 
 def test_a_frame_under_lower_limits(tmp_path):
     """Which no process may raise, unless it has the right to."""
-    povgen = Path(sys.executable).with_name("povgen")
-    arguments = f"{povgen} frame chess --sheet none --size 64x48 --quiet -o {tmp_path}/a.png"
+    arguments = f"{POVGEN} frame chess --sheet none --size 64x48 --quiet -o {tmp_path}/a.png"
     powerless = "" if os.geteuid() else "setpriv --bounding-set=-sys_resource"
     command = f"ulimit -v 4000000 && ulimit -f 500000 && exec {powerless} {arguments}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
