@@ -40,10 +40,11 @@ class Mosaic(NamedTuple):
     blocks: Sequence[Sequence[tuple[int, int]]]  # in rows: column and row of each block's upper left pixel
 
 
-def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
-    """The scene in POV-Ray's scene description language. Two frames of a movie differ in their parameters alone.
+def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None) -> str:
+    """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
 
-    With a mosaic the camera sees its blocks alone.
+    With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
+    `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
     """
     return (
         _environment()
@@ -51,6 +52,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None) -> str:
         .render(
             scene=scene,
             mosaic=mosaic,
+            sheet_macro=sheet_macro,
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
