@@ -14,7 +14,7 @@ import numpy as np
 from povgen.files import save
 from povgen.measure import probes, verify
 from povgen.measure.plotting import Axes, Figure, save_drawing, style
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.optics import prism, rotation, trace
 from povgen.rendering.frames import read, render_all
 from povgen.scene.models import Chess, Scene, Spheres
@@ -219,7 +219,9 @@ def spheres(rendering: Rendering) -> Drawn:
         for scene in scenes[1:]
         for z1 in scene.distances
     ]
-    found = [(target, seen.place) for target, seen in verify.located(targets, (320, 240)) if np.isfinite(seen.place)]
+    found = [
+        (target, seen.position) for target, seen in verify.located(targets, (320, 240)) if np.isfinite(seen.position)
+    ]
     thick = [place - target.apparent_position(target.L, target.z1) for target, place in found]
     thin = [
         place - rotation.apparent_position(target.L, target.E, target.z1, target.z2, radians(target.alpha))
@@ -270,9 +272,9 @@ def _montage(
 
 def _pieces_agree(scenes: list[Chess]) -> str:
     """How the pieces appear turned and scaled about the eye, measured, and by eqs. 8 and 9."""
-    pieces = [Piece(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
+    pieces = [PiecePositions(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
     told = []
-    for scene, frame in zip(pieces, probes.frames(pieces, verify.SMALL), strict=True):
+    for scene, frame in zip(pieces, probes.decoded(pieces, verify.SMALL), strict=True):
         a = verify.about_eye(scene, frame, verify.SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         nu, M = degrees(rotation.nu(r, alpha)), rotation.M(r, alpha)

@@ -119,7 +119,7 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
 def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     """By every pixel that shows a place in its designed position, and by every place that should be shown."""
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
-    (told,) = probes.frames([scene], (160, 120))
+    (told,) = probes.decoded([scene], (160, 120))
     inside, _ = probes.rays(scene, (160, 120))
     shown, place = scene.L + verify.transverse(told), probes.pixels((160, 120))
     coarse = 2.5 * scene.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
@@ -151,7 +151,7 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
 def test_a_single_sheet_shows_a_place_where_it_is_marked():
     scenes = [Positions(sheet="single", z1=z1, L=0.5 - 0.3j, extent=0.2, prisms=400) for z1 in (1, 3, 12)]
     for scene, seen in verify.located(scenes, (640, 480)):
-        assert verify.px(abs(seen.place - scene.apparent_position(scene.L, scene.z1))) < 1
+        assert verify.px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) < 1
 
 
 def test_the_overlay_leaves_the_rest_of_the_picture():

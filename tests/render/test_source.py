@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from povgen import Chess, Spheres, render, to_pov
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.rendering import frames
 from povgen.scene.models import PIECES
 from povgen.scene.sdl import TEMPLATES, template_of
@@ -21,7 +21,7 @@ def scenes():
             yield Chess(sheet=sheet, piece=piece)
         yield Directions(sheet=sheet)
         yield Positions(sheet=sheet, z1=3)
-        yield Piece(sheet=sheet)
+        yield PiecePositions(sheet=sheet)
     yield Chess(predicted_image=True)
     yield Chess(predicted_image=True, sheet="ideal", offset=(0.5, -1))
 
