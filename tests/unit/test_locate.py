@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from povgen.measure import probes
 from povgen.measure.probes import locate
@@ -45,3 +47,45 @@ def test_nothing_is_located_where_nothing_is_seen():
     assert locate(pixels, told + 5, 0.3) is None
     row = pixels.imag == pixels.imag[len(pixels) // 2]
     assert locate(pixels[row], told[row] * 0 + pixels[row].real, 3) is None
+
+
+ANGLE = st.floats(-np.pi, np.pi)
+
+
+@given(
+    place=st.complex_numbers(max_magnitude=0.7),
+    scale=st.floats(0.5, 2),
+    rotation=ANGLE,
+    astigmatism=st.floats(0, 0.5),  # |b/a|; prisms of finite size make b
+    axis=ANGLE,
+    radius=st.floats(0.15, 0.5),
+    gap=st.floats(0, 0.5),  # of each slice, in which nothing is seen
+    slices=ANGLE,  # across which direction the object is cut
+    stray=st.floats(0, 1),  # pixels of stray light, in units of those of the object
+    seed=st.integers(0, 10**6),
+)
+def test_any_affine_image_is_located(place, scale, rotation, astigmatism, axis, radius, gap, slices, stray, seed):
+    """A pixel's colours have 16 bits, so each place is decoded to one step. The fit is no worse than a single pixel."""
+    random = np.random.default_rng(seed)
+    a, b = scale * np.exp(1j * rotation), astigmatism * scale * np.exp(1j * axis)
+    pixels, decoded = looked_at(place, a, b, radius)
+    pitch = 4.5 * (pixels[1] - pixels[0]).real
+    decoded[(pixels * np.exp(-1j * slices)).real / pitch % 1 < gap] = np.nan
+    at = random.choice(len(pixels), int(stray * (abs(decoded) < radius).sum()), replace=False)
+    decoded[at] = radius * np.sqrt(random.random(len(at))) * np.exp(2j * np.pi * random.random(len(at)))
+    step = radius / 0.49 / 65535  # as in instruments/*.pov.j2: half of the range of a colour is 0.49
+    decoded = step * (np.round(decoded.real / step) + 1j * np.round(decoded.imag / step))
+    seen = locate(pixels, decoded, radius)
+    assert abs(seen.place - place) < step * (abs(a) + abs(b))
+    # two pixels a radius apart give a and b to two steps in a radius
+    assert abs(seen.a - a) + abs(seen.b - b) < 2 * step / radius * (abs(a) + abs(b)) ** 2 / (abs(a) - abs(b))
+
+
+@given(st.integers(0, 11), st.integers(0, 10**6))
+def test_too_few_pixels_locate_nothing(count, seed):
+    """Within the radius there are fewer than 12, whatever else there is."""
+    random = np.random.default_rng(seed)
+    pixels, decoded = looked_at()
+    decoded = np.where(np.isnan(decoded), decoded, 0.3 + abs(decoded))  # all of the object is beyond the radius
+    decoded[random.choice(len(pixels), count, replace=False)] = 0.1
+    assert locate(pixels, decoded, 0.3) is None
