@@ -55,15 +55,14 @@ def save_frames(points: list[Point], folder: Path) -> None:
         baselines = sorted({p.method for p in of_size} - {"detailed", "ideal"})
         with style():
             figure = Figure(figsize=(12, 10), layout="constrained")
-            axes, to_label = figure.subplots(2, 2), []
+            axes, labelled = figure.subplots(2, 2), []
             for row, methods, what in zip(
                 axes, (["detailed", *baselines], ["ideal"]), ("2 x 100 prisms", "ideal sheet"), strict=True
             ):
                 for ax, error, label in zip(row, ("rms", "flip"), ("RMS error (1: white)", "mean FLIP"), strict=True):
-                    to_label.append((ax, _scatter(ax, [p for p in of_size if p.method in methods], error)))
+                    labelled.append((ax, _scatter(ax, [p for p in of_size if p.method in methods], error)))
                     ax.set(xlabel="CPU seconds a frame", ylabel=label, title=f"{what}, {size[0]}x{size[1]}")
-            for ax, labels in to_label:
-                _draw_labels(ax, labels)
+            _draw_labels(figure, labelled)
             name = f"frames-{size[0]}x{size[1]}"
             save_drawing(figure, folder / f"{name}.png", folder / f"{name}.svg")
 
@@ -101,7 +100,7 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
     with style():
-        figure, to_label = Figure(figsize=(12, 4.6), layout="constrained"), []
+        figure, labelled = Figure(figsize=(12, 4.6), layout="constrained"), []
         prisms = [row[1] for row in rows if row[0] == "detailed"]
         for ax, log, label, values in zip(
             figure.subplots(1, 2),
@@ -120,11 +119,10 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
                 ax.set_yscale("log")
             else:
                 ax.set_ylim(bottom=0)
-            to_label.append((ax, [Label(x, y, str(x), "black") for x, y in zip(prisms, detailed, strict=True)]))
+            labelled.append((ax, [Label(x, y, str(x), "black") for x, y in zip(prisms, detailed, strict=True)]))
             ax.grid(alpha=0.25)
             ax.legend()
-        for ax, labels in to_label:
-            _draw_labels(ax, labels)
+        _draw_labels(figure, labelled)
         save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
@@ -151,38 +149,37 @@ def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
         save_drawing(figure, folder / "workers.png", folder / "workers.svg")
 
 
-def _draw_labels(ax: Axes, labels: list[Label]) -> None:
+def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
     """Write each label beside its point where it covers no other label or point, with a line to the point."""
-    figure = ax.figure.figure
-    assert figure
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
-    points = [ax.transData.transform((label.x, label.y)) for label in labels]
-    taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in points]
-    for x, y, text, colour in labels:
-        note = None
-        for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):
-            if note:
-                note.remove()
-            side = np.cos(angle)
-            note = ax.annotate(
-                text,
-                (x, y),
-                (distance * side, distance * np.sin(angle)),
-                textcoords="offset points",
-                fontsize=8,
-                color=colour,
-                ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
-                va="center",
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-                arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
-            )
-            note.update_positions(renderer)
-            box = Text.get_window_extent(note, renderer).padded(1)  # the text without the line
-            if ax.bbox.containsx(box.x0) and ax.bbox.containsx(box.x1) and not any(map(box.overlaps, taken)):
-                break
-        taken.append(box)
+    for ax, labels in labelled:
+        points = [ax.transData.transform((label.x, label.y)) for label in labels]
+        taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in points]
+        for x, y, text, colour in labels:
+            note = None
+            for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):
+                if note:
+                    note.remove()
+                side = np.cos(angle)
+                note = ax.annotate(
+                    text,
+                    (x, y),
+                    (distance * side, distance * np.sin(angle)),
+                    textcoords="offset points",
+                    fontsize=8,
+                    color=colour,
+                    ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
+                    va="center",
+                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+                    arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
+                )
+                note.update_positions(renderer)
+                box = Text.get_window_extent(note, renderer).padded(1)  # the text without the line
+                if ax.bbox.containsx(box.x0) and ax.bbox.containsx(box.x1) and not any(map(box.overlaps, taken)):
+                    break
+            taken.append(box)
 
 
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:

@@ -30,6 +30,7 @@ from povgen.rendering import povray
 from povgen.rendering.frames import read
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
+from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
 from povgen.video.build import movie
 
@@ -48,6 +49,7 @@ BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
 CONVERGED = "1,0.001,9"  # 81 rays a pixel
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
 WORKER_COUNTS = (1, 2, 4, 8, 16)
+MOVIE: MovieSpec | str = "vary-alpha"
 ROUNDS = 5
 
 
@@ -210,7 +212,7 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
     for count in WORKER_COUNTS:
         with temporary_folder() as folder, empty_cache(folder / "cache"):
             before, start = _cpu(), time.monotonic()
-            movie("vary-alpha", folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count)
+            movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count)
             wall = time.monotonic() - start
             yield count, wall, (_cpu() - before) / wall / cores
         done(f"a movie with {count} workers")
