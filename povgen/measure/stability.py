@@ -5,6 +5,7 @@ stays below a tolerance. It is compared with the limit in `scene.limits`, which 
 """
 
 import dataclasses
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -228,14 +229,20 @@ def field_angle(
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
             distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).designed))
     for alpha in (0, 66, 120, 180):
-        near = next(z2 for z2 in np.arange(0.5, 9, 0.1) if not _warned(alpha, z2))
+        near = _nearest_without_warning(alpha)
         distance.limit("detailed", f"α = {alpha}°", near, "tiles", rising=False)
     yield distance
 
 
-def _warned(alpha: float, z2: float) -> bool:
-    """Return whether povgen warns of the eye's distance."""
-    return any(name == "z2" for name, _ in warnings(Directions(sheet="detailed", alpha=alpha, z2=z2)))
+def _nearest_without_warning(alpha: float) -> float:
+    """Return the least distance of the eye, tiles, to a tenth, at which povgen does not warn of z2."""
+
+    def quiet(z2: float) -> bool:
+        scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
+        return all(name != "z2" for name, _ in warnings(scene))
+
+    distances = np.arange(0.5, 9, 0.1)
+    return float(distances[bisect_left(distances, True, key=quiet)])
 
 
 # z2, E, alpha, z1/z2: wide fields, eyes far from the axis, scenes near the pole, distant objects
