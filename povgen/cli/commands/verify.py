@@ -46,6 +46,7 @@ def command(
         raise InputError(f"output = {str(output)!r}: it is for the maps; allowed with --stability")
     if json_file:
         json_file = checked_output(json_file, [".json"])
+    folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
     figures = []
@@ -59,11 +60,11 @@ def command(
             figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
             live.refresh()
 
-        if stability:
+        if folder:
             from povgen.measure.charts import save_maps
             from povgen.measure.stability import maps
 
-            save_maps(maps(sheet), made_folder(output or Path("stability")), add)
+            save_maps(maps(sheet), folder, add)
         else:
             from povgen.measure.verify import checks
 
