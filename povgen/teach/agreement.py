@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.measure import probes, verify
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.optics import rotation, trace
 from povgen.scene.models import Chess, Scene, Spheres
 
@@ -125,9 +125,9 @@ class PieceAgreement:
 
 def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     """Measure each scene's piece in a frame in which its colours are coordinates."""
-    coded = [Piece(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
+    coded = [PiecePositions(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
     found = []
-    for scene, frame in zip(coded, probes.frames(coded, verify.SMALL), strict=True):
+    for scene, frame in zip(coded, probes.decoded(coded, verify.SMALL), strict=True):
         a = verify.about_eye(scene, frame, verify.SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         nu, M = degrees(rotation.nu(r, alpha)), float(rotation.M(r, alpha))
@@ -191,8 +191,8 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
     ]
     paraxial, fine = [], []
     for target, seen in verify.located(targets, (320, 240)):
-        if np.isfinite(seen.place):
+        if np.isfinite(seen.position):
             L, E, z1, z2 = target.L, target.E, target.z1, target.z2
-            paraxial.append(abs(seen.place - target.apparent_position(L, z1)))
-            fine.append(abs(seen.place - rotation.apparent_position(L, E, z1, z2, radians(target.alpha))))
+            paraxial.append(abs(seen.position - target.apparent_position(L, z1)))
+            fine.append(abs(seen.position - rotation.apparent_position(L, E, z1, z2, radians(target.alpha))))
     return SpheresAgreement(len(targets), len(fine), verify.px(verify.rms(paraxial)), verify.px(verify.rms(fine)))

@@ -369,9 +369,9 @@ def place(tmp_path_factory):
         patch.setattr(verify, "checks", lambda sheet: [verify.Measured(sheet or "ideal", "error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
         patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
-        for name in ("frames", "prism_counts", "movies"):
+        for name in ("measure_samplings", "measure_prism_counts", "measure_workers"):
             patch.setattr(speed, name, lambda *_: [])
-        for name in ("save_frames", "save_counts", "save_movies"):
+        for name in ("save_frames", "save_prism_counts", "save_workers"):
             patch.setattr(charts, name, lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])

@@ -24,7 +24,7 @@ from povgen.video import overlay
 def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     """Every pixel that shows a place where it is predicted is predicted to be visible, and the reverse."""
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
-    (decoded,) = probes.frames([scene], (160, 120))
+    (decoded,) = probes.decoded([scene], (160, 120))
     inside, _ = probes.rays(scene, (160, 120))
     shown, place = scene.L + verify.transverse(decoded), probes.pixels((160, 120))
     coarse = 2.5 * scene.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
@@ -39,7 +39,7 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
 def test_a_single_sheet_shows_a_place_where_it_is_marked():
     scenes = [Positions(sheet="single", z1=z1, L=0.5 - 0.3j, extent=0.2, prisms=400) for z1 in (1, 3, 12)]
     for scene, seen in verify.located(scenes, (320, 240)):
-        assert verify.px(abs(seen.place - scene.apparent_position(scene.L, scene.z1))) < 1
+        assert verify.px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) < 1
 
 
 @pytest.mark.parametrize("prisms", [20, 100])

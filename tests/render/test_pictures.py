@@ -149,7 +149,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 #macro Sheet(Angle, Centre) #if (Centre < 0) OwnSheet(Angle, Centre) #else Nothing #end #end
 """
     text = to_pov(scene, sheet_macro=macro.replace("Sheet", "OwnSheet", 1) + only_near)
-    image = frames.read(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
+    image = frames.read_png(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
     red = image[..., 0] > 100 + image[..., 1]
     inside = (abs(X) < HALF) & (abs(Y) < HALF)
     corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)

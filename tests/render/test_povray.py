@@ -150,7 +150,7 @@ def test_one_render_does_not_stop_another(tmp_path):
         (process,) = wait_for(lambda: set(runner._running))
         process.send_signal(signal.SIGSTOP)
         still.png(Chess(sheet="none", z1=7), TINY)
-        next(probes.frames([probes.Directions(sheet="none")], TINY.size))
+        next(probes.decoded([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
         process.send_signal(signal.SIGCONT)
         assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try

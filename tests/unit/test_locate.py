@@ -23,7 +23,7 @@ def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
 
 def test_an_object_is_located_to_a_thousandth_of_a_pixel():
     seen = locate(*looked_at(), 0.3)
-    assert abs(seen.place - (0.4 - 0.3j)) < 1e-3 * 3.85 / 240
+    assert abs(seen.position - (0.4 - 0.3j)) < 1e-3 * 3.85 / 240
     assert seen.a == pytest.approx(A) and seen.b == pytest.approx(0.1j)
     assert seen.rotation == pytest.approx(0.5) and seen.magnification == pytest.approx(0.7)
 
@@ -36,7 +36,7 @@ def test_ghosts_and_stray_light_do_not_move_it(rng):
     told[stripes] = np.nan
     stray = rng.random(len(pixels)) < 0.005  # as many as the object has left
     told[stray] = rng.uniform(-0.3, 0.3, stray.sum()) + 1j * rng.uniform(-0.3, 0.3, stray.sum())
-    assert abs(locate(pixels, told, 0.3).place - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
+    assert abs(locate(pixels, told, 0.3).position - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
     naive = pixels[abs(told) < 0.3].mean()
     assert abs(naive - (0.4 - 0.3j)) > 0.1  # what a centroid makes of it
 
@@ -78,7 +78,7 @@ def test_any_affine_image_is_located(place, scale, rotation, astigmatism, axis, 
     step = radius / 0.49 / 65535  # as in instruments/*.pov.j2: half of the range of a colour is 0.49
     decoded = step * (np.round(decoded.real / step) + 1j * np.round(decoded.imag / step))
     seen = locate(pixels, decoded, radius)
-    assert abs(seen.place - place) < step * (abs(a) + abs(b))
+    assert abs(seen.position - place) < step * (abs(a) + abs(b))
     # two pixels a radius apart give a and b to two steps in a radius
     assert abs(seen.a - a) + abs(seen.b - b) < 2 * step / radius * (abs(a) + abs(b)) ** 2 / (abs(a) - abs(b))
 

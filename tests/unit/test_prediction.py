@@ -53,7 +53,7 @@ def test_the_trace_level_leaves_few_pixels_black():
     ):
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
         inside, direction = probes.rays(scene, SIZE)
-        found = probes.traced(scene, direction, most=255)
+        found = probes.traced(scene, direction, max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
         levels.append(prediction.max_trace_level(scene))

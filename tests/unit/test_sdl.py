@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from povgen import Chess, Spheres, to_pov
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.scene.models import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, template_of
 
@@ -20,7 +20,7 @@ def scenes():
             yield Chess(sheet=sheet, piece=piece)
         yield Directions(sheet=sheet)
         yield Positions(sheet=sheet, z1=3)
-        yield Piece(sheet=sheet)
+        yield PiecePositions(sheet=sheet)
     yield Chess(predicted_image=True)
     yield Chess(predicted_image=True, sheet="ideal", offset=(0.5, -1))
 
