@@ -99,8 +99,9 @@ def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, single, ey
     directions = np.concatenate((direction + 0 * moved, direction + moved)).reshape(-1, 3)
     there = trace(origins, directions, sheets, window, prisms, gap, most=80)
     faces, end = there.faces.reshape(10, count, -1), there.end.reshape(10, count)
-    alike = (faces == faces[0]).all((0, 2)) & (end == end[0]).all(0) & (end[0] <= End.BACK)
-    assert alike.sum() > 10
+    leaves = end[0] <= End.BACK
+    alike = leaves & (faces == faces[0]).all((0, 2)) & (end == end[0]).all(0)
+    assert alike.sum() > 0.5 * leaves.sum() - 3
     at, on, met = there.position[:count][alike], there.direction[:count][alike], there.count[:count][alike]
     back = trace(at, -on, sheets, window, prisms, gap, most=80)
     assert (back.end == end[0][alike]).all() and (back.count == met).all()
