@@ -22,7 +22,7 @@ def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
 @pytest.mark.parametrize("alpha", [0.2, 1.15, -2.0, np.pi])
 @pytest.mark.parametrize("prisms", [50, 200])
 def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, rng):
-    """Rays on the designed path from the eye to all places of the window, as few degrees wide as they are paraxial."""
+    """Rays on the designed path run from the eye to points all over the window, at small angles."""
     z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
     # one in each of 200 x 200 squares
     x, y = 0.8 * (np.indices((200, 200)) + rng.uniform(size=(2, 200, 200))).reshape(2, -1) / 200 - 0.4
@@ -32,7 +32,7 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, rng):
     steps = (z1 - rays.position[:, 2]) / rays.direction[:, 2]
     end = rays.position[:, :2] + steps[:, None] * rays.direction[:, :2]
     D = (end[:, 0] + 1j * end[:, 1] - E)[rays.designed]
-    # what is seen at P - E is, on average over the prisms, L - E = A s + B conj(s); image() has its inverse
+    # on average over the prisms L - E = A s + B conj(s); image() is the inverse of this
     s = ((P - E) / z2)[rays.designed]
     (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
     size = abs(A) ** 2 - abs(B) ** 2
@@ -43,7 +43,7 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, rng):
 
 
 def test_slab_shift_is_that_of_glass_along_the_prism(rng):
-    """Rays a little aside along the prisms leave aside of where the thin mirror would have them."""
+    """Rays with a small slope along the ridges leave at a shift from their straight continuation."""
     prisms, window = 20, 2.4
     slope = 1e-4
     y = rng.uniform(-0.5, 0.5, 5000)
