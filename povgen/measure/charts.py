@@ -92,7 +92,7 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[Label]:
         axis.set_minor_formatter("")
     ax.grid(alpha=0.25, which="both")
     ax.margins(0.12)
-    ax.legend()
+    ax.legend(loc="lower left")  # no point lies below the Pareto front
     return labels
 
 
@@ -151,7 +151,7 @@ def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
     """Write each label beside its point where it covers no other label or point, with a line to the point."""
-    renderer = FigureCanvasAgg(figure).get_renderer()
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
     for ax, labels in labelled:
