@@ -1,4 +1,4 @@
-"""What is kept to be used again: what counts as kept, what is removed, and whose folder it is."""
+"""The cache: which folder it may use, which files count as a frame, and what is removed."""
 
 import io
 import json
@@ -43,7 +43,7 @@ def file(colours, mode=None):
 
 
 class StandIn:
-    """In place of POV-Ray, whose work it is not that is tested."""
+    """Replaces POV-Ray, because these tests are about the cache."""
 
     ran = 0
 
@@ -57,7 +57,7 @@ class StandIn:
 
 
 def rendered(scene=SCENE):
-    """The frame, and whether it had to be rendered."""
+    """Return the frame, and whether it had to be rendered."""
     runner = StandIn()
     (png,) = frames.render_all([scene], SMALL, runner=runner)
     return frames.read_png(png), bool(runner.ran)
@@ -68,7 +68,7 @@ def rendered(scene=SCENE):
 
 @pytest.mark.parametrize("content", ["uk/holiday.png", "a", "CACHEDIR.TAG", f"ab/{'ab' * 32}.png"])
 def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
-    """Whatever is done; and nothing in it is touched."""
+    """By every command, and no file in it is touched."""
     (place / content).parent.mkdir(parents=True)
     (place / content).write_bytes(b"Signature: 8a477f597d28d172789f06886806bc55\n")
     before = tree(tmp_path)
@@ -88,7 +88,7 @@ def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
 
 @pytest.mark.parametrize("begun", [None, b""])
 def test_a_cache_is_marked(begun, place):
-    """Also where povgen was killed as it did so; then it may hold anything else, which stays."""
+    """Also if povgen was killed while it marked it. A marked cache may hold other files, which stay."""
     place.mkdir()
     if begun is not None:
         (place / cache.TAG).write_bytes(begun)
@@ -110,28 +110,28 @@ def test_a_cache_is_marked(begun, place):
 
 
 def test_several_make_a_cache_at_once(place):
-    def work(ready, told):
+    def work(ready, outcomes):
         try:
             for number in range(30):
                 os.environ["POVGEN_CACHE"] = f"{place}/{number}"
                 ready.wait(10)
                 rendered()
-            told.put("done")
+            outcomes.put("done")
         except BaseException as error:
-            told.put(repr(error))
+            outcomes.put(repr(error))
 
     fork = multiprocessing.get_context("fork")
-    ready, told = fork.Barrier(3), fork.Queue()
-    workers = [fork.Process(target=work, args=(ready, told)) for _ in range(3)]
+    ready, outcomes = fork.Barrier(3), fork.Queue()
+    workers = [fork.Process(target=work, args=(ready, outcomes)) for _ in range(3)]
     for worker in workers:
         worker.start()
-    assert [told.get(timeout=60) for _ in workers] == ["done"] * 3
+    assert [outcomes.get(timeout=60) for _ in workers] == ["done"] * 3
     for worker in workers:
         worker.join()
 
 
 def test_a_user_without_a_home(monkeypatch, tmp_path):
-    """Nor an entry in the system's list of users: a folder among temporary files, which is the user's alone."""
+    """Nor an entry in the list of users: the cache is among temporary files, for this user alone."""
 
     def nobody(number):
         raise KeyError(number)
@@ -194,7 +194,7 @@ def test_a_file_larger_than_any_frame_is_not_read():
 
 @pytest.mark.parametrize("what", ["a folder", "a FIFO", "a link", "a shelf that is a file", "a shelf that is a link"])
 def test_what_is_in_a_frames_place_stays(what, tmp_path):
-    """The frame is delivered and not kept: what is there is not povgen's."""
+    """The frame is returned and not stored: what is there is not povgen's."""
     with cache.work_folder():
         kept = cache.frame_path(to_pov(SCENE), SMALL)
     if "shelf" not in what:
@@ -238,7 +238,7 @@ def test_a_time_of_use_that_is_to_come_protects_nothing():
 
 
 def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
-    """In Python, too; and the cache keeps to its size."""
+    """Frames are rendered, from Python as well, and none is kept."""
     monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
     done = subprocess.run(
         [POVGEN, "frame", "chess", "--prisms", "9", "--size", "32x34", "--quiet", "-o", "z.png"], cwd=tmp_path
@@ -250,7 +250,7 @@ def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
 
 
 def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
-    """Frames are read before another povgen can reach them, or rendered again."""
+    """A frame that another povgen has removed is rendered again."""
     keep = cache.store
     monkeypatch.setattr(cache, "store", lambda *given: keep(*given) and bool(cache.trim(-1)))
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
@@ -262,7 +262,7 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
 
 
 def test_rays_are_traced_once(monkeypatch):
-    """They are kept, too, until what traces them is another."""
+    """Surveys are kept until the code that makes them changes."""
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
     survey = prediction.survey(scene)
@@ -331,7 +331,7 @@ def test_an_output_keeps_its_mode(made, tmp_path):
 
 
 def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
-    """Where it is counted if povgen is killed; and then takes its place, with the mode of what was there."""
+    """A killed povgen's unfinished movie is counted there. The finished movie gets the mode of the file it replaces."""
     seen, own = [], encode.encode
     monkeypatch.setattr(encode, "encode", lambda *given: seen.append(given[1]) or own(*given))
     (tmp_path / "out").mkdir()
