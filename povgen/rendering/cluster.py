@@ -51,7 +51,7 @@ class Cluster:
         # done when this client waits for no more results; its result says why
         self._ended: concurrent.futures.Future[str] = concurrent.futures.Future()
         self._dismissed: set[str] = set()
-        self._client = _connected(scheduler)
+        self._client: Any = _connected(scheduler)  # Dask's types do not cover what is used here
         self._watching = self._start(self._watch())
         try:
             self.frames = AHEAD * self._result(self._threads())  # to be sent out at once

@@ -29,10 +29,10 @@ def make(project, *arguments):
 
 def interrupted(project):
     """Leave what make leaves if it is stopped: an environment of another Python, without pip and povgen."""
-    bin = project / ".venv" / "bin"
-    bin.mkdir(parents=True)
-    (bin / "python").symlink_to("/nowhere/python3.9")
-    (bin / "python3").symlink_to("python")
+    programs = project / ".venv" / "bin"
+    programs.mkdir(parents=True)
+    (programs / "python").symlink_to("/nowhere/python3.9")
+    (programs / "python3").symlink_to("python")
     (project / ".venv-made-by-make").touch()
 
 
