@@ -5,7 +5,7 @@ import pytest
 
 from povgen import Chess, Rendering
 from povgen.errors import InputError
-from povgen.measure.auto import MOSAIC, SHARE, Tolerance, choose, mosaic
+from povgen.measure.auto import MAX_SHARE, MOSAIC_SIDES, Tolerance, choose, mosaic
 from povgen.measure.probes import window
 
 SIZE = (320, 240)
@@ -21,8 +21,12 @@ def test_a_trial_renders_little_and_all_over_the_window(size):
     assert rows.start <= y.min() and y.max() + part.side <= rows.stop
     assert columns.start <= x.min() and x.max() + part.side <= columns.stop
     height, width = rows.stop - rows.start, columns.stop - columns.start
-    assert y.size * part.side**2 <= max(SHARE * height * width, MOSAIC[0] ** 2)
-    assert y.size * part.side**2 <= MOSAIC[1] ** 2 and y.max() - y.min() > height / 4 and x.max() - x.min() > width / 4
+    assert y.size * part.side**2 <= max(MAX_SHARE * height * width, MOSAIC_SIDES[0] ** 2)
+    assert (
+        y.size * part.side**2 <= MOSAIC_SIDES[1] ** 2
+        and y.max() - y.min() > height / 4
+        and x.max() - x.min() > width / 4
+    )
     assert mosaic(scene, size) == part
 
 
