@@ -39,7 +39,7 @@ BLOCK_SIDE = 10  # of a block, pixels, roughly: many small blocks say more about
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
 MAX_FRAMES = 8  # of a movie that are tried
-MARGIN_FACTOR = 0.8  # standard errors of the mean over the blocks by which a picture must keep its tolerance
+MARGIN_FACTOR = 1.5  # standard errors of the mean over the blocks by which a picture must keep its tolerance
 ALLOWED_TOLERANCES = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
 
 
