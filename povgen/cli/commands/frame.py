@@ -20,7 +20,7 @@ def command(
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
+    """Render a scene to a PNG file. With --sheet auto, choose the fastest model of the sheets within --tolerance."""
     from povgen.files import checked_output, save
     from povgen.rendering import cache
     from povgen.settings import Rendering

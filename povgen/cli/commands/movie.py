@@ -32,17 +32,21 @@ def command(
     workers: Workers = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
+        typer.Option(metavar="ADDRESS", help="Dask scheduler, tcp://HOST:PORT, whose workers render the frames"),
     ] = None,
     part: Annotated[
         str | None,
-        typer.Option("--shard", metavar="I/N", help="render every N-th frame, from the I-th on, and no movie yet"),
+        typer.Option(
+            "--shard",
+            metavar="I/N",
+            help="render only every N-th frame, from the I-th on, into the cache; make no movie",
+        ),
     ] = None,
     tolerance: Tolerance = None,
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    """Render a movie. Options for the scene override the spec. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
     from povgen.scene.spec import MovieSpec

@@ -15,7 +15,7 @@ def command(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = None,
     **values: object,
 ) -> None:
-    """Write a scene's POV-Ray source, to standard output unless -o says where."""
+    """Write a scene's POV-Ray source to standard output, or to the file that -o names."""
     from povgen.files import checked_output, save
     from povgen.scene.sdl import to_pov
 
