@@ -1,7 +1,7 @@
 """What povgen costs, compared with baselines, as a table and as JSON: `make bench`.
 
 CPU seconds are what the operating system reports of each finished process. povgen and a baseline run alternately. The
-table gives the median of each, and of their ratios. Mitsuba runs in an environment of its own; `make bench` makes it.
+table gives the medians of the times and of their ratios. Mitsuba runs in an environment of its own; `make bench` makes it.
 """
 
 import json
@@ -174,7 +174,7 @@ def equal_error(detailed: str, by_hand: str) -> Line:
         if speed.picture_error(picture, reference, scene)[0] <= 1.01 * wanted:
             found.append((seconds, sampling))
     ours, sampling = min(found)
-    return f"detailed, {sampling}, CPU s", "intersections at +A0.3, as good", ours, theirs, ours / theirs, 0.25
+    return f"detailed, {sampling}, CPU s", "intersections at +A0.3, same error", ours, theirs, ours / theirs, 0.25
 
 
 def main() -> None:
