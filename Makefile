@@ -48,7 +48,7 @@ demo: | $(READY)  ## a page for teaching, build/demo/index.html: the movies besi
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
-test: $(VENV)/test-ready test-deps  ## all tests except those of a release
+test: $(VENV)/test-ready test-deps  ## all tests except the tests before a release
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 test-release: $(VENV)/test-ready test-deps  ## tests before a release: every Python on this machine, the oldest packages

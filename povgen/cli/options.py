@@ -1,4 +1,4 @@
-"""The commands' options: those that are made from the models' fields, and those that several commands share."""
+"""The commands' options: options made from the models' fields, and options that several commands share."""
 
 import inspect
 import re

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def say(message: str) -> None:
-    """Print on standard error. If that fails, the program goes on."""
+    """Print on standard error. If that fails, the program continues."""
     try:
         print(message, file=sys.stderr, flush=True)
     except OSError:

@@ -43,8 +43,8 @@ RENDERED = ", by POV-Ray"  # suffix of a series that POV-Ray renders; the exact 
 class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of measuring.
 
-    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. Up
-    to a limit, y is at most `tolerance`.
+    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. The
+    greatest allowed y is `tolerance`.
     """
 
     name: str

@@ -82,7 +82,7 @@ def check() -> None:
     """Check the settings before any work is done.
 
     Raises InputError for a limit that is no number, and for a folder that is not povgen's. Raises PermissionError for
-    a folder among temporary files that other users can write to.
+    a folder among temporary files that other users can use.
     """
     max_bytes()
     path = folder()

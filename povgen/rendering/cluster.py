@@ -98,7 +98,7 @@ class Cluster:
         self._end("POV-Ray was stopped")
 
     def _end(self, why: str) -> None:
-        with suppress(concurrent.futures.InvalidStateError):  # ended before
+        with suppress(concurrent.futures.InvalidStateError):  # it has ended already
             self._ended.set_result(why)
 
     def _start(self, coroutine: Coroutine[Any, Any, Result]) -> concurrent.futures.Future[Result]:
@@ -118,7 +118,10 @@ class Cluster:
             raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
 
     async def _watch(self) -> None:
-        """Ask the scheduler every POLL seconds which workers it has heard from. Give up those silent for too long."""
+        """Ask the scheduler every POLL seconds which workers it has heard from.
+
+        Give up a worker, or the scheduler, that is silent for too long.
+        """
         unanswered = 0  # questions in succession without an answer
         without_news = 0  # answers in succession without news of any worker
         heard: dict[str, float] = {}  # when the scheduler last heard from each worker, by the scheduler's clock

@@ -34,7 +34,7 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-# Limits for one POV-Ray. If povgen itself has lower limits (ulimit), POV-Ray gets those.
+# Limits for one POV-Ray. If povgen itself has lower limits (ulimit), these apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
 # Messages of POV-Ray and its libraries when they get no memory, and messages of which that is the likely cause.

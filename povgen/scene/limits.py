@@ -1,4 +1,5 @@
-"""Limits of the methods, from the stability maps (docs/accuracy.md). povgen warns if a scene exceeds one.
+"""Limits of the methods, from the stability maps (docs/accuracy.md). povgen chooses settings by them, and
+refuses scenes that exceed them, or warns.
 
 `povgen verify --stability` measures each limit again, and fails if one no longer holds.
 """
@@ -28,5 +29,5 @@ MIN_ALPHA = 3
 
 
 def units_per_tile(prisms: int) -> int:
-    """Return the size of a tile in POV-Ray's units. POV-Ray's tolerances are fixed in these: finer prisms need more."""
+    """Return the size of a tile in POV-Ray's units. Its tolerances are fixed in these units: finer prisms need more."""
     return max(1000, prisms // 2)

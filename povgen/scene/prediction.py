@@ -1,6 +1,6 @@
 """Consequences of a scene's parameters: where its rays go, POV-Ray's settings, and warnings.
 
-The limits are those in `limits`.
+The limits are in limits.py.
 """
 
 from cmath import rect
@@ -173,5 +173,5 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     if found[worst] > limit[worst]:
         where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
         much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
-        text = f"{', '.join(names)}: at {where} {what} {much}; beyond {limit[worst]:.3g}"
+        text = f"{', '.join(names)}: at {where} {what} {much}; above {limit[worst]:.3g}"
         yield names[0], f"{text} its prediction is wrong by pixels"

@@ -23,8 +23,8 @@ function quotient(a, b) {
 }
 
 // ---- The equations ----
-// Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are those of
-// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with those modules.
+// Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
+// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with these modules.
 
 const equations = (() => {
   // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
