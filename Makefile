@@ -26,7 +26,7 @@ install = $(if $(strip $(CAN_INSTALL)),$(SUDO) apt-get update -qq && $(SUDO) apt
 FINISHED = $$(python3 -VV) in $(CURDIR)
 $(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" && $(VENV)/bin/python -c '' 2> /dev/null \
   || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
-# Installs into the environment. READY is away meanwhile, so an interrupted installation is repeated from the start.
+# Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
 .PHONY: movies frame demo figures readme-images test-fast test test-release test-deps lint verify chart docs bench \
@@ -48,7 +48,7 @@ demo: | $(READY)  ## a page for teaching, build/demo/index.html: the movies besi
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
-test: $(VENV)/test-ready test-deps  ## all tests but those of a release
+test: $(VENV)/test-ready test-deps  ## all tests except the tests before a release
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 test-release: $(VENV)/test-ready test-deps  ## tests before a release: every Python on this machine, the oldest packages
@@ -76,7 +76,7 @@ lint: $(VENV)/test-ready  ## checks by ruff and mypy
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
 
-verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables, and maps in stability/
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; stability maps in stability/
 	$(POVGEN) verify
 	$(POVGEN) verify --stability
 	cp stability/stability.png docs

@@ -82,7 +82,7 @@ def kept(text: str, what: object, make: Callable[[], Any]) -> Any:
 
 
 def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
-    """Return the CPU seconds and the picture of the converged frame, which others are compared with."""
+    """Return the CPU seconds and the picture of the converged frame, the reference."""
     text = to_pov(scene)
     path = KEPT / f"{sha256(f'{text}{size}'.encode()).hexdigest()[:32]}.npz"
     if not path.is_file():
@@ -141,7 +141,11 @@ def check(number: int) -> Found:
 
 
 def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
-    """Return the choice; of frames not tried, worst FLIP / tolerance; of the trial, CPU seconds / converged frame's."""
+    """Return the choice, and two ratios.
+
+    The first is the worst FLIP of frames that were not tried, divided by the tolerance. The second is the trial's CPU
+    seconds divided by a converged frame's.
+    """
     size = (160, 120)
     scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("paper")]
     chosen = tried(scenes, size, tolerance)

@@ -1,7 +1,7 @@
 """What povgen costs, compared with baselines, as a table and as JSON: `make bench`.
 
 CPU seconds are what the operating system reports of each finished process. povgen and a baseline run alternately. The
-table gives the median of each, and of their ratios. Mitsuba runs in an environment of its own; `make bench` makes it.
+table gives the medians of the times and of their ratios. Mitsuba runs in its own environment; `make bench` makes it.
 """
 
 import json

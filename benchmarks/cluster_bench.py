@@ -118,7 +118,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Return the wall seconds of a movie, and the CPU seconds of client and encoder for each of its frames."""
     with temporary_folder() as folder, speed.empty_cache(folder / "cache"), running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # workers import their modules
-        prediction.surveys.clear()  # forget what the first movie found out about these scenes
+        prediction.surveys.clear()  # forget the first movie's ray traces of these scenes
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start
@@ -135,7 +135,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)
             with Cluster(counted.address) as cluster:
-                texts = [to_pov(scene) for scene in scenes]  # also traces each scene's rays, whose result is then kept
+                texts = [to_pov(scene) for scene in scenes]  # this also traces each scene's rays; the results are kept
                 alone = []
                 for text in texts[:ALONE]:
                     start = time.monotonic()

@@ -50,7 +50,7 @@ def main() -> None:
             "sampler": {"type": "independent", "sample_count": 1},
         },
     }
-    # the window frame, in front and behind: rays beside the window end there
+    # in place of the window frame, four boxes around the window stop all rays beside it
     side, middle = 3.0, WINDOW / 2 + 3.0 / 2
     for n, (x, y) in enumerate(((middle, 0), (-middle, 0), (0, middle), (0, -middle))):
         half = [side / 2, 3.0, 0.13] if x else [WINDOW / 2, side / 2, 0.13]

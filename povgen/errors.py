@@ -33,7 +33,7 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
     for name, value in values.items():
         field = model.model_fields.get(name)
         parts = value if isinstance(value, (list, tuple)) else [value]
-        # pydantic would read it as 0 or 1
+        # pydantic would read true as 1 and false as 0
         if field and field.annotation is not bool and any(isinstance(part, bool) for part in parts):
             raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
     try:

@@ -1,7 +1,7 @@
 """Output files: checks before any work is done, atomic writes, and work folders that are removed in the end.
 
 povgen writes a file in a work folder, and moves it to its name when it is complete. If povgen is killed, its work
-folders stay. The next povgen finds and removes them: it can lock their lock files, because no process does any more.
+folders stay. The next povgen finds and removes them: it can lock their lock files, which no process holds any more.
 """
 
 import fcntl
@@ -29,7 +29,7 @@ def checked_output(path: Path, suffixes: Iterable[str]) -> Path:
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     try:
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
-            raise ValueError("it is there and cannot be written to")
+            raise ValueError("it exists and cannot be written to")
         with tempfile.TemporaryFile(dir=path.resolve().parent):
             return path
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle; ValueError: NUL in a name
@@ -38,7 +38,7 @@ def checked_output(path: Path, suffixes: Iterable[str]) -> Path:
 
 
 def checked_folder(path: Path) -> Path:
-    """Make a folder if it is not there, and return its path. Raises InputError if no file can be written into it."""
+    """Make a folder if it is missing, and return its path. Raises InputError if no file can be written into it."""
     try:
         path.mkdir(exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -73,7 +73,7 @@ def work_folder(parent: Path) -> Iterator[Path]:
 
 
 def _forget(folder: Path) -> None:
-    """Take a work folder off the list that is removed when povgen is stopped, if it has been removed already."""
+    """Forget a work folder that has been removed: povgen need not remove it when it is stopped."""
     if not os.path.lexists(folder):
         stopping.folders.discard(str(folder))
 
@@ -118,7 +118,7 @@ def _leftovers(parent: Path) -> Iterator[tuple[Path, int]]:
 
 
 def _is_marked(folder: Path, opened: int, lock: int) -> bool:
-    """Whether a lock file holds povgen's mark, or is all that is in a new folder: povgen was killed before it wrote."""
+    """Whether a lock file holds povgen's mark. It may be empty in a new folder: povgen was killed before it wrote."""
     text = os.pread(lock, len(MARK) + 1, 0) if stat.S_ISREG(os.fstat(lock).st_mode) else None
     return text == MARK or text == b"" and _is_new(folder, opened) and os.listdir(opened) == [LOCK_FILE]
 
@@ -196,6 +196,6 @@ def _copy_permissions(part: Path, target: Path) -> None:
             os.chown(part, before.st_uid, -1)
         try:
             os.chown(part, -1, before.st_gid)
-        except PermissionError:  # the file gets another group, which may do no more than all other users
+        except PermissionError:  # the file keeps another group, which gets only the rights of all other users
             mode = mode & ~stat.S_IRWXG | (mode & stat.S_IRWXO) << 3
         part.chmod(mode)

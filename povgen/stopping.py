@@ -1,4 +1,4 @@
-"""How povgen stops at a signal: no process is started any more, and none is left behind, nor any unfinished file.
+"""Stop povgen at a signal. Then no process is started any more, and no process and no unfinished file is left.
 
 This module is loaded first, before anything slow, so it imports little itself.
 """
@@ -86,7 +86,7 @@ def _stop(number: int) -> None:
 
 
 def _end_in_time() -> None:
-    """End povgen after a while: the exception may be lost, as in a destructor, or the work may not be interruptible."""
+    """End povgen after a while: the exception may be lost, as in a destructor, or may not interrupt the work."""
     time.sleep(LONGEST)
     _kill_children()
     _thread.start_new_thread(_remove_folders, ())

@@ -31,7 +31,7 @@ class _Command(TyperCommand):
         self._function = function
 
     @cached_property
-    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command; where it is depends on typer's release)
+    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command; its module depends on typer's release)
         alone = typer.Typer(add_completion=False)
         alone.command(self.name)(with_options(self._function))
         return typer.main.get_command(alone)
@@ -73,11 +73,11 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
 def main() -> None:
     """Run the command line. The exit status is 2 for a value that is not allowed, 1 if POV-Ray or the disk fails."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:  # closed, as by 2>&-; then the next file that is opened would get its number
+        if getattr(sys, name) is None:  # closed, as by 2>&-; otherwise the next opened file would get its number
             setattr(sys, name, open(os.devnull, mode))
-    if isinstance(sys.stdout, TextIOWrapper):  # the name of a file may be no valid text
+    if isinstance(sys.stdout, TextIOWrapper):  # the name of a file may not be valid text
         sys.stdout.reconfigure(errors="backslashreplace")
-    usage_error = typer.BadParameter.__bases__[0]  # click's UsageError; where it is depends on typer's release
+    usage_error = typer.BadParameter.__bases__[0]  # click's UsageError; its module depends on typer's release
     try:
         status = app(standalone_mode=False)
     except Exception as error:

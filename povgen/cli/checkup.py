@@ -21,7 +21,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
-            ("sandbox", _sandbox, "report it as an issue of povgen's"),
+            ("sandbox", _sandbox, "report it as an issue of povgen"),
             (
                 "frame",
                 lambda: _frame(frame),

@@ -1,4 +1,4 @@
-"""The commands' options: those that are made from the models' fields, and those that several commands share."""
+"""The commands' options: options made from the models' fields, and options that several commands share."""
 
 import inspect
 import re
@@ -62,7 +62,8 @@ def with_options(command: Command) -> Command:
         command(**arguments, **given)
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-    parameters = [*own, *(_option(name, owners) for name, owners in fields.items())]
+    auto = "; or auto: the cheapest within --tolerance" if any(p.name == "tolerance" for p in own) else ""
+    parameters = [*own, *(_option(name, owners, auto * (name == "sheet")) for name, owners in fields.items())]
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     called.__dict__["__signature__"] = inspect.Signature(parameters)
     called.__annotations__ = {p.name: p.annotation for p in parameters}
@@ -83,10 +84,13 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
     return fields
 
 
-def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
-    """Return a field's option, as a parameter with typer's annotation. Its help names scenes in which it differs."""
+def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") -> inspect.Parameter:
+    """Return a field's option, as a parameter with typer's annotation. Its help names scenes in which it differs.
+
+    `more` is added to the help.
+    """
     texts = {_about(field): owner for owner, field in owners}
-    about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
+    about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items()) + more
     flag = name.replace("_", "-")
     kind: Any
     if owners[0][1].annotation is bool:
@@ -120,7 +124,7 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Divide values into those of the scene and those of `Rendering`."""
+    """Divide values into the scene's values and the values of `Rendering`."""
     from povgen.settings import Rendering
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
@@ -148,10 +152,10 @@ def made_folder(output: Path) -> Path:
 def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolerance | None":
     """Return the tolerance of --sheet auto, or None for another sheet.
 
-    Raises InputError for a tolerance that is none, and if only one of --sheet auto and --tolerance was given.
+    Raises InputError for a tolerance that is not valid, and if only one of --sheet auto and --tolerance was given.
     """
     if (values.get("sheet") == "auto") != (tolerance is not None):
-        raise InputError("sheet = 'auto' and tolerance go together; allowed: both, as --sheet auto --tolerance 1px")
+        raise InputError("sheet = 'auto' and tolerance go together; allowed: both: --sheet auto --tolerance 1px")
     if tolerance is None:
         return None
     from povgen.measure.auto import Tolerance
@@ -160,7 +164,7 @@ def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolera
 
 
 def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
-    """Return the sheet and the antialiasing that --sheet auto chooses for these scenes of prisms, and print why."""
+    """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
     from povgen.measure import auto
     from povgen.settings import Rendering
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def say(message: str) -> None:
-    """Print on standard error. If that fails, the program goes on."""
+    """Print on standard error. If that fails, the program continues."""
     try:
         print(message, file=sys.stderr, flush=True)
     except OSError:
@@ -27,7 +27,7 @@ def one_line(message: str) -> str:
 
 
 def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
-    """Print one warning for each limit that scenes exceed, with the number of these scenes."""
+    """Print one warning for each limit that scenes exceed, with the number of scenes that exceed it."""
     from povgen.scene.prediction import warnings
 
     if rendering:
@@ -40,7 +40,7 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
         for limit, text in warnings(scene, rendering):
             texts_by_limit.setdefault(limit, []).append(text)
     for texts in texts_by_limit.values():
-        also = f" (so in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
+        also = f" (in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
         say(f"povgen: warning: {texts[0]}{also}")
 
 

@@ -1,8 +1,8 @@
 """The choice that `--sheet auto` makes: the cheapest sheets and sampling that keep a picture within a tolerance.
 
-Errors of position follow from the scene's own numbers, by eq. 7 and the paraxial prediction. Errors of the picture are
-measured: candidates render small blocks of the scene's own window. The blocks are compared with the same blocks of the
-converged picture through the scene's own prisms.
+Errors of position follow from the scene's parameters, by eq. 7 and the paraxial prediction. Errors of the picture are
+measured: each candidate renders small blocks of the scene's window. These are compared with the same blocks of the
+converged picture through the scene's prisms.
 """
 
 import re
@@ -33,14 +33,14 @@ FAR_DISTANCE = 1000.0  # tiles: stands for the horizon and the sky
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
-# A mosaic is the blocks of the window that a candidate renders.
-MAX_SHARE = 0.12  # of the window's pixels that a mosaic has at most
-BLOCK_SIDE = 10  # of a block, pixels, roughly: many small blocks say more about the window than a few large ones
+# A mosaic holds the blocks of the window that a candidate renders.
+MAX_SHARE = 0.12  # the greatest fraction of the window's pixels that a mosaic holds
+BLOCK_SIDE = 10  # pixels, about: many small blocks say more about the window than a few large ones
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
-MAX_FRAMES = 8  # of a movie that are tried
-MARGIN_FACTOR = 1.5  # standard errors of the mean over the blocks by which a picture must keep its tolerance
-ALLOWED_TOLERANCES = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
+MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
+MARGIN_FACTOR = 1.5  # FLIP plus so many standard errors of the blocks' mean must keep the tolerance
+ALLOWED_TOLERANCES = "allowed: pixels (1px), mean FLIP (0.2flip), or both (1px,0.2flip)"
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Tolerance:
 class Candidate:
     """A model of the sheets and a sampling, with the errors of their picture.
 
-    `flip` is estimated from blocks; the margin is what the estimate may miss. Both are NaN if it was not tried.
+    `flip` is estimated from blocks, with the uncertainty `margin`. Both are NaN if the candidate was not tried.
     """
 
     sheet: str
@@ -107,23 +107,23 @@ def choose(
         for sheet, samplings in ((substitute, IDEAL_SAMPLINGS), ("detailed", PRISM_SAMPLINGS))
     ]
     kept = [ladder for ladder in ladders if ladder[0].px <= tolerance.px]
-    reason = f"; {ladders[0][0]} is not" if len(kept) < len(ladders) else ""
+    reason = f"; {ladders[0][0]} exceeds it" if len(kept) < len(ladders) else ""
     if tolerance.flip == inf:
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
     trial = _Trial(scenes, rendering.size)
     for ladder in kept:
-        low, high = 0, len(ladder)  # the cheapest that meets it is among these, or none does
+        low, high = 0, len(ladder)  # below `low` all fail; from `high` up all keep the tolerance
         while low < high:
             middle = (low + high) // 2
             tried = ladder[middle] = trial.of(ladder[middle])
             if tried.flip + tried.margin <= tolerance.flip:
                 high = middle
             else:
-                low, reason = middle + 1, f"; the next cheaper, {tried}, is not"
+                low, reason = middle + 1, f"; the next cheaper, {tried}, exceeds it"
         if low < len(ladder):
             return ladder[low], f"{ladder[low]}: the cheapest within tolerance{reason}"
     best = min((c for ladder in kept for c in ladder if not isnan(c.flip)), key=lambda c: c.flip + c.margin)
-    raise InputError(f"tolerance: none meets it; the nearest is {best}; allowed: no less than that")
+    raise InputError(f"tolerance: no choice keeps it; the nearest is {best}; allowed: that error or more")
 
 
 class _Trial:
@@ -142,8 +142,9 @@ class _Trial:
         for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
             blocks = _flip(picture, right, part.side)
             if candidate.sheet == "detailed":
-                # FLIP depends on a pixel's surroundings. Next to other blocks, noise at the edges of a block counts too
-                # much; next to copies of the same block, too little, by as much (3 %, mean of 14 scenes). Average both.
+                # FLIP depends on a pixel's surroundings. If other blocks surround a block, noise at its edges counts
+                # too much. If copies of the block surround it, noise counts too little, by the same amount (3 %, mean
+                # of 14 scenes). So the two are averaged.
                 blocks = (blocks + _flip(picture, right, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)
@@ -200,7 +201,7 @@ def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> Float
 
 
 def _position_error(scene: Scene, sheet: str) -> float:
-    """Return the greatest distance, tiles, between where a sheet and where the scene's prisms show the same point.
+    """Return the greatest error of a point's apparent position, tiles, if a sheet replaces the scene's prisms.
 
     The points are seen in all parts of the window, at the scene's distances and far away. The result is infinite if
     eq. 7 is not reliable at one of these distances.

@@ -183,7 +183,7 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
 
 
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series, the tolerance as a dashed line, and on this a diamond at each limit in force."""
+    """Draw each series, the tolerance as a dashed line, and on this line a diamond at each limit that povgen uses."""
     rendered = None
     for series in dict.fromkeys(name for name, _, _ in measured.rows):
         x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).T
@@ -196,7 +196,7 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     if measured.limits:
         ax.axhline(measured.tolerance, color="black", linestyle="--", linewidth=1, label="tolerance")
         places = sorted({limit.bound for limit in measured.limits})
-        ax.plot(places, [measured.tolerance] * len(places), "D", color="black", markersize=7, label="limit in force")
+        ax.plot(places, [measured.tolerance] * len(places), "D", color="black", markersize=7, label="limit used")
     if "x" in measured.log_axes:
         ax.set_xscale("log")
     if "y" in measured.log_axes:

@@ -35,7 +35,7 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "legend.fontsize": 9,
     "axes.prop_cycle": cycler(color=COLOURS),
-    "svg.hashsalt": "povgen",  # the same figure is the same file
+    "svg.hashsalt": "povgen",  # the same figure always gives the same file
 }
 
 

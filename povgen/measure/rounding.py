@@ -1,4 +1,4 @@
-"""Rays whose path POV-Ray's rounding decides: where they end says nothing about whether the scene is right."""
+"""Find rays whose path POV-Ray's rounding decides: where they end does not say whether the scene is right."""
 
 from itertools import pairwise
 from math import pi
@@ -9,7 +9,7 @@ from povgen.measure import probes
 from povgen.measure.probes import Directions, Floats, Mask
 from povgen.scene import prediction
 
-# POV-Ray ignores a face that is nearer than this, tiles, to the ray's last one.
+# Tiles. POV-Ray ignores a face that is nearer than this to the face that the ray met last.
 MIN_DISTANCE = 1e-6
 # Radians. POV-Ray stores vertices to 1e-7 tiles, which tilts the faces of N prisms, each 2.4/N tiles wide, by N times
 # this angle.
@@ -19,9 +19,9 @@ TILT_PER_PRISM = 1e-7
 def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
     """Return which of the eye's rays POV-Ray's rounding can send elsewhere. `direction` and the result: (n, 3), (n,).
 
-    A ray counts if a neighbouring ray takes another path or leaves in a direction 5e-4 rad away. The neighbours reach
-    the sheets MIN_DISTANCE aside and are turned by TILT_PER_PRISM times N. A ray also counts if two faces that it meets
-    are within MIN_DISTANCE of each other, as at an edge.
+    A ray counts if a neighbouring ray takes another path or leaves in a direction 5e-4 rad away. A neighbouring
+    ray reaches the sheets at a distance of MIN_DISTANCE and is turned by TILT_PER_PRISM times N. A ray also counts if
+    two faces that it meets are within MIN_DISTANCE of each other, as at an edge.
     """
     max_faces = prediction.max_trace_level(scene)
     path = probes.traced(scene, direction, max_faces)
@@ -40,7 +40,7 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
         neighbour = probes.traced(scene, turned, max_faces, displaced)
         sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
         sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
-    # where each ray meets its first face, its second ...; its last face again after it has left
+    # for the first face, the second, ...: where each ray meets it. A ray that has left stays at its last face.
     positions = [probes.traced(scene, direction, met).position for met in range(1, path.count.max(initial=0) + 1)]
     for met, (position, after) in enumerate(pairwise(positions), 1):
         sensitive |= (np.linalg.norm(after - position, axis=1) < MIN_DISTANCE) & (path.count > met)

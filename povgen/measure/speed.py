@@ -1,7 +1,7 @@
 """CPU seconds against error, for every model of the sheets and every useful sampling, in one run: `povgen chart`.
 
 CPU seconds are what the operating system reports of each finished POV-Ray process. The processes run one at a time, and
-the rounds measure all of them in the same order. The median of the rounds counts.
+the rounds measure all of them in the same order. The result is the rounds' median.
 The error of a picture is measured inside the window, against a converged picture of the same scene: the RMS of
 gamma-encoded colours (0 black to 1 white), and the mean of FLIP. FLIP says how different two pictures look, 0 to 1.
 Errors of position are RMS against eq. 7, in pixels of 1280x960.
@@ -104,7 +104,7 @@ def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
 
 
 def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with one of the SAMPLINGS, or one like them; return CPU seconds and the picture."""
+    """Render a scene's text with a sampling, written as in SAMPLINGS; return CPU seconds and the picture."""
     if not sampling.startswith("box"):
         return cpu_seconds(text, Rendering(size=size, antialias=sampling))
     k = int(sampling.split()[1])
@@ -135,7 +135,7 @@ def flip_evaluator() -> ModuleType:
         import flip_evaluator
     except ImportError:
         text = "FLIP is measured with flip-evaluator, which is not installed: pip install 'povgen[charts]'"
-        raise InputError(f"{text}; tolerances in px do without") from None
+        raise InputError(f"{text}; a tolerance in px needs no FLIP") from None
     evaluator: ModuleType = flip_evaluator
     return evaluator
 
@@ -143,7 +143,7 @@ def flip_evaluator() -> ModuleType:
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
     """Measure every method with every sampling. `sheet_macros` are the baselines: other macros `Sheet`, by name.
 
-    Calls `done` with each step that is finished.
+    Calls `done` with the name of each finished step.
     """
     detailed, ideal = Chess(), Chess(sheet="ideal")
     texts = {"detailed": to_pov(detailed), "ideal": to_pov(ideal)}
@@ -156,9 +156,8 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
     ]
     for number in range(ROUNDS):
         for point in points:
-            if (
-                number == 0 or point.size != SIZES[-1]
-            ):  # one round for the largest: its frames are long, its noise small
+            # one round for the largest size: its frames take long, and their times vary little
+            if number == 0 or point.size != SIZES[-1]:
                 seconds, point.picture = sample(point.text, point.sampling, point.size)
                 point.seconds.append(seconds)
         done(f"frames, round {number + 1} of {ROUNDS}")

@@ -1,7 +1,8 @@
-"""Where methods fail: maps of error and loss, and the limits read from them, `povgen verify --stability`.
+"""Where methods fail: stability maps, and the limits read from them. `povgen verify --stability` measures both.
 
-Each map measures probes and holds a table, which `charts` draws. A limit is the x up to which (or from which on) y
-stays below a tolerance. It is compared with the limit in `scene.limits`, which povgen applies.
+A stability map is a measured error or loss y against one quantity x, such as the number of prisms. `charts` draws it. A
+limit is the x up to which (or above which) y keeps a tolerance. It is compared with the limit that povgen uses, in
+`scene.limits`.
 """
 
 import dataclasses
@@ -42,8 +43,8 @@ RENDERED = ", by POV-Ray"  # suffix of a series that POV-Ray renders; the exact 
 class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of measuring.
 
-    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. Limits
-    keep y below `tolerance`.
+    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. The
+    greatest allowed y is `tolerance`.
     """
 
     name: str
@@ -60,11 +61,12 @@ class StabilityMap:
         self.rows.append((series, float(x), float(y)))
 
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
-        """Measure the limit of a series, and compare it with the limit `in_force`.
+        """Measure the limit of a series, and compare it with the limit that povgen uses, `in_force`.
 
-        If the series is rising, the limit is the x up to which y stays below the tolerance; else the x from which on
-        it does. It is interpolated between the rows' x, or their logarithms. If y is nowhere below the tolerance the
-        limit is NaN, which fails.
+        If y is rising with x, the limit is the greatest x up to which y keeps the tolerance. Otherwise it is the least
+        x above which y does. Between two rows it is interpolated, in the logarithm of x on a logarithmic axis. If y
+        exceeds the tolerance already at the least x (at the greatest x, if y is not rising), the limit is NaN, which
+        fails.
         """
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
         found = points[0][0] if points[0][1] <= self.tolerance else np.nan
@@ -81,7 +83,7 @@ class StabilityMap:
 
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
-    """(a) Measure the error of eq. 7 as alpha -> 180 deg and as z1 -> z2, by the condition number of P."""
+    """(a) Measure the error of eq. 7 as alpha -> 180 deg and as z1 -> z2, against the condition number of P."""
     x, y = "condition number |1 − P|", "error of position (px)"
     result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
@@ -119,9 +121,9 @@ def _near_pole(
     E: complex = -0.2 + 0j,
     prisms: int = 100,
 ) -> Iterator[tuple[float, Positions, complex, complex]]:
-    """Yield the condition number, the scene, where its object is seen, and where eq. 7 predicts it, tiles.
+    """Yield the condition number, the scene, and its object's apparent position: measured, and by eq. 7, in tiles.
 
-    The scenes approach the pole, as `toward` says.
+    The scenes approach the pole as `toward` says.
     """
     scenes = []
     for M in conditions:
@@ -137,24 +139,24 @@ def _near_pole(
 
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(b) Measure the leak: rays on the designed path that leave in another direction than in the exact ray trace."""
+    """(b) Measure which pixels on the designed path are wrong: POV-Ray shows another direction than the exact trace."""
     result = StabilityMap(
         "prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy"
     )
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
-        result.add("leak", count, 100 * float(np.mean(wrong)))
-    result.limit("detailed", "leak", MAX_PRISMS)
+        result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
+    result.limit("detailed", "wrong pixels", MAX_PRISMS)
     yield result
 
 
 def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
-    """(c) Measure the stray pixels that POV-Ray gets wrong if gaps are narrow, and the light lost if they are wide."""
+    """(c) Measure stray pixels that POV-Ray gets wrong in narrow gaps, and light that is lost in wide gaps."""
     narrow = StabilityMap("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
     wide = StabilityMap(
-        "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to it (%)", 3, "x"
+        "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to the gap (%)", 3, "x"
     )
     for count in (100, 1000):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
@@ -168,7 +170,11 @@ def gap_width(
 
 
 def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
-    """Return three fractions: wrong pixels of those on the designed path; these of all; wrong ones of stray pixels."""
+    """Return three fractions.
+
+    They are the fraction of wrong pixels on the designed path, the fraction of all pixels that are on this path, and
+    the fraction of wrong pixels among stray pixels.
+    """
     inside, direction = probes.rays(scene, size)
     found = probes.traced(scene, direction, max_trace_level(scene))
     (decoded,) = probes.decoded([scene], size)
@@ -178,9 +184,9 @@ def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
 
 
 def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
-    """(d) Measure the lost pixels, traced exactly and rendered: they stay black although light reaches them.
+    """(d) Measure lost pixels, by the exact ray trace and by POV-Ray. They stay black although light reaches them.
 
-    The limit is the level that povgen sets for the scene.
+    The limit that povgen uses is the trace level that it sets for the scene.
     """
     result = StabilityMap(
         "trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * MAX_LOST_FRACTION, ""
@@ -200,7 +206,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     ):
         inside, direction = probes.rays(scene, size)
         found = probes.traced(scene, direction, 255)
-        leaves = found.end != End.FRAME  # rays that the trace does not finish would leave as well
+        leaves = found.end != End.FRAME  # rays that the trace does not finish count as leaving
         for level in levels:
             result.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
         scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, max_trace_level(scene))]
@@ -214,9 +220,9 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
 def field_angle(
     distances: Sequence[float] = (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
-    """(e) Measure the pixels without rotated light, by field angle; and for a whole window, by the eye's distance."""
+    """(e) Measure pixels without rotated light: by field angle, and in the whole window by the eye's distance."""
     y = "pixels without rotated light (%)"
-    # 1 % more than povgen warns at, because it warns by a sample of rays
+    # 1 % more than the limit of povgen's warning, which uses only a sample of rays
     most = 100 * (1 - MIN_DESIGNED_FRACTION) + 1
     angles = StabilityMap("field", "(e) field angle", "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
@@ -235,7 +241,7 @@ def field_angle(
 
 
 def _nearest_without_warning(alpha: float) -> float:
-    """Return the least distance of the eye, tiles, to a tenth, at which povgen does not warn of z2."""
+    """Return the eye's least distance, in steps of 0.1 tiles, at which povgen does not warn of z2."""
 
     def quiet(z2: float) -> bool:
         scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -259,8 +265,8 @@ OFF_AXIS: tuple[tuple[float, complex, float, float], ...] = (
 
 
 def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size: Size = TINY) -> Iterator[StabilityMap]:
-    """(f) Measure the error of the ideal sheet's camera off the axis, against the error that it may have."""
-    x = "the most that the error should be (px)"
+    """(f) Measure the error of the ideal sheet's camera for an eye off the axis, against its predicted upper bound."""
+    x = "predicted upper bound of the error (px)"
     # 0.011 px: the resolution of positions in 16 bits
     result = StabilityMap(
         "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
@@ -286,9 +292,9 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
 
 
 def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size = TINY) -> Iterator[StabilityMap]:
-    """(g) Measure the error of a picture without antialiasing, by prism width in pixels; and of 12x12 blocks' means.
+    """(g) Measure the error of pixels, and of means of 12x12 pixels, without antialiasing, against the prisms' width.
 
-    If the pixels do not resolve the prisms, their error is that of a random sample and does not grow any more.
+    If the pixels do not resolve the prisms, each pixel is a random sample, and its error does not grow any more.
     """
     from povgen.video.still import render
 
@@ -310,8 +316,11 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
 
 def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(h) Measure moire of nearly parallel sheets: by how much blocks differ in their fraction on the designed path."""
-    result = StabilityMap("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast over that at 30°", 1.35, "")
+    """(h) Measure the contrast of the moire of nearly parallel sheets, against alpha.
+
+    It is the RMS difference between neighbouring blocks of pixels, in their fraction of rays on the designed path.
+    """
+    result = StabilityMap("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast / contrast at 30°", 1.35, "")
     for count in (50, 100, 400):
         contrast = []
         for alpha in alphas:
@@ -320,7 +329,7 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
             designed = np.zeros(inside.shape)
             designed[inside] = probes.traced(scene, direction).designed
             blocks = _blocks(designed[probes.window(scene, size)][6:-6, 6:-6], 24)
-            # differences of neighbours, because the slow fall towards the edges is not moire
+            # only neighbours are compared, because the slow fall towards the edges is not moire
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
             result.add(f"N = {count}", alpha, value / contrast[-1])

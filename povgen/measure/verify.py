@@ -1,7 +1,7 @@
-"""What POV-Ray renders, measured against the equations and the exact ray trace: `povgen verify`.
+"""Measure what POV-Ray renders against the equations and the exact ray trace: `povgen verify`.
 
-Each check renders probes, and yields each value that it measured together with the value's bound. Random scenes are
-seeded.
+Each check renders probes, and yields each value that it measured together with the value's bound. Random scenes
+have fixed seeds.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ SMALL = (640, 480)
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured value and its bound: a least value if `least`, else a greatest value."""
+    """A measured value and its bound: the least allowed value if `least`, otherwise the greatest."""
 
     sheet: str
     what: str
@@ -77,13 +77,13 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
 
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
     """Measure the direction seen in every pixel of the window against the rotated direction."""
-    for E, where in ((0j, "before the window"), (0.5 - 0.5j, "aside"), (8.6j, "far aside")):
+    for E, where in ((0j, "in front of the window"), (0.5 - 0.5j, "to the side"), (8.6j, "far to the side")):
         scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = probes.rays(scene, size)
             turned = rotation.rotate(direction, radians(scene.alpha))
-            # the window frame hides rays that leave the sheet and then miss the opening behind it
+            # the window frame hides rays that leave the sheet and then miss the frame's rear opening
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
             off = np.linalg.norm(_unit(decoded[inside]) - turned, axis=1)
@@ -178,7 +178,7 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
 
 
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
-    """Measure, at alpha = 0, how far the position that a pixel shows differs from the one without a sheet."""
+    """Measure how much a sheet with alpha = 0 changes the position that a pixel shows."""
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
     ideal, none = probes.decoded(scenes, size)
     inside, _ = probes.rays(scenes[0], size)
@@ -196,7 +196,7 @@ def every_pixel(
 ) -> Iterator[Measured]:
     """Measure the direction in every pixel against the exact ray trace.
 
-    Stray light and light that travels between the sheets is included. `others` is the number of random scenes.
+    Stray light, and light that travels between the sheets, are included. `others` is the number of random scenes.
     """
     for count in prisms:
         scenes = [Directions(sheet="detailed", prisms=count, alpha=alpha) for alpha in alphas]
@@ -234,12 +234,12 @@ def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measure
         100 * np.concatenate(designed).mean(), 99.99, "%", least=True,
     )  # fmt: skip
     yield Measured(
-        "detailed", f"{kind}: all pixels whose ray leaves, likewise",
+        "detailed", f"{kind}: all pixels whose ray leaves, within 1e-3 rad of the ray trace",
         100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
     )  # fmt: skip
     differing = np.concatenate(by_rounding)
     yield Measured(
-        "detailed", f"{kind}: of the {len(differing)} others not decided by rounding",
+        "detailed", f"{kind}: of the {len(differing)} pixels that differ, not decided by rounding",
         100 * (1 - differing).mean() if len(differing) else 0, 1, "%",
     )  # fmt: skip
 
@@ -255,7 +255,7 @@ def finite_prisms(
     )
 
 
-# Ranges of |alpha|, degrees, and for each the largest part of eq. 7's error that the paraxial prediction may leave.
+# Ranges of |alpha|, degrees, each with the greatest part of eq. 7's error that the paraxial prediction may leave.
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
@@ -268,7 +268,7 @@ def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measure
         thin, thick = errors(targets("detailed", count, seed=5, E=0j, alphas=between, prisms=100), size)
         kind = f"2x100, |alpha| {between[0]} to {between[1]} deg"
         yield Measured(
-            "detailed", f"{kind}: paraxial prediction's error ({px(thick):.2f} px) over eq. 7's", thick / thin, most
+            "detailed", f"{kind}: paraxial prediction's error ({px(thick):.2f} px) / eq. 7's error", thick / thin, most
         )
 
 
@@ -283,9 +283,9 @@ def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
-    """Measure the hyperbola as which a line appears through a single sheet, if the line is perpendicular to the sheet.
+    """Measure how a line perpendicular to a single sheet appears through the sheet: as a hyperbola.
 
-    A line through (X, Y) is seen as (x - X/2)(y - Y/2) = XY/4.
+    The line through (X, Y) appears as (x - X/2)(y - Y/2) = XY/4.
     """
     L = 0.45 + 0.3j
     scenes = [
@@ -296,17 +296,23 @@ def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
     # x y = p x + q y + c
     p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
     away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
-    yield Measured("detailed", "single sheet: a line along the normal off its hyperbola, rms", px(rms(away)), 0.2, "px")
+    yield Measured(
+        "detailed", "single sheet: a perpendicular line's distance from its hyperbola, rms", px(rms(away)), 0.2, "px"
+    )
     centre = abs(q + 1j * p - L / 2)
     yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(centre), 2, "px")
     y = (p * L.real + c) / (L.real - q)
     yield Measured(
-        "detailed", "single sheet: the hyperbola off L, where the line meets the sheet", px(abs(y - L.imag)), 2, "px"
+        "detailed",
+        "single sheet: the hyperbola's distance from L, where the line meets the sheet",
+        px(abs(y - L.imag)),
+        2,
+        "px",
     )
 
 
 def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
-    """Measure the fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
+    """Measure, for each field angle, the fraction of pixels that show rotated light, against the exact ray trace."""
     found = list(fractions(alphas, size))
     worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
     angles = [angle for _, angle, *_ in found] or [np.nan]
@@ -363,7 +369,7 @@ NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
 
 
 def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
-    """Yield each scene, and where its square appears. If too little of it is seen: NOT_FOUND, which keeps no bound."""
+    """Yield each scene and where its square appears: NOT_FOUND, which keeps no bound, if too little of it is seen."""
     position = probes.pixels(size)
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = probes.rays(scene, size)

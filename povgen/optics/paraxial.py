@@ -6,7 +6,10 @@ light sideways by -g times the component of the slope along the ridges (`prism.s
 point at which a ray enters a prism. They are as often to one side as to the other, and cancel on average.
 docs/sheets.md has the derivation.
 
-Signs and units are those of `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
+Light from L that reaches E with the slope s = (P - E)/z2, a complex number, has L - E = A s + B conj(s). `_depths`
+returns A and B.
+
+Signs and units are as in `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
 refer to this plane.
 """
 
@@ -21,8 +24,8 @@ def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
     z1, z2 and the pitch of the prisms are in one unit, alpha in radians. For pitch = 0, a = 1 - P of eq. 7, and b = 0.
-    At |A| = |B| (`_depths`) light from L meets the eye's plane in a line, or not at all. Near this, a and b are large,
-    and so is their error (`limits.MAX_CORRECTION`).
+    At |A| = |B| light from L meets the eye's plane in a line, or not at all. Near this, a and b are large, and so
+    is their error (`limits.MAX_CORRECTION`).
     """
     A, B = _depths(z1, z2, alpha, pitch)
     with np.errstate(divide="ignore", invalid="ignore"):

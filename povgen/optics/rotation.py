@@ -99,7 +99,7 @@ def M(r: ArrayLike, alpha: ArrayLike) -> Floats:
 
 
 def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Return the condition number of P with respect to r exp(i alpha): |1 - P|. (That of 1 - P is |P|.)
+    """Return the condition number of P with respect to r exp(i alpha): |1 - P|. (For 1 - P it is |P|.)
 
     A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, causes a relative error of 1e-16 times the
     condition number in P.
@@ -128,7 +128,7 @@ def object_position(P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, al
 
 
 def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Return the directions (..., 3) of light behind a sheet that rotates it by alpha.
+    """Return the directions (..., 3) of light after a sheet that rotates it by alpha.
 
     The transverse part (x, y) of light that runs towards the eye, with negative z, is multiplied by exp(i alpha). Light
     that runs away from the eye, as a camera's rays do, is turned by -alpha: a reversed ray retraces its path. Raises
@@ -142,7 +142,7 @@ def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
 
 
 def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
-    """Return the directions (..., 3) of light behind one sheet of infinitely fine Dove prisms.
+    """Return the directions (..., 3) of light after one sheet of infinitely fine Dove prisms.
 
     `angle` is the angle between the prisms' ridges and the x axis. The transverse part d is mirrored about the ridges:
     it becomes exp(2i angle) conj(d).

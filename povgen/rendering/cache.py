@@ -1,4 +1,4 @@
-"""The cache: a marked folder of finished frames and ray traces, each in a file named after what it was made from.
+"""The cache: a marked folder of finished frames and ray traces. A file is named after what it was made from.
 
 `frame_path` makes a frame's key. A ray trace's key is made in surveys.py.
 """
@@ -53,9 +53,9 @@ def folder() -> Path:
         try:
             return Path(named).absolute()
         except FileNotFoundError:
-            reason = "the current folder has been removed; allowed: a path from / on"
+            reason = "the current folder has been removed; allowed: an absolute path"
             raise InputError(f"POVGEN_CACHE = {named!r}: {reason}") from None
-    with suppress(RuntimeError):  # platformdirs raises it, from 4.4 on, for a user without a home
+    with suppress(RuntimeError):  # platformdirs 4.4 and later raise it for a user without a home
         if (path := platformdirs.user_cache_path("povgen")).is_absolute():
             return path
     return _temporary()
@@ -82,7 +82,7 @@ def check() -> None:
     """Check the settings before any work is done.
 
     Raises InputError for a limit that is no number, and for a folder that is not povgen's. Raises PermissionError for
-    a folder among temporary files that other users can write to.
+    a folder among temporary files that other users can use.
     """
     max_bytes()
     path = folder()
@@ -94,14 +94,14 @@ def check() -> None:
         raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
     private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o077
     if path == _temporary() and not private:
-        raise PermissionError(errno.EACCES, f"It is not this user's alone ({HINT})", str(path))
+        raise PermissionError(errno.EACCES, f"other users can use it, or it is no folder ({HINT})", str(path))
     try:
         mark = _read(path / TAG, len(MARK))
     except FileNotFoundError:
         mark = b""
     except OSError:
         mark = b"unreadable"
-    # Another povgen may be about to write the mark, or was killed before it did. It writes nothing else before.
+    # Another povgen may be about to write the mark, or was killed before. It writes the mark before anything else.
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
             f"POVGEN_CACHE = {str(path)!r}: a folder that holds other things and that povgen has not marked; "
@@ -110,7 +110,7 @@ def check() -> None:
 
 
 def work_folder() -> AbstractContextManager[Path]:
-    """Make the cache if it is not there. Return a work folder in it, as files.work_folder.
+    """Make the cache if it is missing. Return a work folder in it, as files.work_folder does.
 
     Raises what `check` raises, and OSError if the cache cannot be made.
     """
@@ -151,7 +151,7 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
 
 
 def store(made: Path, path: Path) -> bool:
-    """Move a finished file to its path in the cache. Return False if something that is not povgen's is in the way."""
+    """Move a finished file to its path in the cache. Return False if something that is not povgen's is there."""
     with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError):
         path.parent.mkdir(exist_ok=True)
         free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
@@ -188,9 +188,9 @@ def _entries(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
 
 
 def trim(most: float) -> list[Path]:
-    """Remove the least recently used files until the others take at most `most` bytes. Return the removed files.
+    """Remove the least recently used files until the rest takes at most `most` bytes. Return the removed files.
 
-    Below 0 every file is removed, an empty one too.
+    If `most` is below 0, every file is removed, even an empty one.
     """
     stored = by_last_use()
     total, removed = sum(size for _, size, _ in stored), []

@@ -27,19 +27,20 @@ except ImportError:
 
 Result = TypeVar("Result")
 
-PATIENCE = 5.0  # seconds in which the scheduler must answer, and then seconds in which it must have a worker
-POLL = 5.0  # seconds from one question to the scheduler, which workers it has heard from, to the next
-MAX_SILENT = 5  # questions in succession without news; then the scheduler, or the worker, is given up
+PATIENCE = 5.0  # seconds to wait for the scheduler's answer, and then again for its first worker
+POLL = 5.0  # seconds between two questions to the scheduler: from which workers has it heard?
+MAX_SILENT = 5  # questions in succession without news, after which the scheduler or the worker is given up
 AHEAD = 2  # frames sent out for each thread of the workers: one is rendered while the next waits at the scheduler
 
 
 class Cluster:
     """The workers of a scheduler, as a context manager. Each worker runs one POV-Ray in each of its threads.
 
-    A worker from which the scheduler hears nothing is dismissed; other workers render its frames.
+    A worker from which the scheduler hears nothing is removed. Other workers render its frames.
 
-    Raises InputError if the scheduler's address is none. Raises PovrayError if no scheduler answers, if it has no
-    workers, or if a worker has another version of povgen, POV-Ray or Dask than this machine; the message names it.
+    Raises InputError if the scheduler's address is not valid. Raises PovrayError if no scheduler answers, if it has no
+    workers, or if a worker has another version of povgen, POV-Ray or Dask than this machine. The message names that
+    worker.
     """
 
     def __init__(self, scheduler: str) -> None:
@@ -97,7 +98,7 @@ class Cluster:
         self._end("POV-Ray was stopped")
 
     def _end(self, why: str) -> None:
-        with suppress(concurrent.futures.InvalidStateError):  # ended before
+        with suppress(concurrent.futures.InvalidStateError):  # it has ended already
             self._ended.set_result(why)
 
     def _start(self, coroutine: Coroutine[Any, Any, Result]) -> concurrent.futures.Future[Result]:
@@ -117,7 +118,10 @@ class Cluster:
             raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
 
     async def _watch(self) -> None:
-        """Ask the scheduler every POLL seconds which workers it has heard from. Give up what is silent for too long."""
+        """Ask the scheduler every POLL seconds which workers it has heard from.
+
+        Give up a worker, or the scheduler, that is silent for too long.
+        """
         unanswered = 0  # questions in succession without an answer
         without_news = 0  # answers in succession without news of any worker
         heard: dict[str, float] = {}  # when the scheduler last heard from each worker, by the scheduler's clock
@@ -131,7 +135,7 @@ class Cluster:
                 without_news = 0 if 0 in silent.values() else without_news + 1
                 for name in [name for name, times in silent.items() if times >= MAX_SILENT]:
                     await self._dismiss(name)
-            except Exception:  # of any kind: the scheduler did not answer as it should
+            except Exception:  # of any kind: the scheduler did not answer correctly
                 unanswered += 1
             if unanswered == MAX_SILENT:
                 return self._end(f"scheduler {self._scheduler}: it has not answered for {MAX_SILENT * POLL:g} s")

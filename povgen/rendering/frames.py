@@ -83,8 +83,8 @@ def render_all(
     `workers` frames are rendered at once. `runner` renders them: POV-Ray on this machine unless another is given. It
     is stopped at the end.
 
-    If POV-Ray is killed or hangs, the other frames are rendered all the same; then TransientError names the frames
-    that failed. Any other error ends the rendering at once. Finished frames stay in the cache, which is trimmed to its
+    If POV-Ray is killed or hangs, the other frames are still rendered. Then TransientError names the frames that
+    failed. Any other error ends the rendering at once. Finished frames stay in the cache, which is trimmed to its
     limit at the end.
     """
     cache.check()
@@ -107,7 +107,7 @@ def render_all(
                     if not failures:
                         yield png
         if failures:
-            others = f"{len(failures)} of {len(scenes)} frames failed; the others are kept\n"
+            others = f"{len(failures)} of {len(scenes)} frames failed; the other frames are kept\n"
             raise TransientError((others if len(scenes) > 1 else "") + "\n".join(failures))
     finally:
         cache.trim(most)
@@ -118,7 +118,7 @@ def _finished(
 ) -> Iterator[tuple[str, Future[Path | bytes]]]:
     """Yield each scene's text and its frame, in the scenes' order, as soon as that frame is finished.
 
-    So many frames are in the pool at once, finished ones that wait for an earlier one not counted.
+    At most `at_once` frames are in the pool, not counting finished ones that wait for an earlier one.
     """
     todo = iter(scenes)
     frames: deque[tuple[str, Future[Path | bytes]]] = deque()
@@ -139,7 +139,7 @@ def _finished(
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:
-    """Return every n-th of a movie's scenes, from the i-th on. The part is "i/n". Raises InputError."""
+    """Return every n-th of a movie's scenes, starting with the i-th. The part is "i/n". Raises InputError."""
     found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise InputError(f"shard = {part!r}: allowed: i/n, whole numbers, i from 1 to n")

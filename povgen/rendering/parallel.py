@@ -14,13 +14,13 @@ POVRAYS_PER_CORE = 8
 
 
 class Runner(Protocol):
-    """What renders scenes' texts: `povray.Runner` on this machine, `cluster.Cluster` on others."""
+    """Renders scenes' texts: `povray.Runner` on this machine, `cluster.Cluster` on others."""
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Render a scene's text in a work folder and return the picture's path. Raises PovrayError."""
 
     def stop(self) -> None:
-        """End at once all that it runs, and start nothing more."""
+        """Stop at once all that runs, and start nothing more."""
 
 
 def default_workers() -> int:

@@ -34,10 +34,10 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-# Limits for one POV-Ray. If povgen itself has lower ones (ulimit), those count.
+# Limits for one POV-Ray. If povgen itself has lower limits (ulimit), these apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
-# Messages of POV-Ray and its libraries if they get no memory, and messages for which that is the likely reason.
+# Messages of POV-Ray and its libraries when they get no memory, and messages of which that is the likely cause.
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
@@ -121,7 +121,7 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
 
 
 class Runner:
-    """The POV-Rays of one render, so that they can be stopped together, and no others with them."""
+    """The POV-Ray processes of one render, which can be stopped together."""
 
     def __init__(self) -> None:
         self._running: set[subprocess.Popen[bytes]] = set()
@@ -154,7 +154,7 @@ class Runner:
             part.mkdir(exist_ok=True)  # not parents=True: a work folder that has been removed must not be made again
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source)
-        # POV-Ray writes its progress there, 20 bytes a pixel, so that a render can be continued. povgen never does.
+        # POV-Ray writes its progress there, 20 bytes a pixel, to continue an interrupted render. povgen never does.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         limits = _limits()
         programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
@@ -206,7 +206,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
     said = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else ""
-    out_of_memory = f"out of memory: it may take {_mebibytes(max_memory())}"
+    out_of_memory = f"out of memory: its limit is {_mebibytes(max_memory())}"
 
     def refused(message: str) -> PovrayError:
         error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")
@@ -216,17 +216,17 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
     if NO_MEMORY.search(said + messages):
         return refused(out_of_memory)
     if status == -signal.SIGXFSZ:
-        return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(max_file())} to a file, and wanted more")
+        return PovrayError(f"POV-Ray was stopped: its limit for a file, {_mebibytes(max_file())}, is exceeded")
     if status < 0:
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
-    # POV-Ray does not report a full disk. Another frame that failed may have freed the room of one picture since.
+    # POV-Ray does not report a full disk. Since then, another failed frame may have freed the space of a picture.
     if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")
-    if UNCLEAR.search(messages):  # without a line: there was no memory to state it
+    if UNCLEAR.search(messages):  # without a line number, because no memory was left
         return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
     last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
     failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")

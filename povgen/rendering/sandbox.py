@@ -1,4 +1,4 @@
-"""The sandbox: it enforces what POV-Ray may read, write and run. povray.py decides that (READ, RUN, its work folder).
+"""The sandbox: it enforces what POV-Ray may read, write and run. povray.py decides that (READ, RUN, work folder).
 
 The sandbox is made with Landlock, a part of the Linux kernel. A thread in a sandbox can use only the files and folders
 that are named, and so can every process that it starts. povgen starts each POV-Ray from a thread in its own sandbox.
@@ -16,12 +16,13 @@ Result = TypeVar("Result")
 # From linux/landlock.h. The numbers of these system calls are the same on every architecture.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
+# The rights on files that exist in Landlock of at least this version.
 RIGHTS = {
     1: (1 << 13) - 1,
     2: (1 << 14) - 1,
     3: (1 << 15) - 1,
     5: (1 << 16) - 1,
-}  # on files, from each version of Landlock on
+}
 ABSTRACT_SOCKETS_AND_SIGNALS, NETWORK = 3, 3
 PR_SET_NO_NEW_PRIVS = 38
 
@@ -48,8 +49,8 @@ def within(
     """Call `work` in a sandbox, in a new thread, and return its result.
 
     `work` may read, run and write only these files and what is in these folders. A file that may be run may also be
-    read. A file that may be written may also be read and removed, but not run. There is no TCP. Without Landlock there
-    is no sandbox. Raises what `work` raises, and OSError if the kernel refuses.
+    read. A file that may be written may also be read and removed, but not run. Landlock 4 and later also block TCP.
+    Without Landlock there is no sandbox. Raises what `work` raises, and OSError if the kernel refuses.
     """
     results: list[Result] = []
     errors: list[BaseException] = []

@@ -1,4 +1,4 @@
-"""Ray traces in the cache: they take long, and many frames need the same one.
+"""Keep ray traces in the cache, because they take long, and many frames need the same one.
 
 What a ray trace finds is a `prediction.Survey`.
 """
@@ -16,9 +16,9 @@ from povgen.scene.models import Scene
 
 
 def load(scene: Scene, store: bool = False) -> None:
-    """Have `prediction.survey` know this scene's survey: from the cache, or from a ray trace now.
+    """Give `prediction.survey` this scene's survey: from the cache, or from a new ray trace.
 
-    With `store`, a survey from a ray trace is put into the cache, if that can be written to.
+    With `store`, a survey from a ray trace is put into the cache, if povgen can write there.
     """
     if not scene.sheets_depth:
         return

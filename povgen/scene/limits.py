@@ -1,4 +1,5 @@
-"""Limits of the methods, from the stability maps (docs/accuracy.md). A scene must keep them, or povgen warns.
+"""Limits of the methods, from the stability maps (docs/accuracy.md). povgen chooses settings by them, and
+refuses scenes that exceed them, or warns.
 
 `povgen verify --stability` measures each limit again, and fails if one no longer holds.
 """
@@ -18,7 +19,7 @@ MAX_FACES = 180
 # (e) At least this fraction of the window's rays should take the prisms' designed path.
 MIN_DESIGNED_FRACTION = 0.25
 # (f) The error, in pixels of 1280x960, that the ideal sheet's camera may have for an eye off the axis; and the greatest
-# number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse these.
+# number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse so many.
 MAX_CAMERA_ERROR = 0.03
 MAX_CELLS = 100
 # (g) With fewer pixels per prism, a picture without antialiasing is as wrong as one whose pixels are taken at random.
@@ -28,5 +29,5 @@ MIN_ALPHA = 3
 
 
 def units_per_tile(prisms: int) -> int:
-    """Return the size of a tile in POV-Ray's units. POV-Ray's tolerances are fixed in them: finer prisms need more."""
+    """Return the size of a tile in POV-Ray's units. Its tolerances are fixed in these units: finer prisms need more."""
     return max(1000, prisms // 2)

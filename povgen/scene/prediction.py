@@ -1,6 +1,6 @@
-"""Consequences of a scene's parameters: the fate of its rays, POV-Ray's settings, and warnings.
+"""Consequences of a scene's parameters: where its rays go, POV-Ray's settings, and warnings.
 
-The limits are those in `limits`.
+The limits are in limits.py.
 """
 
 from cmath import rect
@@ -24,7 +24,7 @@ from povgen.settings import Rendering
 
 
 class Survey(NamedTuple):
-    """The fate of rays that run from the eye through a window of prisms."""
+    """What a ray trace finds: rays run from the eye through a window of prisms."""
 
     trace_level: int  # the least max_trace_level that loses at most MAX_LOST_FRACTION of the rays
     designed: float  # the fraction of the rays on the designed path
@@ -111,7 +111,7 @@ def grid_error(scene: Scene, cells: int) -> float:
 
 
 def _P(scene: Scene, z1: float) -> float:
-    """Return |P| of eq. 7. Unlike `rotation.P` it does without numpy, which is slow to load."""
+    """Return |P| of eq. 7. Unlike `rotation.P` it does not need numpy, which is slow to load."""
     inverse = abs(1 + rect(scene.z2 / z1, radians(scene.alpha)))
     return 1 / inverse if inverse else inf
 
@@ -173,5 +173,5 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     if found[worst] > limit[worst]:
         where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
         much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
-        text = f"{', '.join(names)}: at {where} {what} {much}; beyond {limit[worst]:.3g}"
-        yield names[0], f"{text} its prediction is off by pixels"
+        text = f"{', '.join(names)}: at {where} {what} {much}; above {limit[worst]:.3g}"
+        yield names[0], f"{text} its prediction is wrong by pixels"

@@ -14,7 +14,7 @@ from povgen.scene.models import SCENES, Scene
 from povgen.settings import QUALITIES
 
 MOVIES = Path(__file__).parents[1] / "movies"
-MAX_BYTES = 2**14  # of a spec; Python's TOML parser can take minutes for much longer ones
+MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
 
 
 class Sweep(BaseModel):

@@ -124,7 +124,7 @@ class PieceAgreement:
 
 
 def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
-    """Measure each scene's piece in a frame in which its colours are coordinates."""
+    """Measure each scene's piece in a frame in which the piece's colours are coordinates."""
     coded = [PiecePositions(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
     found = []
     for scene, frame in zip(coded, probes.decoded(coded, verify.SMALL), strict=True):
@@ -154,7 +154,7 @@ class TracedThroughP:
 
 
 def trace_through_P(alpha: float, z1: float, z2: float) -> TracedThroughP:
-    """Trace rays from E back to the distance of L, through fine prisms near P. The angle alpha is in radians."""
+    """Trace rays from E through fine prisms near P, back to the plane of L. The angle alpha is in radians."""
     prisms, window = 3000, 4.0
     place = complex(rotation.P(z2 / z1, alpha))
     # A prism shifts a ray one way or the other. The mean over several prisms is not shifted.
@@ -182,7 +182,7 @@ class SpheresAgreement:
 
 
 def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
-    """Locate a coded square in the place of each sphere. Scenes with alpha = 0 are left out, because of moire."""
+    """Locate a coded square that replaces each sphere. Scenes with alpha = 0 are left out, because of moire."""
     targets = [
         Positions(sheet="detailed", alpha=scene.alpha, z1=z1, L=scene.L, extent=0.15 * (1 + z1 / scene.z2))
         for scene in scenes

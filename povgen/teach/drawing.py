@@ -46,7 +46,7 @@ def arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name
 
 
 def label(ax: Axes, place: complex, text: str, colour: str) -> None:
-    """Write a small text on a white ground."""
+    """Write a small text on a white background."""
     box = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
     write(ax, xy(place), text, color=colour, fontsize=7.5, bbox=box)
 
@@ -81,7 +81,7 @@ def projected(point: Point) -> Reals:
 
 
 def faces(ax: Axes, corners_of_each: Iterable[Sequence[Point]], colour: str, opacity: float, edge: str = SHEET) -> None:
-    """Draw translucent polygons in space. The farthest comes first."""
+    """Draw translucent polygons in space. List the farthest first."""
     for corners in corners_of_each:
         outline = np.transpose([projected(corner) for corner in corners])
         ax.fill(*outline, facecolor=colour, alpha=opacity, linewidth=0)
@@ -89,7 +89,7 @@ def faces(ax: Axes, corners_of_each: Iterable[Sequence[Point]], colour: str, opa
 
 
 def path(ax: Axes, points: Iterable[Point], colour: str, width: float, dashes: str = "-", head: bool = False) -> None:
-    """Draw a line through points of space, with an arrowhead at its end if asked for."""
+    """Draw a line through points of space, with an arrowhead at its end if `head`."""
     drawn = np.array([projected(point) for point in points])
     ax.plot(*drawn.T, dashes, color=colour, linewidth=width, solid_joinstyle="round")
     if head:

@@ -86,7 +86,7 @@ def _replace(page: Path, frames: Path, html: bytes, made: Path) -> None:
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Wait until no other povgen replaces the page in the folder, and keep others waiting."""
+    """Wait until no other povgen replaces the page in the folder, and make others wait meanwhile."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         with suppress(OSError):  # some network file systems cannot lock folders

@@ -75,7 +75,7 @@ def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tag
 def gif_durations(frames: int, rate: float) -> list[int]:
     """Return each frame's duration in milliseconds, at `rate` frames a second.
 
-    A GIF's times are whole hundredths of a second. Every frame starts at its own time rounded to one, so rounding
+    A GIF's times are whole hundredths of a second. Each frame's start is rounded, and not its duration, so rounding
     errors do not add up.
     """
     times = [round(100 * n / rate) for n in range(frames + 1)]

@@ -15,8 +15,9 @@ from povgen.settings import Rendering
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # Okabe and Ito's yellow, sky blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (86, 180, 233, 255), (213, 94, 0, 255)
-MIN_TEXT, TEXT = 12, 0.05  # height of the caption's text: in pixels, and as a part of the picture's height
-ROWS = 64  # blended at a time, so that large pictures need little additional memory
+# Height of the caption's text: the least, in pixels, and the usual, as a fraction of the picture's height.
+MIN_TEXT, TEXT = 12, 0.05
+ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -194,7 +195,7 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.window / 2
                 gap = abs(np.diff(place))
-                # points between these two may be visible unless both are far outside of the window's opening
+                # points between these two may be visible unless both are far outside the window's opening
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break

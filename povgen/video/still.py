@@ -1,4 +1,4 @@
-"""Render one picture of a scene, with its caption and overlay if they are asked for."""
+"""Render one picture of a scene, with its caption and overlay if they are wanted."""
 
 from contextlib import closing
 

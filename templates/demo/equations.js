@@ -23,11 +23,8 @@ function quotient(a, b) {
 }
 
 // ---- The equations ----
-// Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are those of
-// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with those modules.
-
-// Angles in radians, lengths in tiles, r above 0 and finite. Signs and units as in povgen/optics/rotation.py and
-// povgen/optics/paraxial.py, which the tests compare these with.
+// Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
+// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with these modules.
 
 const equations = (() => {
   // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
@@ -76,7 +73,7 @@ const equations = (() => {
     return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
   }
 
-  // The angle by which such sheets show an object rotated, and its magnification: paraxial.nu_and_M.
+  // The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
   function turned(z1, z2, alpha, pitch) {
     const { A, B } = depths(z1, z2, alpha, pitch);
     const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
@@ -96,14 +93,14 @@ const equations = (() => {
   }
 
   // The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
-  // For the values of z2, pass z1 in place of z2.
+  // To get the values of z2 instead, pass z1 as the first argument.
   function infiniteZ1(z2, alpha, pitch) {
     const { b, h } = sheet(pitch);
     const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
     return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
   }
 
-  // The values of alpha at which a curve of constant r does so.
+  // The same for alpha, along a curve of constant r.
   function infiniteAlpha(z1, z2, pitch) {
     const { b, h } = sheet(pitch);
     const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));

@@ -18,7 +18,7 @@ function distanceToLine(place, a, b) {
   return abs(minus(to, scaled(Math.min(1, Math.max(0, part)), along)));
 }
 
-// A curve through points. It is interrupted at null, and outside of every drawing.
+// A curve through points. It is interrupted at null, and at points far outside the drawing.
 function curve(kind, points) {
   let d = "";
   let joined = false;
@@ -52,7 +52,7 @@ function arrowhead(kind, tip, angle, length) {
   return svg("polygon", { class: kind, points: corners.map((corner) => corner.join(",")).join(" ") });
 }
 
-// A line that stops before the dot at its end. It has an arrowhead unless it is too short.
+// A line that stops just short of the dot at its end. It has an arrowhead unless it is too short.
 function vector(kind, from, to, rem) {
   const [x, y] = minus(to, from);
   const length = Math.hypot(x, y) - 0.4 * rem;
@@ -64,7 +64,7 @@ function vector(kind, from, to, rem) {
   ];
 }
 
-// For a point outside a picture: the place at the edge for an arrow that points there, and its angle. Otherwise null.
+// For a point outside a picture: the tip and the angle of an arrow at the edge that points to it. Otherwise null.
 function edge(place, width, height, margin) {
   const excess = Math.max(Math.abs(place[0]) / (width / 2 - margin), Math.abs(place[1]) / (height / 2 - margin));
   return excess > 1 ? { tip: scaled(1 / excess, place), angle: Math.atan2(-place[1], place[0]) } : null;

@@ -33,7 +33,7 @@ function appearance(z1, z2, alpha) {
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
 }
 
-// Whether the prediction is off by pixels. The limits are those of povgen/scene/limits.py.
+// Whether the prediction is wrong by pixels. The limits are in povgen/scene/limits.py.
 function unsure(now) {
   if (state.sheet === "ideal") return equations.M(now.r, now.alpha) > data.limits.condition;
   const thin = equations.ideal(state.movie.L, state.movie.E, now.z1, now.z2, now.alpha);

@@ -31,10 +31,10 @@ function point(a) {
 function explanation(now) {
   if (!state.prediction) return "";
   const { thing, marked, sweep } = state.movie;
-  if (!finite(now.P)) return "P is infinitely far away: no light from L reaches E.";
+  if (!finite(now.P)) return "P is infinitely far away: no light from L reaches E."; // the pole
   const [nu, M] = appearanceText(now);
   const prisms = state.sheet === "detailed" ? ` Through these prisms: ν = ${nu}, M = ${M}.` : "";
-  if (unsure(now)) return `Here the prediction is off by pixels: near the pole, or through large prisms.${prisms}`;
+  if (unsure(now)) return `Here the prediction is wrong by pixels: near the pole, or through large prisms.${prisms}`;
   const several = now.objects.length > 1;
   const what = several ? `Rings: predicted positions of the ${thing}s.` : `P: predicted position of the ${marked}.`;
   const others = `L and E: ${thing} and eye, projected.`;

@@ -735,7 +735,7 @@ def test_no_sdl_in_specs(table, name):
         (["frame", "chess", "-o", "folder.mp4"], ["output = 'folder.mp4'", "not a kind"]),
         (
             ["movie", "spec.toml", "-o", "folder.mp4"],
-            ["output = 'folder.mp4': it is there and cannot be written to; allowed"],
+            ["output = 'folder.mp4': it exists and cannot be written to; allowed"],
         ),
         (["movie", "spec.toml", "--workers", "9" * 5000], ["workers", "1 to 256"]),
         (["frame", "chess", "--sheet", "auto", "--tolerance", "9" * 100_000], ["tolerance", "allowed"]),

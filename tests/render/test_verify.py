@@ -158,7 +158,7 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
             {"conditions": (1, 8), "size": SMALL},
             lambda y: y["α → 180°"][0] < 0.3 < 2 < y["α → 180°"][-1],
         ),
-        (stability.prism_count, {"counts": (300,), "size": SIZE}, lambda y: y["leak"] == [0]),
+        (stability.prism_count, {"counts": (300,), "size": SIZE}, lambda y: y["wrong pixels"] == [0]),
         (stability.gap_width, {"gaps": (1e-6, 1e-2)}, lambda y: y["N = 100"][0] > 10 and y["N = 100"][1] < 0.1),
         (
             stability.aliasing,
@@ -194,7 +194,7 @@ def test_maps_are_drawn_and_tabled(tmp_path):
         *("grid.csv", "grid.png", "trace-level.csv", "trace-level.png", "stability.png")
     }
     rows = list(csv.reader((tmp_path / "grid.csv").open()))
-    assert rows[0] == ["series", "the most that the error should be (px)", "worst error of position (px)"]
+    assert rows[0] == ["series", "predicted upper bound of the error (px)", "worst error of position (px)"]
     assert len(rows) == 5 and {limit.sheet for limit in found} == {"ideal", "detailed", "single"} and len(found) == 11
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
 

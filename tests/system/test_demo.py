@@ -600,7 +600,7 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
                         warned = "predicted_image" in dict(prediction.warnings(predicted))
                         assert page.evaluate(unsure, z1) == warned
                         if z1 == scene.z1:
-                            assert ("off by pixels" in page.locator("#explanation").text_content()) == warned
+                            assert ("wrong by pixels" in page.locator("#explanation").text_content()) == warned
 
 
 # ---- The folder ----

@@ -160,7 +160,7 @@ def test_endless_messages_are_not_kept(tmp_path):
 )
 def test_no_more_memory_than_its_share(grows, words, tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_MEMORY", 512 << 20)
-    refused(grows, tmp_path, "out of memory: it may take 512 MiB", *words)
+    refused(grows, tmp_path, "out of memory: its limit is 512 MiB", *words)
 
 
 HUNGRY = {
@@ -188,7 +188,7 @@ def test_the_message_names_the_limit_whatever_takes_the_memory(mebibytes, tmp_pa
 
     with ThreadPoolExecutor() as pool:
         for message in pool.map(message_for, HUNGRY):
-            assert f"out of memory: it may take {mebibytes} MiB" in message and len(message.splitlines()) == 1
+            assert f"out of memory: its limit is {mebibytes} MiB" in message and len(message.splitlines()) == 1
 
 
 LOG = (
@@ -225,7 +225,7 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
             ": scene.pov, line 2: Too many nested symbol tables",
         ),
         (1, RENDERER.format("An internal nesting limit was reached."), None, "An internal nesting limit was reached."),
-        (-signal.SIGXFSZ, "", None, " was stopped: it may write 1024 MiB to a file"),
+        (-signal.SIGXFSZ, "", None, " was stopped: its limit for a file, 1024 MiB, is exceeded"),
         (1, "", None, " failed: it left no message"),
     ],
 )
@@ -234,7 +234,7 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
     (tmp_path / povray.FATAL).write_text(LOG.format(log) if log else "")
     failure = povray._failure(TINY, tmp_path, status, messages)
     assert str(failure).startswith("POV-Ray") and expected in str(failure)
-    assert ("it may take 8192 MiB" in str(failure)) == ("out of mem" in expected)
+    assert ("its limit is 8192 MiB" in str(failure)) == ("out of mem" in expected)
     # only a transient error is worth another try
     assert isinstance(failure, TransientError) == ("killed" in expected)
 
@@ -242,7 +242,9 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     refused(
-        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "it may write 1 MiB to a file"
+        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end',
+        tmp_path,
+        "limit for a file, 1 MiB, is exceeded",
     )
     assert [file.stat().st_size for file in tmp_path.rglob("own.txt")] == [1 << 20]  # and is not tried again
 
@@ -264,9 +266,11 @@ def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
     theirs = {kind: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
     endless = resource.RLIM_INFINITY
     monkeypatch.setattr(resource, "getrlimit", lambda kind: (theirs.get(kind, endless), endless))
-    refused(HUNGRY["array"], tmp_path, "out of memory: it may take 300 MiB")
+    refused(HUNGRY["array"], tmp_path, "out of memory: its limit is 300 MiB")
     (tmp_path / "work").rename(tmp_path / "done")
-    refused('#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "may write 0.5 MiB to a file")
+    refused(
+        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "for a file, 0.5 MiB, is exceeded"
+    )
 
 
 def test_a_frame_under_lower_limits(tmp_path):

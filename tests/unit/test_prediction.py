@@ -18,12 +18,12 @@ from povgen.settings import Rendering
         (Spheres(alpha=175, z1=[2, 5.5]), {}, None),
         (Spheres(alpha=175, z1=[2, 5.5]), {"overlay": True}, "overlay: at alpha = 175 and z1 = 5.5 the prisms' size"),
         (Spheres(alpha=175, z1=[5.5, 2]), {"caption": True}, "caption: at alpha = 175 and z1 = 5.5 the prisms' size"),
-        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 34.7 pixels of 1280x960; beyond 8"),
+        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 34.7 pixels of 1280x960; above 8"),
         (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prisms' size moves the object infinitely"),
         (
             Spheres(alpha=179.9, sheet="ideal"),
             {"caption": True},
-            "z1 = 6 the object is magnified 573 times; beyond 150",
+            "z1 = 6 the object is magnified 573 times; above 150",
         ),
         (Spheres(sheet="single", z1=[2, 3]), {"overlay": True}, None),
         (Spheres(sheet="single", z1=[2, 5]), {"overlay": True}, "overlay: at z1 = 5 the prisms' size"),
@@ -128,7 +128,7 @@ def test_no_warning_without_cause():
             None,
             ["predicted_image", "8", "alpha = 179", "z1 = 5", "moves the object by"],
         ),
-        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "beyond 8", "moves the object by"]),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "above 8", "moves the object by"]),
         (Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6), None, ["predicted_image", "150", "573 times"]),
         # an eye aside: the camera's cells are not small enough before that
         (

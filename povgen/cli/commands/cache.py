@@ -11,11 +11,11 @@ from povgen.errors import InputError
 def command(
     what: Annotated[str, typer.Argument(metavar="info|clear", help="print what the cache holds, or empty it")],
 ) -> None:
-    """Print what the cache holds, or empty it. It keeps frames and ray traces that later runs may need.
+    """Print what the cache holds, or empty it. The cache keeps frames and ray traces for later runs.
 
     The folder is POVGEN_CACHE. It takes up to POVGEN_CACHE_SIZE GiB (default 2): the least recently used files are
-    removed first. Also counted, and removed, are unfinished files that killed povgens left there and among temporary
-    files.
+    removed first. The command also counts, or removes, unfinished files that killed povgens left there and among
+    temporary files.
     """
     from povgen.rendering import cache
 

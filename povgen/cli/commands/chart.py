@@ -17,7 +17,7 @@ def command(
         Path | None, typer.Option(metavar="FOLDER", help="compare with the macros Sheet in this folder's .inc files")
     ] = None,
 ) -> None:
-    """Measure CPU seconds against error, for every model of the sheets and every sampling, in some 20 minutes."""
+    """Measure CPU seconds against error, for every model of the sheets and every sampling, in about 20 minutes."""
     from povgen.files import save
     from povgen.measure import charts, speed
 

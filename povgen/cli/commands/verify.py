@@ -22,13 +22,13 @@ def command(
         Path | None, typer.Option("--json", metavar="FILE", help="also write the values to a .json file")
     ] = None,
     stability: Annotated[
-        bool, typer.Option("--stability", help="map where methods fail, and measure the limits")
+        bool, typer.Option("--stability", help="measure and draw where methods fail, as maps, and check the limits")
     ] = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="write the maps there (default stability)")
+        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="folder for the maps (default stability)")
     ] = None,
 ) -> None:
-    """Measure what POV-Ray renders against the equations and the exact ray trace. Exit status 1: a bound fails."""
+    """Measure what POV-Ray renders against the equations and the exact ray trace. Exit status 1 if a bound fails."""
     from dataclasses import asdict
     from json import dumps
     from math import isfinite
@@ -43,7 +43,7 @@ def command(
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
     if output and not stability:
-        raise InputError(f"output = {str(output)!r}: it is for the maps; allowed with --stability")
+        raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
     if json_file:
         json_file = checked_output(json_file, [".json"])
     folder = made_folder(output or Path("stability")) if stability else None
