@@ -34,7 +34,7 @@ IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
 # A mosaic holds the blocks of the window that a candidate renders.
-MAX_SHARE = 0.12  # the greatest fraction of the window's pixels that a mosaic holds
+MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic holds
 BLOCK_SIDE = 10  # pixels, about: many small blocks say more about the window than a few large ones
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
