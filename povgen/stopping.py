@@ -86,11 +86,16 @@ def _stop(number: int) -> None:
 
 
 def _end_in_time() -> None:
-    """End povgen after a while: the exception may be lost, as in a destructor, or may not interrupt the work."""
+    """End povgen after a while: the exception may be lost, as in a destructor, or the work may not be interruptible."""
     time.sleep(LONGEST)
     _kill_children()
-    _thread.start_new_thread(_remove_folders, ())
-    time.sleep(LONGEST / 5)
+    _thread.start_new_thread(_remove_folders_and_end, ())
+    time.sleep(2 * LONGEST)  # on a busy machine removal takes a while, and on a disk that does not answer it never ends
+    _end()
+
+
+def _remove_folders_and_end() -> None:
+    _remove_folders()
     _end()
 
 

@@ -251,10 +251,14 @@ def test_stopped_with_much_under_way(arguments, place):
         assert not [path for path in place.rglob("*") if "povgen-" in path.name]
 
 
-def test_stopped_though_the_exception_is_lost(tmp_path):
-    """As in a destructor, or in code that catches every exception."""
-    program = """if True:
+@pytest.mark.parametrize("pause", [0, 0.9])
+def test_stopped_though_the_exception_is_lost(pause, tmp_path):
+    """As in a destructor, or in code that catches every exception. On a busy machine, folders are removed slowly."""
+    program = f"""if True:
+        import shutil
         import time
+        remove = shutil.rmtree
+        shutil.rmtree = lambda *args, **options: (time.sleep({pause}), remove(*args, **options))
         from pathlib import Path
         from povgen import files, stopping
         stopping.on_signals()
