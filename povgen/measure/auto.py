@@ -39,7 +39,7 @@ BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
 MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
-MARGIN_FACTOR = 1.5  # FLIP plus 1.5 standard errors of the blocks' mean must be within the tolerance
+MARGIN_FACTOR = 1.5  # FLIP plus this many standard errors of the blocks' mean must be within the tolerance
 ALLOWED_TOLERANCES = "allowed: pixels (1px), mean FLIP (0.2flip), or both (1px,0.2flip)"
 
 

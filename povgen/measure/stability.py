@@ -36,7 +36,7 @@ from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, s
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
-RENDERED = ", by POV-Ray"  # suffix of series from POV-Ray's pictures; series without it are from the exact ray trace
+RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
 
 
 @dataclass
