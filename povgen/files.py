@@ -1,7 +1,8 @@
-"""Output files: checks before any work is done, atomic writes, and work folders that are removed in the end.
+"""Output files: checks before any work is done, atomic writes, and work folders that are removed at the end.
 
-povgen writes a file in a work folder, and moves it to its name when it is complete. If povgen is killed, its work
-folders stay. The next povgen finds and removes them: it can lock their lock files, which no process holds any more.
+povgen writes a file in a work folder, and moves the complete file to its final name. Each process locks a lock file in
+its work folder. If a process is killed, its work folder remains, but the lock is released. Therefore the next process
+can lock this file: it then knows that the folder is a leftover, and removes it.
 """
 
 import fcntl
@@ -17,7 +18,7 @@ from pathlib import Path
 from povgen import stopping
 from povgen.errors import InputError
 
-WORK_PREFIX = ".povgen-"  # of a work folder's name
+WORK_PREFIX = ".povgen-"  # a work folder's name begins with this
 LOCK_FILE = "lock"  # in each work folder; the process that uses the folder holds a lock on it
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
@@ -51,7 +52,7 @@ def checked_folder(path: Path) -> Path:
 
 @contextmanager
 def work_folder(parent: Path) -> Iterator[Path]:
-    """Yield a new folder for unfinished files, and remove it at the end. Leftovers in `parent` are removed first."""
+    """Yield a new folder for unfinished files, and remove it at the end. Remove leftovers in `parent` first."""
     remove_leftovers(parent)
     with ExitStack() as held, ExitStack() as made:  # the lock is held until the folder has been removed
         while True:
@@ -60,7 +61,7 @@ def work_folder(parent: Path) -> Iterator[Path]:
                 folder = Path(tempfile.mkdtemp(prefix=WORK_PREFIX, dir=parent))
                 stopping.folders.add(str(folder))
             made.callback(_forget, folder)
-            # another povgen may have removed the folder before it was locked
+            # another process may have removed the folder before it was locked: then make another folder
             with suppress(FileNotFoundError, BlockingIOError):
                 opened = held.enter_context(_opened(folder))
                 made.callback(_remove_locked, folder, opened)
@@ -73,7 +74,7 @@ def work_folder(parent: Path) -> Iterator[Path]:
 
 
 def _forget(folder: Path) -> None:
-    """Forget a work folder that has been removed: povgen need not remove it when it is stopped."""
+    """If a work folder has been removed, take it off the list of folders that povgen removes when it is stopped."""
     if not os.path.lexists(folder):
         stopping.folders.discard(str(folder))
 
@@ -84,9 +85,10 @@ def temporary_folder() -> AbstractContextManager[Path]:
 
 
 def remove_leftovers(parent: Path) -> int:
-    """Remove the work folders that killed povgens left in a folder. Return their number."""
+    """Remove the work folders that killed processes left in a folder. Return their number."""
     removed = sum(_remove_locked(folder, opened) for folder, opened in _leftovers(parent))
-    for folder in parent.glob(f"{WORK_PREFIX}*"):  # povgen was killed before it made the lock file: nothing is in it
+    # a process that was killed before it made the lock file left an empty folder: rmdir removes only empty folders
+    for folder in parent.glob(f"{WORK_PREFIX}*"):
         with suppress(OSError), _opened(folder) as opened:
             if _is_new(folder, opened):
                 os.rmdir(folder)
@@ -94,7 +96,7 @@ def remove_leftovers(parent: Path) -> int:
 
 
 def leftover_sizes(parent: Path) -> list[int]:
-    """Return the size, in bytes, of each work folder that a killed povgen left in a folder."""
+    """Return the size, in bytes, of each work folder that a killed process left in a folder."""
     return [
         sum(os.lstat(name, dir_fd=inside).st_size for _, _, names, inside in os.fwalk(dir_fd=opened) for name in names)
         for _, opened in _leftovers(parent)
@@ -102,9 +104,9 @@ def leftover_sizes(parent: Path) -> list[int]:
 
 
 def _leftovers(parent: Path) -> Iterator[tuple[Path, int]]:
-    """Yield each work folder that a killed povgen left, with its descriptor. It is locked until the next is yielded.
+    """Yield each work folder that a killed process left, with its descriptor. It is locked until the next is yielded.
 
-    Such a folder is this user's. Its lock file has povgen's mark, and no process holds a lock on it.
+    Such a folder belongs to this user. Its lock file contains povgen's mark, and no process holds a lock on this file.
     """
     for folder in list(parent.glob(f"{WORK_PREFIX}*")):
         with suppress(OSError), ExitStack() as stack:
@@ -113,19 +115,22 @@ def _leftovers(parent: Path) -> Iterator[tuple[Path, int]]:
             stack.callback(os.close, lock)
             if os.fstat(opened).st_uid == os.geteuid() and _is_marked(folder, opened, lock):
                 _lock(lock)
-                if _is_marked(folder, opened, lock):  # it may have changed before it was locked
+                if _is_marked(folder, opened, lock):  # check again: the file may have changed before it was locked
                     yield folder, opened
 
 
 def _is_marked(folder: Path, opened: int, lock: int) -> bool:
-    """Whether a lock file holds povgen's mark. It may be empty in a new folder: povgen was killed before it wrote."""
+    """Return whether a lock file contains povgen's mark, or is empty and the only file in a new folder.
+
+    It is empty if povgen was killed before it wrote the mark.
+    """
     text = os.pread(lock, len(MARK) + 1, 0) if stat.S_ISREG(os.fstat(lock).st_mode) else None
     return text == MARK or text == b"" and _is_new(folder, opened) and os.listdir(opened) == [LOCK_FILE]
 
 
 @contextmanager
 def _opened(folder: Path) -> Iterator[int]:
-    """Yield a folder's descriptor. Raises OSError for anything else, a link to a folder included."""
+    """Yield a folder's descriptor. Raises OSError for anything that is not a folder, and for a link to a folder."""
     opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
         yield opened
@@ -134,7 +139,7 @@ def _opened(folder: Path) -> Iterator[int]:
 
 
 def _is_new(folder: Path, opened: int) -> bool:
-    """Whether a folder has the name, owner and mode that mkdtemp gives it."""
+    """Return whether a folder has the name, owner and mode that mkdtemp gives."""
     status = os.fstat(opened)
     named = re.fullmatch(re.escape(WORK_PREFIX) + "[a-z0-9_]{8}", folder.name)
     return bool(named) and status.st_uid == os.geteuid() and stat.S_IMODE(status.st_mode) == stat.S_IRWXU
@@ -148,9 +153,9 @@ def _lock(lock: int) -> None:
 
 
 def _remove_locked(folder: Path, opened: int) -> bool:
-    """Remove a work folder, of which this process holds the lock. Return whether that succeeded.
+    """Remove a work folder that this process has locked. Return whether this succeeded.
 
-    The lock file is removed last: if something else cannot be removed, the folder is still marked.
+    The lock file is removed last: if another file cannot be removed, the folder is still marked.
     """
     try:
         with os.scandir(opened) as found:
@@ -168,10 +173,10 @@ def _remove_locked(folder: Path, opened: int) -> bool:
 
 
 def save(made: bytes | Path, output: Path) -> None:
-    """Write data, or move a file, to the output atomically: until it is complete, an older file stays in place.
+    """Write data, or move a file, to the output atomically: an older file stays in place until the new one is complete.
 
-    If the output is a link, the file that it points to is replaced. The new file gets the old one's mode, and its owner
-    and group if that is permitted. Raises OSError, which names the output.
+    If the output is a link, the file that it points to is replaced. The new file gets the mode of the old file, and its
+    owner and group if the system permits this. Raises OSError, which names the output.
     """
     target = output.resolve()
     try:
@@ -196,6 +201,6 @@ def _copy_permissions(part: Path, target: Path) -> None:
             os.chown(part, before.st_uid, -1)
         try:
             os.chown(part, -1, before.st_gid)
-        except PermissionError:  # the file keeps another group, which gets only the rights of all other users
+        except PermissionError:  # the new file's group is another one: give it only the rights of all other users
             mode = mode & ~stat.S_IRWXG | (mode & stat.S_IRWXO) << 3
         part.chmod(mode)

@@ -1,4 +1,4 @@
-"""The commands' options: options made from the models' fields, and options that several commands share."""
+"""Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
 import re
@@ -21,7 +21,7 @@ Command = Callable[..., None]
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
 Workers = Annotated[
     str | None,
-    typer.Option(metavar="N", help="how many POV-Rays run at once, 1 to 256", show_default="8 for each core"),
+    typer.Option(metavar="N", help="how many POV-Ray processes run at once, 1 to 256", show_default="8 for each core"),
 ]
 Tolerance = Annotated[
     str | None,
@@ -36,7 +36,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 def takes(*models: str) -> Callable[[Command], Command]:
     """Mark a command that has an option for every field of these models: 'scenes' (all scenes) or 'rendering'.
 
-    The command gets the given values in its **values, as text.
+    The command gets the values that the user gives as text, in its **values.
     """
 
     def mark(command: Command) -> Command:
@@ -47,10 +47,10 @@ def takes(*models: str) -> Callable[[Command], Command]:
 
 
 def with_options(command: Command) -> Command:
-    """Return the command as typer reads it: with an option for every field of the models that it `takes`.
+    """Return the command with a signature for typer: an option for every field of the models that it `takes`.
 
-    An option's value is text; a switch is --x or --no-x. This loads the models, which is slow, so only a command that
-    is run gets its options.
+    An option's value is text; a switch is --x or --no-x. This function loads the models, which is slow, so it is called
+    only for the command that is run.
     """
     fields = _fields(command.__dict__.get("models", ()))
 
@@ -72,7 +72,7 @@ def with_options(command: Command) -> Command:
 
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
-    """Return, by each field's name, the scenes that have it ('' for Rendering) and the field of each."""
+    """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
     from povgen.scene.models import SCENES
     from povgen.settings import Rendering
 
@@ -85,9 +85,9 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
 
 
 def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") -> inspect.Parameter:
-    """Return a field's option, as a parameter with typer's annotation. Its help names scenes in which it differs.
+    """Return a field's option, as a parameter with typer's annotation. `more` is added to the help.
 
-    `more` is added to the help.
+    If the field differs between scenes, the help names the scenes.
     """
     texts = {_about(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items()) + more
@@ -98,7 +98,7 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
     else:
         # the spheres scene takes several z1
         kind, info = list[str] if name == "z1" else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
-    # None: not given; then a movie's spec decides
+    # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
@@ -115,7 +115,7 @@ def _about(field: "FieldInfo") -> str:
 
 
 def scene_of(name: str, values: dict[str, Any]) -> "Scene":
-    """Return the scene of this name, with these values, which may be text. Raises InputError."""
+    """Return the scene of this name with these values. Values can be text. Raises InputError."""
     from povgen.scene.models import SCENES
 
     if name not in SCENES:
@@ -124,7 +124,7 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Divide values into the scene's values and the values of `Rendering`."""
+    """Divide values into a scene's values and a rendering's values."""
     from povgen.settings import Rendering
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
@@ -132,7 +132,7 @@ def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def worker_count(text: str | None) -> int | None:
-    """Return the number that --workers gives. Raises InputError."""
+    """Return the number from --workers. Raises InputError."""
     if text is None:
         return None
     if not re.fullmatch("[0-9]{1,9}", text) or not 1 <= int(text) <= 256:
@@ -152,7 +152,7 @@ def made_folder(output: Path) -> Path:
 def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolerance | None":
     """Return the tolerance of --sheet auto, or None for another sheet.
 
-    Raises InputError for a tolerance that is not valid, and if only one of --sheet auto and --tolerance was given.
+    Raises InputError if the tolerance is not valid, or if only one of --sheet auto and --tolerance is given.
     """
     if (values.get("sheet") == "auto") != (tolerance is not None):
         raise InputError("sheet = 'auto' and tolerance go together; allowed: both: --sheet auto --tolerance 1px")

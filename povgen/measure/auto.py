@@ -1,8 +1,8 @@
-"""The choice that `--sheet auto` makes: the cheapest sheets and sampling that keep a picture within a tolerance.
+"""The choice that `--sheet auto` makes: the cheapest model of the sheets and the cheapest sampling within a tolerance.
 
-Errors of position follow from the scene's parameters, by eq. 7 and the paraxial prediction. Errors of the picture are
-measured: each candidate renders small blocks of the scene's window. These are compared with the same blocks of the
-converged picture through the scene's prisms.
+A sampling is POV-Ray's antialiasing METHOD,THRESHOLD,DEPTH, or 'off'. Errors of position are predicted, by eq. 7 and
+the paraxial prediction. Errors of the picture are measured: small blocks of the window are rendered with each
+candidate, and compared with the same blocks of the converged picture (81 rays a pixel) through the scene's prisms.
 """
 
 import re
@@ -26,26 +26,26 @@ from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Rendering
 
-FAR_DISTANCE = 1000.0  # tiles: stands for the horizon and the sky
+FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. Each sampling is on or near
 # the Pareto front of FLIP and CPU seconds (docs/speed.md). The last one of the ideal sheet costs about as much as the
 # first one of the prisms.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
-# A mosaic holds the blocks of the window that a candidate renders.
-MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic holds
-BLOCK_SIDE = 10  # pixels, about: many small blocks say more about the window than a few large ones
+# A mosaic is a small picture: blocks of the window's pixels, side by side.
+MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic contains
+BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
 MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
-MARGIN_FACTOR = 1.5  # FLIP plus so many standard errors of the blocks' mean must keep the tolerance
+MARGIN_FACTOR = 1.5  # FLIP plus this many standard errors of the blocks' mean must be within the tolerance
 ALLOWED_TOLERANCES = "allowed: pixels (1px), mean FLIP (0.2flip), or both (1px,0.2flip)"
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The greatest errors that a picture may have: of position, pixels, and of the picture, mean FLIP in the window."""
+    """The greatest allowed errors: `px` of positions, in pixels; `flip` of the picture, mean FLIP in the window."""
 
     px: float = inf
     flip: float = inf
@@ -64,7 +64,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model of the sheets and a sampling, with the errors of their picture.
+    """A model of the sheets and a sampling, with the errors of a picture that they make.
 
     `flip` is estimated from blocks, with the uncertainty `margin`. Both are NaN if the candidate was not tried.
     """
@@ -81,7 +81,7 @@ class Candidate:
 
 
 class _MosaicRendering(Rendering):
-    """The rendering of a mosaic, which may be smaller than other pictures."""
+    """The rendering of a mosaic, which is allowed to be smaller than other pictures."""
 
     size: tuple[int, int]
 
@@ -89,10 +89,10 @@ class _MosaicRendering(Rendering):
 def choose(
     scenes: Sequence[Scene], rendering: Rendering, tolerance: Tolerance, antialias: str | None = None
 ) -> tuple[Candidate, str]:
-    """Return the cheapest candidate that meets the tolerance in all scenes, and the reason for it, in a line.
+    """Return the cheapest candidate that meets the tolerance in all scenes, and one line with the reason.
 
-    The scenes have detailed sheets. Positions are predicted in every scene; pictures are tried in at most MAX_FRAMES
-    of them. If `antialias` is given, no other sampling is tried.
+    The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
+    scenes. If `antialias` is given, no other sampling is tried.
     Raises InputError if no candidate meets the tolerance or flip-evaluator is missing; PovrayError.
     """
     # at alpha = 0 the ideal sheet changes nothing, so it is left out
@@ -112,7 +112,7 @@ def choose(
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
     trial = _Trial(scenes, rendering.size)
     for ladder in kept:
-        low, high = 0, len(ladder)  # below `low` all fail; from `high` up all keep the tolerance
+        low, high = 0, len(ladder)  # candidates below `low` exceed the tolerance, candidates from `high` up meet it
         while low < high:
             middle = (low + high) // 2
             tried = ladder[middle] = trial.of(ladder[middle])
@@ -123,11 +123,11 @@ def choose(
         if low < len(ladder):
             return ladder[low], f"{ladder[low]}: the cheapest within tolerance{reason}"
     best = min((c for ladder in kept for c in ladder if not isnan(c.flip)), key=lambda c: c.flip + c.margin)
-    raise InputError(f"tolerance: no choice keeps it; the nearest is {best}; allowed: that error or more")
+    raise InputError(f"tolerance: no choice meets it; the nearest is {best}; allowed: that error or more")
 
 
 class _Trial:
-    """A comparison of candidates on a few small blocks of a few scenes' windows."""
+    """The comparison of candidates with the converged picture, on small blocks of the windows of a few scenes."""
 
     def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]) -> None:
         speed.flip_evaluator()  # raises before anything is rendered
@@ -136,15 +136,15 @@ class _Trial:
         self.right = self._pictures("detailed", CONVERGED)
 
     def of(self, candidate: Candidate) -> Candidate:
-        """Return the candidate with its mean FLIP and the margin, both in the scene where their sum is greatest."""
+        """Return the candidate with its mean FLIP and its margin, from the scene where their sum is greatest."""
         pictures = self._pictures(candidate.sheet, candidate.antialias)
-        worst = (0.0, 0.0)  # if no window is seen
+        worst = (0.0, 0.0)  # the result if no window is visible
         for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
             blocks = _flip(picture, right, part.side)
             if candidate.sheet == "detailed":
-                # FLIP depends on a pixel's surroundings. If other blocks surround a block, noise at its edges counts
-                # too much. If copies of the block surround it, noise counts too little, by the same amount (3 %, mean
-                # of 14 scenes). So the two are averaged.
+                # FLIP depends on a pixel's surroundings. If different blocks surround a block, FLIP is too high because
+                # of noise at the edges. If copies of the block surround it, FLIP is too low by the same amount (3 %,
+                # mean of 14 scenes). So the two values are averaged.
                 blocks = (blocks + _flip(picture, right, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)
@@ -159,15 +159,15 @@ class _Trial:
 
         runner = povray.Runner()
         with thread_pool(runner) as pool:
-            # texts are made in this thread: Python traces rays for them, and a signal interrupts only this thread
+            # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
             return list(pool.map(render, texts, [part for _, part in self.mosaics]))
 
 
 def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
-    """Return blocks of the window's pixels, or None if no window is seen.
+    """Return blocks of the window's pixels, or None if no pixel shows the window.
 
-    The window is divided into equal parts, with one block at a random place in each.
+    The window is divided into equal parts, with one block at a random place in each part.
     """
     inside, _ = probes.rays(scene, size)
     if not inside.any():
@@ -201,10 +201,10 @@ def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> Float
 
 
 def _position_error(scene: Scene, sheet: str) -> float:
-    """Return the greatest error of a point's apparent position, tiles, if a sheet replaces the scene's prisms.
+    """Return the greatest error of a point's apparent position, in tiles, if `sheet` replaces the scene's prisms.
 
-    The points are seen in all parts of the window, at the scene's distances and far away. The result is infinite if
-    eq. 7 is not reliable at one of these distances.
+    The points appear in all parts of the window. Their distances are those of the scene's objects, and FAR_DISTANCE.
+    The result is infinite if eq. 7 is not reliable at one of these distances.
     """
     if sheet == "detailed":
         return 0.0

@@ -1,4 +1,4 @@
-"""Probes: scenes whose colours are numbers, so that each pixel of a rendered probe can be decoded.
+"""Probes: scenes for measuring. Their colours encode numbers, which are decoded from the rendered pixels.
 
 A position in the picture is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
 """
@@ -40,7 +40,7 @@ class LinearRendering(Rendering):
 
 
 class _Probe(Scene):
-    """A window in front of something whose colours are numbers. It allows sheets and eyes that other scenes refuse."""
+    """A window in front of something whose colours encode numbers. It allows values that other scenes refuse."""
 
     prisms: int = 100
     z2: float = 6
@@ -60,17 +60,17 @@ class _Probe(Scene):
 
 
 class Directions(_Probe):
-    """Surroundings, infinitely far away, whose colour is the direction in which they are seen."""
+    """Surroundings, infinitely far away, whose colours encode the direction in which they are seen."""
 
     name: ClassVar[str] = "probes/directions"
     subject: ClassVar[str] = "directions of the light that comes through the window"
 
 
 class Positions(_Probe):
-    """A square parallel to the sheets. Its centre is at L, and its colour is the position on it, relative to L."""
+    """A square parallel to the sheets, with its centre at L. Its colours encode the position relative to L."""
 
     name: ClassVar[str] = "probes/positions"
-    subject: ClassVar[str] = "a square whose colours are places on it"
+    subject: ClassVar[str] = "a square whose colours encode positions on it"
     z1: float
     L: complex = 0j
     extent: float = Field(0.3, description="half the square's side, tiles")
@@ -81,18 +81,17 @@ class Positions(_Probe):
 
 
 class PiecePositions(Chess):
-    """A chess piece alone. Its colour is the position on it, relative to the centre of its foot."""
+    """A chess piece alone. Its colours encode the position relative to the centre of its foot."""
 
     name: ClassVar[str] = "probes/piece"
-    subject: ClassVar[str] = "a chess piece whose colours are places on it"
+    subject: ClassVar[str] = "a chess piece whose colours encode positions on it"
     extent: ClassVar[float] = 2.0
 
 
 def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:
-    """Render probes, and yield the numbers that each one's pixels stand for, (height, width, 3).
+    """Render probes, and yield the numbers that the pixels of each probe encode, (height, width, 3).
 
-    The numbers are directions, or tiles from L. They are NaN where a pixel shows nothing that is coded.
-    Raises PovrayError.
+    The numbers are directions, or positions in tiles. They are NaN where a pixel encodes nothing. Raises PovrayError.
     """
     rendering = LinearRendering(size)
 
@@ -126,9 +125,9 @@ def pixels(size: Size) -> Complexes:
 
 
 def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
-    """Return which pixels look through the window, (height, width), and their rays' unit directions, (n, 3).
+    """Return which pixels show the window, (height, width), and the unit directions of these pixels' rays, (n, 3).
 
-    Pixels whose ray meets the window frame before the sheets are left out.
+    A pixel whose ray meets the window frame in front of the sheets does not show the window.
     """
     position = pixels(size)
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
@@ -140,7 +139,7 @@ def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
 
 
 def window(scene: Scene, size: Size) -> tuple[slice, slice]:
-    """Return the rows and the columns of the pixels that look through the window."""
+    """Return the rows and the columns of the pixels that show the window."""
     inside, _ = rays(scene, size)
     y, x = np.argwhere(inside)[[0, -1]].T
     return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
@@ -191,12 +190,12 @@ class ApparentObject:
 
 
 def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:
-    """Return where the point 0 of an object appears, or None if too little of the object is seen.
+    """Return where the point 0 of an object appears, or None if too little of the object is visible.
 
     `position` holds the pixels' positions in the picture. `on_object` holds the position on the object that each pixel
     shows. Only pixels that show a position within `radius` of 0 count. Prisms cut the object into slices, and stray
-    light shows parts of it elsewhere. Therefore a linear function is fitted to these pixels: the fit starts where they
-    are densest, and drops pixels that lie far from it.
+    light shows parts of it elsewhere. Therefore a linear function is fitted to the pixels. The fit starts where the
+    pixels are densest, and drops pixels with large errors.
     """
     near = abs(on_object) < radius
     position, on_object = position[near], on_object[near]
@@ -218,12 +217,12 @@ def locate(position: Complexes, on_object: Complexes, radius: float) -> Apparent
             off = abs(y - basis @ c)
             kept = off <= 4 * np.median(off[kept]) + 1e-12
         c /= (1, reach, reach)
-        # the fit gives the object's position from the picture's: invert it
+        # the fitted function maps positions in the picture to positions on the object: invert it
         size = abs(c[1]) ** 2 - abs(c[2]) ** 2
         a, b = c[1].conj() / size, -c[2] / size
         step = -a * c[0] - b * c[0].conj()
         centre = centre + step
-        # pixels cut off at the radius would bias the fit: stay within the ellipse as which the circle is seen
+        # on the object `radius` is a circle, which appears as an ellipse: pixels from outside it would bias the fit
         reach = 0.8 * radius * abs(abs(a) - abs(b))
         if abs(step) < 1e-6 * reach:
             break

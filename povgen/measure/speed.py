@@ -1,10 +1,11 @@
-"""CPU seconds against error, for every model of the sheets and every useful sampling, in one run: `povgen chart`.
+"""CPU seconds and errors of pictures, for every model of the sheets and every useful sampling: `povgen chart`.
 
-CPU seconds are what the operating system reports of each finished POV-Ray process. The processes run one at a time, and
-the rounds measure all of them in the same order. The result is the rounds' median.
-The error of a picture is measured inside the window, against a converged picture of the same scene: the RMS of
-gamma-encoded colours (0 black to 1 white), and the mean of FLIP. FLIP says how different two pictures look, 0 to 1.
-Errors of position are RMS against eq. 7, in pixels of 1280x960.
+A sampling is the choice of rays for a pixel: POV-Ray's antialiasing, or another (SAMPLINGS). CPU seconds are what the
+operating system reports of each finished POV-Ray process. The processes run one at a time. They are measured in several
+rounds, in the same order, and the median of the rounds counts.
+A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
+the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
+0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
 """
 
 import os
@@ -39,7 +40,8 @@ Size = tuple[int, int]  # width and height, pixels
 
 SIZES = ((160, 120), (320, 240), (640, 480))
 MAIN_SIZE = SIZES[1]
-# POV-Ray's antialiasing, METHOD,THRESHOLD,DEPTH; or 'box k': render k times as large, average k x k pixels to one.
+# POV-Ray's antialiasing METHOD,THRESHOLD,DEPTH; 'off': one ray a pixel; 'box k': render k times as many rows and
+# columns, and average k x k pixels to one.
 SAMPLINGS = (
     *("off", "1,0.9,2", "1,0.3,2", "1,0.1,2", "1,0.9,3", "1,0.3,3", "1,0.1,3", "1,0.3,4", "1,0.1,4"),
     *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "box 2", "box 3", "box 4"),
@@ -65,7 +67,7 @@ class Point:
     picture: Picture = field(init=False, repr=False)
     rms: float = np.nan
     flip: float = np.nan
-    flip_detailed: float = np.nan  # against the converged picture through the prisms, whatever the method
+    flip_detailed: float = np.nan  # compared with the converged picture through prisms, for every method
 
     @property
     def cpu(self) -> float:
@@ -74,15 +76,15 @@ class Point:
 
 
 def machine() -> str:
-    """Describe, in a line, the machine that measures."""
+    """Describe this machine in one line."""
     cores = len(os.sched_getaffinity(0))
     return f"{platform.machine()}, {cores} cores, POV-Ray {povray.version()}, Python {platform.python_version()}"
 
 
 def baselines(folder: Path) -> dict[str, str]:
-    """Return the hand-written macros `Sheet` that are in a folder's .inc files, by the files' names.
+    """Return the hand-written macros `Sheet` from a folder's .inc files, by the files' names without suffix.
 
-    Raises InputError if there is none.
+    Raises InputError if the folder contains no such file.
     """
     try:
         found = {path.stem: path.read_text("utf-8") for path in sorted(folder.glob("*.inc"))}
@@ -95,7 +97,10 @@ def baselines(folder: Path) -> dict[str, str]:
 
 
 def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
-    """Render a scene's text; return POV-Ray's CPU seconds and the picture. No other child process may end meanwhile."""
+    """Render a scene's text; return POV-Ray's CPU seconds and the picture.
+
+    No other child process is allowed to end during the call: its CPU seconds would be counted too.
+    """
     with temporary_folder() as folder:
         before = getrusage(RUSAGE_CHILDREN)
         path = povray.run(text, rendering, folder)
@@ -104,7 +109,7 @@ def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
 
 
 def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with a sampling, written as in SAMPLINGS; return CPU seconds and the picture."""
+    """Render a scene's text with a sampling of the form used in SAMPLINGS; return CPU seconds and the picture."""
     if not sampling.startswith("box"):
         return cpu_seconds(text, Rendering(size=size, antialias=sampling))
     k = int(sampling.split()[1])
@@ -141,9 +146,9 @@ def flip_evaluator() -> ModuleType:
 
 
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
-    """Measure every method with every sampling. `sheet_macros` are the baselines: other macros `Sheet`, by name.
+    """Measure every method with every sampling. `sheet_macros` are the macros that `baselines` returns.
 
-    Calls `done` with the name of each finished step.
+    A method is a model of the sheets or a baseline. Calls `done` with the name of each finished step.
     """
     detailed, ideal = Chess(), Chess(sheet="ideal")
     texts = {"detailed": to_pov(detailed), "ideal": to_pov(ideal)}
@@ -156,7 +161,7 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
     ]
     for number in range(ROUNDS):
         for point in points:
-            # one round for the largest size: its frames take long, and their times vary little
+            # only one round for the largest size: its frames take long, and their times vary little
             if number == 0 or point.size != SIZES[-1]:
                 seconds, point.picture = sample(point.text, point.sampling, point.size)
                 point.seconds.append(seconds)
@@ -173,7 +178,7 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
 
 
 def pareto_front(points: Sequence[Point], error: str) -> list[Point]:
-    """Return the points, the cheapest first, than which no other point is better in both CPU seconds and the error."""
+    """Return the points for which no other point has both fewer CPU seconds and less error, the cheapest first."""
     best, least = [], np.inf
     for point in sorted(points, key=lambda point: point.cpu):
         if getattr(point, error) < least:
@@ -183,7 +188,10 @@ def pareto_front(points: Sequence[Point], error: str) -> list[Point]:
 
 
 def measure_prism_counts(done: Callable[[str], object]) -> Iterator[tuple[str, int, float, float]]:
-    """Yield sheet, prisms, CPU seconds of 640x480 pixels without antialiasing, and position error (1280x960 pixels)."""
+    """Yield sheet, number of prisms, CPU seconds, and position error in pixels of 1280x960.
+
+    The CPU seconds are for 640x480 pixels without antialiasing.
+    """
     rendering = Rendering(size=SMALL, antialias="off")
     cases = [("ideal", 100), *(("detailed", count) for count in PRISM_COUNTS)]
     texts = [to_pov(Chess(sheet=sheet, prisms=count)) for sheet, count in cases]
@@ -203,9 +211,9 @@ def position_error(sheet: str, prisms: int) -> float:
 
 
 def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float, float]]:
-    """Yield the number of workers, a movie's wall seconds, and the fraction of the cores that was busy meanwhile.
+    """Yield the number of workers, a movie's wall seconds, and the fraction of the cores' time that was used.
 
-    The movie has 61 small frames. Nothing is taken from povgen's cache.
+    The movie has 61 small frames. povgen's cache is not used.
     """
     cores = len(os.sched_getaffinity(0))
     for count in WORKER_COUNTS:
@@ -219,7 +227,7 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
 
 @contextmanager
 def empty_cache(folder: Path) -> Iterator[None]:
-    """Let povgen keep frames in an empty folder instead of its cache."""
+    """Use an empty folder instead of povgen's cache."""
     own = os.environ.get("POVGEN_CACHE")
     os.environ["POVGEN_CACHE"] = str(folder)
     try:

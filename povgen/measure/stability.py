@@ -1,8 +1,8 @@
-"""Where methods fail: stability maps, and the limits read from them. `povgen verify --stability` measures both.
+"""Where methods fail: stability maps and limits. `povgen verify --stability` measures them.
 
-A stability map is a measured error or loss y against one quantity x, such as the number of prisms. `charts` draws it. A
-limit is the x up to which (or above which) y keeps a tolerance. It is compared with the limit that povgen uses, in
-`scene.limits`.
+A stability map is a series of measurements: an error or loss y against one quantity x, such as the number of prisms.
+`charts` draws it. A limit is the x up to which (or above which) y is within a tolerance. Each measured limit is
+compared with the limit that povgen uses (`scene.limits`).
 """
 
 import dataclasses
@@ -36,15 +36,15 @@ from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, s
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
-RENDERED = ", by POV-Ray"  # suffix of a series that POV-Ray renders; the exact ray trace makes the series without it
+RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
 
 
 @dataclass
 class StabilityMap:
-    """Measured values y against x, in named series. `rows` are (series, x, y), in the order of measuring.
+    """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
-    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. The
-    greatest allowed y is `tolerance`.
+    The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
+    `tolerance` is the greatest allowed y.
     """
 
     name: str
@@ -63,10 +63,10 @@ class StabilityMap:
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
         """Measure the limit of a series, and compare it with the limit that povgen uses, `in_force`.
 
-        If y is rising with x, the limit is the greatest x up to which y keeps the tolerance. Otherwise it is the least
-        x above which y does. Between two rows it is interpolated, in the logarithm of x on a logarithmic axis. If y
-        exceeds the tolerance already at the least x (at the greatest x, if y is not rising), the limit is NaN, which
-        fails.
+        If y is rising with x, the limit is the greatest x up to which y is within the tolerance. Otherwise the limit is
+        the least x above which y is within the tolerance. Between two rows the limit is interpolated linearly, or in
+        the logarithm of x if the x axis is logarithmic. If y exceeds the tolerance already at the least x (or, if y is
+        not rising, at the greatest x), the limit is NaN, which fails.
         """
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
         found = points[0][0] if points[0][1] <= self.tolerance else np.nan
@@ -83,7 +83,7 @@ class StabilityMap:
 
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
-    """(a) Measure the error of eq. 7 as alpha -> 180 deg and as z1 -> z2, against the condition number of P."""
+    """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
     x, y = "condition number |1 − P|", "error of position (px)"
     result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
@@ -121,9 +121,9 @@ def _near_pole(
     E: complex = -0.2 + 0j,
     prisms: int = 100,
 ) -> Iterator[tuple[float, Positions, complex, complex]]:
-    """Yield the condition number, the scene, and its object's apparent position: measured, and by eq. 7, in tiles.
+    """Yield the condition number, the scene, and its object's apparent position in tiles: as measured, and by eq. 7.
 
-    The scenes approach the pole as `toward` says.
+    `toward` says how the scenes approach the pole.
     """
     scenes = []
     for M in conditions:
@@ -139,7 +139,7 @@ def _near_pole(
 
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(b) Measure which pixels on the designed path are wrong: POV-Ray shows another direction than the exact trace."""
+    """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
     result = StabilityMap(
         "prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy"
     )
@@ -153,7 +153,7 @@ def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: S
 def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
-    """(c) Measure stray pixels that POV-Ray gets wrong in narrow gaps, and light that is lost in wide gaps."""
+    """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
     narrow = StabilityMap("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to the gap (%)", 3, "x"
@@ -170,10 +170,9 @@ def gap_width(
 
 
 def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
-    """Return three fractions.
+    """Return three fractions: wrong among designed pixels, designed among all pixels, wrong among stray pixels.
 
-    They are the fraction of wrong pixels on the designed path, the fraction of all pixels that are on this path, and
-    the fraction of wrong pixels among stray pixels.
+    Designed pixels show light on the designed path. Stray pixels show other light.
     """
     inside, direction = probes.rays(scene, size)
     found = probes.traced(scene, direction, max_trace_level(scene))
@@ -184,7 +183,7 @@ def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
 
 
 def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
-    """(d) Measure lost pixels, by the exact ray trace and by POV-Ray. They stay black although light reaches them.
+    """(d) Measure lost pixels, by the exact ray trace and by POV-Ray: they stay black although light reaches them.
 
     The limit that povgen uses is the trace level that it sets for the scene.
     """
@@ -220,9 +219,9 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
 def field_angle(
     distances: Sequence[float] = (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
-    """(e) Measure pixels without rotated light: by field angle, and in the whole window by the eye's distance."""
+    """(e) Measure pixels without rotated light, against the field angle, and against the eye's distance."""
     y = "pixels without rotated light (%)"
-    # 1 % more than the limit of povgen's warning, which uses only a sample of rays
+    # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - MIN_DESIGNED_FRACTION) + 1
     angles = StabilityMap("field", "(e) field angle", "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
@@ -265,7 +264,7 @@ OFF_AXIS: tuple[tuple[float, complex, float, float], ...] = (
 
 
 def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size: Size = TINY) -> Iterator[StabilityMap]:
-    """(f) Measure the error of the ideal sheet's camera for an eye off the axis, against its predicted upper bound."""
+    """(f) Measure the error of the ideal sheet's camera for an eye off the axis, against the error's upper bound."""
     x = "predicted upper bound of the error (px)"
     # 0.011 px: the resolution of positions in 16 bits
     result = StabilityMap(
@@ -292,9 +291,9 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
 
 
 def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size = TINY) -> Iterator[StabilityMap]:
-    """(g) Measure the error of pixels, and of means of 12x12 pixels, without antialiasing, against the prisms' width.
+    """(g) Measure the errors of pixels and of means of 12x12 pixels, without antialiasing, against the prisms' width.
 
-    If the pixels do not resolve the prisms, each pixel is a random sample, and its error does not grow any more.
+    If prisms are narrower than pixels, each pixel shows a random ray, and its error does not grow any more.
     """
     from povgen.video.still import render
 
@@ -316,9 +315,10 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
 
 def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(h) Measure the contrast of the moire of nearly parallel sheets, against alpha.
+    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha.
 
-    It is the RMS difference between neighbouring blocks of pixels, in their fraction of rays on the designed path.
+    For each block of pixels, the fraction of rays on the designed path is found. The contrast is the RMS difference of
+    this fraction between neighbouring blocks.
     """
     result = StabilityMap("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast / contrast at 30°", 1.35, "")
     for count in (50, 100, 400):
@@ -329,7 +329,7 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
             designed = np.zeros(inside.shape)
             designed[inside] = probes.traced(scene, direction).designed
             blocks = _blocks(designed[probes.window(scene, size)][6:-6, 6:-6], 24)
-            # only neighbours are compared, because the slow fall towards the edges is not moire
+            # only neighbours are compared, because the slow decrease towards the window's edges is not moire
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
             result.add(f"N = {count}", alpha, value / contrast[-1])

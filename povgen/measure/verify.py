@@ -1,7 +1,7 @@
-"""Measure what POV-Ray renders against the equations and the exact ray trace: `povgen verify`.
+"""Compare what POV-Ray renders with the equations and the exact ray trace: `povgen verify`.
 
-Each check renders probes, and yields each value that it measured together with the value's bound. Random scenes
-have fixed seeds.
+Each check renders probes: scenes whose colours encode numbers. It yields each measured value together with the value's
+bound. Random scenes have fixed seeds.
 """
 
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ class Measured:
 
     @property
     def holds(self) -> bool:
-        """Return whether the value keeps its bound. NaN does not."""
+        """Return whether the value is within its bound. NaN is not."""
         return bool(self.value >= self.bound if self.least else self.value <= self.bound)
 
 
@@ -57,7 +57,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
 
 
 def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
-    """Measure the apparent positions of objects against eq. 7."""
+    """Compare the apparent positions of objects with eq. 7, and nu and M with eqs. 8 and 9, corrected."""
     scenes = [
         *targets("ideal", count - 2 * (count // 3), seed=7, E=0j),
         *targets("ideal", count // 3, seed=8, E=0.3 - 0.4j),
@@ -76,14 +76,14 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
 
 
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
-    """Measure the direction seen in every pixel of the window against the rotated direction."""
+    """Compare the direction that each pixel of the window shows with the rotated direction."""
     for E, where in ((0j, "in front of the window"), (0.5 - 0.5j, "to the side"), (8.6j, "far to the side")):
         scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = probes.rays(scene, size)
             turned = rotation.rotate(direction, radians(scene.alpha))
-            # the window frame hides rays that leave the sheet and then miss the frame's rear opening
+            # rays that leave the sheet but miss the window frame's rear opening end at the frame: leave them out
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
             off = np.linalg.norm(_unit(decoded[inside]) - turned, axis=1)
@@ -93,7 +93,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
 
 
 def chess_pieces(size: Size = HD) -> Iterator[Measured]:
-    """Measure how chess pieces appear rotated and magnified about the eye, against eqs. 8 and 9, corrected."""
+    """Compare how chess pieces appear rotated and magnified about the eye with eqs. 8 and 9, corrected."""
     scenes = [
         PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
         for alpha, z1, name in (
@@ -117,10 +117,10 @@ def chess_pieces(size: Size = HD) -> Iterator[Measured]:
 
 
 def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
-    """Return the complex number that multiplies a piece's positions relative to the eye, in the plane of its axis.
+    """Return the complex number that multiplies positions relative to E, at the depth of the piece's axis.
 
     A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
-    cubic of depth.
+    cubic polynomial of the depth.
     """
     inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
@@ -137,7 +137,7 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
 
 
 def horizon(size: Size = HD) -> Iterator[Measured]:
-    """Measure where light from the horizon is seen: on a line through E that is turned by alpha."""
+    """Measure the angle at which the horizon appears: on a line through E that is turned by alpha."""
     alphas = (-120, 30, 66, 90, 180)
     off = [horizon_angle(Directions(sheet="ideal", alpha=alpha), size) - radians(alpha) for alpha in alphas]
     worst = np.max(abs((np.array(off) + pi) % (2 * pi) - pi))
@@ -170,9 +170,8 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
         scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
         a, b = (seen.position for _, seen in located(scenes, size))
-        z2_over_distance = 1 - (a - b) / (
-            eyes[0] - eyes[1]
-        )  # distance: from the eyes to where their lines of sight cross
+        # distance: from the eyes to the point where their lines of sight cross
+        z2_over_distance = 1 - (a - b) / (eyes[0] - eyes[1])
         off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / z2_over_distance - z1) / z1)
     yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
 
@@ -194,9 +193,9 @@ def every_pixel(
     others: int = 16,
     size: Size = SMALL,
 ) -> Iterator[Measured]:
-    """Measure the direction in every pixel against the exact ray trace.
+    """Compare the direction that every pixel shows with the exact ray trace, stray light included.
 
-    Stray light, and light that travels between the sheets, are included. `others` is the number of random scenes.
+    `others` is the number of random scenes.
     """
     for count in prisms:
         scenes = [Directions(sheet="detailed", prisms=count, alpha=alpha) for alpha in alphas]
@@ -247,7 +246,7 @@ def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measure
 def finite_prisms(
     prisms: tuple[int, ...] = (25, 50, 100, 200, 400, 800, 1600), count: int = 8, size: Size = SMALL
 ) -> Iterator[Measured]:
-    """Measure how the error of eq. 7, which is for infinitely small prisms, falls with the number of prisms."""
+    """Measure how the error of eq. 7, which is for infinitely small prisms, decreases with the number of prisms."""
     thin = [errors(targets("detailed", count, seed=3, E=0j, prisms=number), size)[0] for number in prisms]
     slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
     yield Measured(
@@ -255,14 +254,14 @@ def finite_prisms(
     )
 
 
-# Ranges of |alpha|, degrees, each with the greatest part of eq. 7's error that the paraxial prediction may leave.
+# Ranges of |alpha|, degrees, each with the greatest allowed ratio of the paraxial prediction's error to eq. 7's error.
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
 def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
     """Measure the error of the paraxial prediction, for 100 prisms, as a fraction of eq. 7's error.
 
-    The fraction is large near alpha = 0, because the prediction ignores the moire bands of nearly parallel sheets.
+    The fraction is large near alpha = 0: nearly parallel sheets show bands (moire), which the prediction ignores.
     """
     for between, most in ALPHA_RANGES:
         thin, thick = errors(targets("detailed", count, seed=5, E=0j, alphas=between, prisms=100), size)
@@ -273,7 +272,7 @@ def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measure
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
-    """Return the errors of eq. 7 and of the scenes' own predictions: RMS over the scenes, tiles."""
+    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles."""
     thin, thick = [], []
     for scene, seen in located(scenes, size):
         ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
@@ -312,7 +311,7 @@ def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
 
 
 def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
-    """Measure, for each field angle, the fraction of pixels that show rotated light, against the exact ray trace."""
+    """Compare the fraction of pixels that show rotated light with the exact ray trace, for each field angle."""
     found = list(fractions(alphas, size))
     worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
     angles = [angle for _, angle, *_ in found] or [np.nan]
@@ -325,9 +324,9 @@ def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size
 
 
 def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:
-    """Yield alpha, field angle, and the fraction of pixels that show rotated light: rendered, and traced exactly.
+    """Yield alpha, field angle, and two fractions of pixels that show rotated light: rendered, and traced exactly.
 
-    Angles are in degrees. Each field angle is the middle of a ring of 5 degrees.
+    Angles are in degrees. Pixels are grouped by field angle, in rings 5 degrees wide; each ring's middle is yielded.
     """
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
@@ -369,7 +368,7 @@ NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
 
 
 def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
-    """Yield each scene and where its square appears: NOT_FOUND, which keeps no bound, if too little of it is seen."""
+    """Yield each scene and where its square appears, or NOT_FOUND (NaN) if too little of the square is visible."""
     position = probes.pixels(size)
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = probes.rays(scene, size)

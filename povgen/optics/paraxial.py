@@ -1,13 +1,13 @@
 """Where two sheets of prisms of finite size show an object: ray-transfer matrices for small angles, on numpy arrays.
 
-Eq. 7 is for infinitely thin sheets. A sheet of prisms with a given pitch is a few pitches thick. Across the ridges it
-reverses the slope of light, as if in the sheet's middle plane. Along the ridges it acts as a slab of glass: it shifts
-light sideways by -g times the component of the slope along the ridges (`prism.slab_shift`). Other shifts depend on the
-point at which a ray enters a prism. They are as often to one side as to the other, and cancel on average.
-docs/sheets.md has the derivation.
+Eq. 7 is for infinitely thin sheets. A sheet of prisms with a given pitch is a few pitches thick. Across the ridges (the
+prisms' long edges) it reverses the slope of light, as if in the sheet's middle plane. Along the ridges it acts as a
+slab of glass: it shifts light sideways by -g times the component of the slope along the ridges (`prism.slab_shift`).
+Other shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the
+derivation.
 
-Light from L that reaches E with the slope s = (P - E)/z2, a complex number, has L - E = A s + B conj(s). `_depths`
-returns A and B.
+Let light from L reach E with the slope s = (P - E)/z2, a complex number. Then L - E = A s + B conj(s), with A and B
+that depend on z1, z2, alpha and the pitch (`_depths`).
 
 Signs and units are as in `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
 refer to this plane.
@@ -24,8 +24,8 @@ def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
     z1, z2 and the pitch of the prisms are in one unit, alpha in radians. For pitch = 0, a = 1 - P of eq. 7, and b = 0.
-    At |A| = |B| light from L meets the eye's plane in a line, or not at all. Near this, a and b are large, and so
-    is their error (`limits.MAX_CORRECTION`).
+    At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
+    so are their errors (`limits.MAX_CORRECTION`).
     """
     A, B = _depths(z1, z2, alpha, pitch)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -36,10 +36,10 @@ def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple
 def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
-    A short step d on the object appears as a d + b conj(d), with a, b of `image`. Then nu = arg(a). The magnification
-    depends on the direction of d and is between |a| - |b| and |a| + |b|; M is their mean |a|. For pitch = 0 these are
-    eqs. 8 and 9, corrected. At |b| > |a| the object appears mirrored: nu is NaN, and the mean is |b|. At |A| = |B|, nu
-    is NaN and M is infinite.
+    A short step d on the object appears as a d + b conj(d), with a and b from `image`. Then nu = arg(a). The
+    magnification depends on the direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For
+    pitch = 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is |b|.
+    If |A| = |B|, nu is NaN and M is infinite.
     """
     A, B = _depths(z1, z2, alpha, pitch)
     a, b = image(z1, z2, alpha, pitch)
@@ -50,7 +50,7 @@ def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tu
 def infinite_z1(z2: ArrayLike, alpha: ArrayLike, pitch: float) -> Complexes:
     """Return the two z1 at which |A| = |B|.
 
-    If there are none, the results are complex, and their real part is the z1 at which |A| is least.
+    If no real z1 has |A| = |B|, the two results are complex. Their real part is the z1 at which |A| is least.
     """
     g, apart = _sheet(pitch)
     h = (apart + g) / 2
@@ -59,7 +59,10 @@ def infinite_z1(z2: ArrayLike, alpha: ArrayLike, pitch: float) -> Complexes:
 
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
-    """Return the alpha from 0 to pi, radians, at which |A| = |B|; -alpha is another. Complex if there is none."""
+    """Return the alpha from 0 to pi, radians, at which |A| = |B|. It is complex if no real alpha has |A| = |B|.
+
+    At -alpha, |A| = |B| too.
+    """
     g, apart = _sheet(pitch)
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
     return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
@@ -77,8 +80,8 @@ def apparent_position(
 def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
     """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
 
-    A line along z appears as a hyperbola. For z1 = z2 light from L meets the eye's plane in a line, or not at all: the
-    result is infinite or NaN.
+    A line along z appears as a hyperbola. For z1 = z2 the result is infinite or NaN, because light from L meets the
+    eye's plane in a line, or does not reach it.
     """
     D = np.subtract(L, E)
     g = prism.slab_shift() * pitch * (1 - prism.AIR_GAP)
@@ -96,6 +99,6 @@ def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tup
 
 
 def _sheet(pitch: float) -> tuple[float, float]:
-    """Return g, the shift of one sheet's slab of glass (`prism.slab_shift`), and the distance of the middle planes."""
+    """Return g, the slab shift of one sheet (`prism.slab_shift`), and the distance of the sheets' middle planes."""
     height = pitch * (1 - prism.AIR_GAP)
     return prism.slab_shift() * height, height * prism.aspect() + pitch * prism.AIR_GAP

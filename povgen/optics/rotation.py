@@ -7,10 +7,10 @@ distance z2 in front of the sheet. Light from L to E crosses the sheet at P. The
 Equations 5 to 9 are for L = 0 and E = 1.
 
 At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P and 1 - P are the complex infinity
-(inf + 0j). pi is not a double: for r = 1, the double nearest to pi is treated as the pole. Near the pole no digits are
-lost by cancellation. `condition` says how much errors of r and alpha grow there.
+(inf + 0j). A double cannot be exactly pi: for r = 1, the double nearest to pi is treated as the pole. Near the pole no
+digits are lost by cancellation. `condition` returns the factor by which errors of r and alpha grow there.
 
-alpha, r and distances are real: complex numbers raise TypeError. Negative r and distances raise ValueError. NaN gives
+alpha, r and distances are real. Complex numbers raise TypeError. Negative r or distances raise ValueError. NaN gives
 NaN.
 """
 
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Results are arrays, or numpy scalars if all arguments are scalars. As in numpy, their type for checkers is Any.
+# Results are arrays, or numpy scalars if all arguments are scalars. For type checkers they are Any, as in numpy.
 Floats = Any
 Complexes = Any
 Booleans = Any
@@ -46,7 +46,7 @@ def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
 
 
 def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
-    """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P. For infinite P, 1."""
+    """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P, and 1 for infinite P."""
     infinite = np.isinf(P)
     P = np.where(infinite, 0, P)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -64,7 +64,7 @@ def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
 
 
 def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
-    """Return eq. 7: 1/(1 + r exp(i alpha)), where light from L = 0 to E = 1 crosses the sheet."""
+    """Return eq. 7: 1/(1 + r exp(i alpha)), the point where light from L = 0 to E = 1 crosses the sheet."""
     r, alpha, touching = _checked(r, alpha)
     return np.where(touching, 0, _divide(1, _sum(1.0, np.where(touching, 1, r), alpha)))[()]
 
@@ -72,8 +72,7 @@ def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
 def one_minus_P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return E - P for L = 0 and E = 1.
 
-    The eye at E sees the object at P. Compared with an object that touches the sheet, its position relative to E is
-    multiplied by 1 - P.
+    The eye at E sees the object L at P, with P - E = (L - E) (1 - P).
     """
     r, alpha, touching = _checked(r, alpha)
     finite = np.where(touching, 1, r)
@@ -83,7 +82,8 @@ def one_minus_P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
 def nu(r: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return eq. 8, corrected: arg(1 - P), the angle through which an object appears turned about E. NaN at the pole.
 
-    Erratum: eq. 8 prints arg(P), the angle at L. The text next to it, and the paper's pictures, mean the angle at E.
+    Erratum: the paper prints arg(P), the angle at L. The text next to eq. 8, and the paper's pictures, show the angle
+    at E.
     """
     r, alpha, touching = _checked(r, alpha)
     inverse = _sum(np.where(touching, 1, r), np.where(touching, 0, 1.0), -alpha)  # a positive multiple of 1/(1 - P)
@@ -91,9 +91,10 @@ def nu(r: ArrayLike, alpha: ArrayLike) -> Floats:
 
 
 def M(r: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Return eq. 9, corrected: |1 - P|, how much larger an object appears than in the plane of the sheet.
+    """Return eq. 9, corrected: |1 - P|, the magnification compared with the same object in the plane of the sheet.
 
-    It is infinite at the pole. Erratum: eq. 9 prints |P|, which is 0, and not 1, for an object that touches the sheet.
+    M is infinite at the pole. Erratum: the paper prints |P|, which is 0 for an object that touches the sheet. There the
+    magnification is 1.
     """
     return np.abs(one_minus_P(r, alpha))
 
@@ -101,8 +102,8 @@ def M(r: ArrayLike, alpha: ArrayLike) -> Floats:
 def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return the condition number of P with respect to r exp(i alpha): |1 - P|. (For 1 - P it is |P|.)
 
-    A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, causes a relative error of 1e-16 times the
-    condition number in P.
+    A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, changes P. The relative error of P is 1e-16
+    times the condition number.
     """
     return M(r, alpha)
 
@@ -110,8 +111,8 @@ def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
 def apparent_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return where light from L to E crosses the sheet: E + (L - E) (1 - P), with P of eq. 7.
 
-    L and E are any points, complex; z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole the result is the
-    complex infinity, but NaN for L = E, which the eye sees in every direction.
+    L and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole the result is the complex
+    infinity. For L = E it is NaN there, because the eye then sees L in every direction.
     """
     z1, z2, alpha = _real("z1", z1, 0), _real("z2", z2, 0), _real("alpha", alpha)
     return np.asarray(E) + _divide(np.subtract(L, E) * z2, _sum(z2, z1, -alpha))
@@ -120,7 +121,7 @@ def apparent_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
 def object_position(P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return the point L at which an object appears at P: the inverse of `apparent_position`.
 
-    P and E are complex; z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E, whatever P is.
+    P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
     z1, z2, alpha = _real("z1", z1, 0), _real("z2", z2, 0), _real("alpha", alpha)
     depth = _sum(z2, z1, -alpha)
@@ -130,9 +131,9 @@ def object_position(P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, al
 def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return the directions (..., 3) of light after a sheet that rotates it by alpha.
 
-    The transverse part (x, y) of light that runs towards the eye, with negative z, is multiplied by exp(i alpha). Light
-    that runs away from the eye, as a camera's rays do, is turned by -alpha: a reversed ray retraces its path. Raises
-    ValueError for light parallel to the sheet, z = 0.
+    A direction with z < 0 runs towards the eye: its transverse part x + iy is multiplied by exp(i alpha). A direction
+    with z > 0 runs away from the eye, as a camera's rays do: it is turned by -alpha, because a reversed ray retraces
+    its path. Raises ValueError for light parallel to the sheet, z = 0.
     """
     direction = _real("direction", direction)
     if (direction[..., 2] == 0).any():
@@ -144,8 +145,8 @@ def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
 def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
     """Return the directions (..., 3) of light after one sheet of infinitely fine Dove prisms.
 
-    `angle` is the angle between the prisms' ridges and the x axis. The transverse part d is mirrored about the ridges:
-    it becomes exp(2i angle) conj(d).
+    `angle` is the angle between the prisms' ridges and the x axis. The transverse part d = x + iy is mirrored about the
+    ridges: it becomes exp(2i angle) conj(d).
     """
     direction = _real("direction", direction)
     return _with_transverse(direction, np.exp(2j * _real("angle", angle)) * _transverse(direction).conj())
@@ -163,7 +164,7 @@ def _real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.fl
 
 
 def _checked(r: ArrayLike, alpha: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], Booleans]:
-    """Return r and alpha as floats, and whether the object touches the sheet: r infinite, and alpha not NaN."""
+    """Return r and alpha as floats, and whether the object touches the sheet: r is infinite, and alpha is not NaN."""
     r, alpha = _real("r", r, 0), _real("alpha", alpha)
     return r, alpha, np.isinf(r) & ~np.isnan(alpha)
 

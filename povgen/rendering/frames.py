@@ -23,9 +23,9 @@ AHEAD = 2  # frames in the pool for each worker: one is rendered while the next 
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
-    """Return the frame's path in the cache, or its PNG file if the cache cannot hold it.
+    """Return the frame's path in the cache, or the bytes of its PNG file if the cache cannot store the frame.
 
-    Raises PovrayError, which names the scene's parameters.
+    Raises PovrayError, whose message states the scene's parameters.
     """
     path = cache.frame_path(source, rendering)
     if _cached(path, rendering):
@@ -35,18 +35,18 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 
 
 def _cached(path: Path, rendering: Rendering) -> bytes | None:
-    """Return the PNG file that the cache holds at a path, or None if there is none or it is damaged."""
+    """Return the PNG file at a path in the cache, or None if the file is missing or damaged."""
     width, height = rendering.size
-    png = cache.read(path, most=2**20 + 6 * width * height)  # twice the size of the pixels' colours
+    png = cache.read(path, most=2**20 + 6 * width * height)  # 1 MiB more than twice the size of the pixels' colours
     return png if png and is_whole(png, rendering.size) else None
 
 
 def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
-    """Render the scene's PNG file and store it. Return the file, and whether the cache holds it now."""
+    """Render the scene and store the PNG file. Return the file's bytes, and whether the cache contains it now."""
     with cache.work_folder() as folder:
         try:
             picture = runner.run(source, rendering, folder)
-            png = picture.read_bytes()  # as soon as it is in the cache another povgen may remove it
+            png = picture.read_bytes()  # read now: once the file is in the cache, another process can remove it
             if not is_whole(png, rendering.size):
                 raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
@@ -57,10 +57,10 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
 
 
 def is_whole(png: bytes, size: tuple[int, int]) -> bool:
-    """Whether this is a complete PNG file of 8-bit RGB and this size. Each of its chunks carries a checksum."""
+    """Return whether this is a complete PNG file of 8-bit RGB and this size. Pillow verifies each part's checksum."""
     from PIL import Image
 
-    # the header first: the size that it states may be larger than memory
+    # check the header first: a wrong header could state a size that is larger than memory
     if not png.startswith(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + struct.pack(">IIBB", *size, 8, 2)):
         return False
     try:
@@ -80,12 +80,12 @@ def render_all(
 ) -> Generator[bytes, None, None]:
     """Yield the PNG file of each scene's frame, in the scenes' order. Call `done` after each.
 
-    `workers` frames are rendered at once. `runner` renders them: POV-Ray on this machine unless another is given. It
-    is stopped at the end.
+    `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on this machine. The runner is
+    stopped at the end.
 
-    If POV-Ray is killed or hangs, the other frames are still rendered. Then TransientError names the frames that
-    failed. Any other error ends the rendering at once. Finished frames stay in the cache, which is trimmed to its
-    limit at the end.
+    If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised, which names the
+    frames that failed. Any other error ends the rendering at once. Finished frames stay in the cache. At the end, the
+    cache is trimmed to its limit.
     """
     cache.check()
     most = cache.max_bytes()
@@ -98,7 +98,7 @@ def render_all(
             for number, (scene, (source, frame)) in enumerate(zip(scenes, finished, strict=True)):
                 try:
                     png = frame.result()
-                    if isinstance(png, Path):  # another povgen may just have removed it
+                    if isinstance(png, Path):  # another process may just have removed the file
                         png = _cached(png, rendering) or _rendered(scene, rendering, source, runner)[0]
                 except TransientError as fault:
                     failures.append(f"frame {number}: {fault}")
@@ -118,7 +118,7 @@ def _finished(
 ) -> Iterator[tuple[str, Future[Path | bytes]]]:
     """Yield each scene's text and its frame, in the scenes' order, as soon as that frame is finished.
 
-    At most `at_once` frames are in the pool, not counting finished ones that wait for an earlier one.
+    At most `at_once` frames wait or run in the pool. Finished frames that wait for an earlier frame do not count.
     """
     todo = iter(scenes)
     frames: deque[tuple[str, Future[Path | bytes]]] = deque()
@@ -126,7 +126,7 @@ def _finished(
     for _ in scenes:
         while True:
             running = {frame for frame in running if not frame.done()}
-            # texts are made in this thread: they need ray traces in Python, which a signal can interrupt only here
+            # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
             for scene in islice(todo, at_once - len(running)):
                 surveys.load(scene, store=True)
                 source = to_pov(scene)
@@ -139,7 +139,7 @@ def _finished(
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:
-    """Return every n-th of a movie's scenes, starting with the i-th. The part is "i/n". Raises InputError."""
+    """Return every n-th of a movie's scenes, starting with the i-th. `part` is "i/n". Raises InputError."""
     found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise InputError(f"shard = {part!r}: allowed: i/n, whole numbers, i from 1 to n")
@@ -147,8 +147,8 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
 
 
 def read_png(frame: Path | bytes) -> NDArray[np.uint8]:
-    """Return the picture in a PNG file or in its bytes: (height, width, 3) bytes of red, green and blue, read-only."""
+    """Read a PNG file or its bytes. Return the picture: (height, width, 3) bytes of red, green and blue, read-only."""
     from PIL import Image
 
     with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:
-        return np.asarray(image)[..., :3]  # a copy would take a third of the time that decoding takes
+        return np.asarray(image)[..., :3]  # no copy: it would take a third of the time that decoding takes

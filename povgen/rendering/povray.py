@@ -1,6 +1,6 @@
-"""Starting POV-Ray: its command line, what it may read and run, its limits of memory and time, and its errors.
+"""Starting POV-Ray: the command line, the files that POV-Ray is allowed to use, limits of memory and time, and errors.
 
-No other module starts a process. sandbox.py enforces what POV-Ray may read and run.
+No other module starts POV-Ray. sandbox.py enforces which files POV-Ray reads, writes and runs.
 """
 
 import errno
@@ -21,8 +21,8 @@ from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
-# POV-Ray obeys the stricter of this configuration and the system's. Release 3.7.0.10 obeys the ban on shell commands,
-# but not always the ban on files. That is why there is a sandbox as well.
+# If the system's configuration is stricter than this one, POV-Ray obeys the system's. Release 3.7.0.10 obeys the ban on
+# shell commands, but not always the restrictions on files. Therefore POV-Ray also runs in a sandbox.
 CONFIG = """\
 [File I/O Security]
 restricted
@@ -34,14 +34,14 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-# Limits for one POV-Ray. If povgen itself has lower limits (ulimit), these apply.
+# Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
-# Messages of POV-Ray and its libraries when they get no memory, and messages of which that is the likely cause.
+# Messages of POV-Ray and its libraries when memory is exhausted, and messages that probably have this cause.
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
-# What POV-Ray may read and run besides its work folder and its own program, if the system has it.
+# What POV-Ray is allowed to read and run, where it exists, besides its work folder and its own program.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
@@ -64,7 +64,7 @@ def binary(name: str = "povray") -> str:
         package = "povray" if name == "povray" else "util-linux"
         what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
         raise PovrayError(f"{what}: no {name!r} on the PATH. On Debian: apt-get install {package}")
-    return str(Path(found).absolute())  # because it is started in other folders
+    return str(Path(found).absolute())  # absolute, because the program is started in other folders
 
 
 def max_memory() -> int:
@@ -78,7 +78,7 @@ def max_file() -> int:
 
 
 def _own(limit: int) -> int:
-    """Return povgen's own limit, which a process that it starts cannot exceed."""
+    """Return povgen's own limit. Processes that povgen starts cannot exceed it."""
     soft, _ = resource.getrlimit(limit)
     return sys.maxsize if soft == resource.RLIM_INFINITY else soft
 
@@ -88,7 +88,7 @@ def _mebibytes(count: int) -> str:
 
 
 def _limits() -> list[str]:
-    """Return the start of a command line that sets limits, and that kills the command if its thread in povgen ends."""
+    """Return the start of a command line. It sets limits, and kills the command if the thread that starts it ends."""
     limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
     return [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), *limits, "--"]
 
@@ -130,8 +130,8 @@ class Runner:
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Render a scene's text in a work folder and return the path of the picture there.
 
-        If POV-Ray is killed or hangs, try once more: the scene may not be the reason. Raises PovrayError if POV-Ray is
-        missing, refuses the scene or was stopped, and TransientError if both tries fail.
+        If POV-Ray is killed or hangs, it is tried once more, because the scene is not always the reason. Raises
+        PovrayError if POV-Ray is missing, refuses the scene or was stopped, and TransientError if both tries fail.
         """
         for attempt in range(1, TRIES + 1):
             try:
@@ -142,7 +142,7 @@ class Runner:
         raise AssertionError("no tries")
 
     def stop(self) -> None:
-        """Kill every POV-Ray that runs, and start no more."""
+        """Kill every POV-Ray process of this runner, and start no more."""
         with stopping.lock:
             self._stopped = True
             for process in self._running:
@@ -151,10 +151,10 @@ class Runner:
     def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         config = folder / ".povray" / "3.7" / "povray.conf"
         for part in (folder, folder / ".povray", config.parent):
-            part.mkdir(exist_ok=True)  # not parents=True: a work folder that has been removed must not be made again
+            part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source)
-        # POV-Ray writes its progress there, 20 bytes a pixel, to continue an interrupted render. povgen never does.
+        # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         limits = _limits()
         programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
@@ -169,7 +169,7 @@ class Runner:
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
-        """Run POV-Ray. Return its exit status, or minus the number of the signal that killed it, and its messages."""
+        """Run POV-Ray. Return its exit status (minus the signal's number if a signal killed it), and its messages."""
         # POV-Ray looks for its configuration in HOME
         environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
         with stopping.lock:
@@ -201,7 +201,7 @@ class Runner:
 
 
 def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
-    """Return the error for a POV-Ray that made no picture, with POV-Ray's message, file and line."""
+    """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line."""
     log = folder / FATAL
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
@@ -221,14 +221,14 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
-    # POV-Ray does not report a full disk. Since then, another failed frame may have freed the space of a picture.
+    # POV-Ray does not report a full disk. Another failed frame may since have freed the space of one picture.
     if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")
-    if UNCLEAR.search(messages):  # without a line number, because no memory was left
+    if UNCLEAR.search(messages):  # there is no line number, probably because memory was exhausted
         return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
     last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
     failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")
-    # POV-Ray's message on an overloaded machine
+    # "Timed out ..." is POV-Ray's message on an overloaded machine
     return (TransientError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)

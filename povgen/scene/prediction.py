@@ -1,6 +1,7 @@
-"""Consequences of a scene's parameters: where its rays go, POV-Ray's settings, and warnings.
+"""What follows from a scene's parameters: where its rays go, POV-Ray's settings, and warnings.
 
-The limits are in limits.py.
+The designed path leads, in each sheet, through one slanted facet, to the base, and through the other slanted facet. All
+other light is stray light. The limits are in limits.py.
 """
 
 from cmath import rect
@@ -24,14 +25,14 @@ from povgen.settings import Rendering
 
 
 class Survey(NamedTuple):
-    """What a ray trace finds: rays run from the eye through a window of prisms."""
+    """The result of tracing rays from the eye through a window of prisms."""
 
-    trace_level: int  # the least max_trace_level that loses at most MAX_LOST_FRACTION of the rays
+    trace_level: int  # the least max_trace_level with which POV-Ray loses few of the rays (MAX_LOST_FRACTION)
     designed: float  # the fraction of the rays on the designed path
 
 
 SurveyInputs = tuple[str, float, float, complex, float, int, float, int]
-surveys: dict[SurveyInputs, Survey] = {}  # the surveys that have been made, by their inputs
+surveys: dict[SurveyInputs, Survey] = {}  # finished surveys, by their inputs
 
 
 def survey(scene: Scene, side: int = 60) -> Survey:
@@ -50,9 +51,9 @@ def surveyed(scene: Scene, side: int = 60) -> SurveyInputs:
 def _survey(
     sheet: str, alpha: float, z2: float, E: complex, window: float, prisms: int, gap: float, side: int
 ) -> Survey:
-    """Trace rays through a window of prisms. The window is divided into squares: one ray meets a random point of each.
+    """Trace rays through a window of prisms. The window is divided into squares; one ray meets a random point of each.
 
-    The random points are the same each time. Regular points, such as pixels, would show moire with the prisms.
+    The random points are the same each time. Regularly spaced points would make moire with the prisms.
     """
     import numpy as np
 
@@ -65,19 +66,19 @@ def _survey(
     glass = trace.sheets(sheet, radians(alpha), window, prisms, gap)
     found = trace.trace(eye, direction, glass, window, prisms, gap)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
-    # 0.8 is a margin: a picture may lose a little more than this sample of rays
+    # 0.8 is a margin: a picture can lose a little more than this sample of rays
     lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
-    if unfinished.sum() >= lost:  # the trace level is greater than the trace's limit
+    if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
         longer = trace.trace(eye, direction[unfinished], glass, window, prisms, gap, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
     return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed.mean()))
 
 
 def max_trace_level(scene: Scene) -> int:
-    """Return the number of surfaces through which POV-Ray follows a ray: 6 on the designed path, more for stray light.
+    """Return POV-Ray's max_trace_level, at least 5: POV-Ray shows only rays that meet fewer faces.
 
-    A probe can set it (`trace_level`).
+    A probe (a scene for measuring) can set it with `trace_level`.
     """
     level: int | None = getattr(scene, "trace_level", None)
     return level or (survey(scene).trace_level if scene.sheets_depth else 5)
@@ -86,8 +87,8 @@ def max_trace_level(scene: Scene) -> int:
 def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
-    It is the least number that keeps MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it (`grid`). See
-    camera.pov.j2.
+    This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
+    `grid`. See camera.pov.j2.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
@@ -96,11 +97,11 @@ def camera_cells(scene: Scene) -> int:
 
 
 def grid_error(scene: Scene, cells: int) -> float:
-    """Return the greatest error of an object's position in the ideal sheet's camera, pixels of 1280x960.
+    """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis. POV-Ray interpolates between unit vectors. In a triangle with the longest side d,
-    the ray for a point then has the direction for another point, up to d^2 sin(2 field angle)/(8 z2) tiles away
-    (docs/sheets.md). An object appears displaced by |P| times that.
+    This is for an eye off the axis. POV-Ray interpolates between unit vectors at the corners of triangles. A ray then
+    has the direction that belongs to another point, up to d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with
+    the longest side d (docs/sheets.md). An object appears displaced by |P| times this distance.
     """
     half = scene.window / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)
@@ -117,7 +118,7 @@ def _P(scene: Scene, z1: float) -> float:
 
 
 def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple[str, str]]:
-    """Yield the limits that a picture of the scene exceeds: the parameter that causes it, and a sentence."""
+    """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence."""
     glass = scene.sheet in ("detailed", "single")
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = f" and the eye at {scene.E:g}" if scene.E else ""
@@ -136,7 +137,7 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
 
 
 def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
-    """Yield a warning if the predicted image, overlay or caption is wrong by pixels, for the worst of the objects."""
+    """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
     two = scene.sheet in ("detailed", "ideal")
     shows = {
         "predicted_image": getattr(scene, "predicted_image", False),
@@ -154,13 +155,13 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     with np.errstate(all="ignore"):
         if scene.sheet == "ideal":
             found = rotation.condition(scene.z2 / z1, alpha)
-            # off the axis the camera's error may reach a pixel first
+            # for an eye off the axis, the camera's error can reach a pixel at a smaller condition number
             right = found / grid_error(scene, camera_cells(scene)) if scene.E else np.inf
             limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
             thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
-            # light that enters one sheet at a prism's edge leaves half a pitch away
+            # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
             moved = (
                 scene.apparent_position(scene.L, z1) - thin
                 if two

@@ -1,4 +1,4 @@
-"""Draw the paper's six figures. `agreement` measures what their captions say; templates/figures/ holds the captions.
+"""Draw the paper's six figures. templates/figures/ has the text of the captions; `agreement` measures their numbers.
 
 In drawings of space the z axis points to the left, so that light travels to the right.
 """
@@ -43,7 +43,7 @@ CONSTANT_ALPHA, CONSTANT_R = "#0b5fa5", "#d1603d"
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure, the data that its caption prints, and whether it consists of lines, which SVG keeps sharp."""
+    """A figure, the data for its caption, and whether it is a line drawing, which is also saved as SVG."""
 
     figure: Figure
     data: dict[str, Any]
@@ -62,7 +62,7 @@ def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
 
 
 def dove_prism_sheet(rendering: Rendering) -> Drawn:
-    """Figure 1: a sheet in space, the real path of a ray, and the path of a mirrored ray."""
+    """Draw figure 1: a sheet in space, the real path of a ray, and the path of a mirrored ray."""
     count, half = 5, 1.7
     height, length = 1 - prism.AIR_GAP, (1 - prism.AIR_GAP) * prism.aspect()
     ray = agreement.ray_through_sheet(count, 5.2)
@@ -95,7 +95,7 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
 
 
 def mirroring(rendering: Rendering) -> Drawn:
-    """Figure 2: a picture mirrored about the vertical, and then about an axis at alpha/2, is rotated by alpha."""
+    """Draw figure 2: mirroring a picture about the vertical, then about an axis at alpha/2, rotates it by alpha."""
     alpha = radians(32)
     scene = Chess(sheet="none", z1=2.2, offset=(0, -0.75))
     picture = read_png(next(render_all([scene], rendering)))
@@ -119,21 +119,21 @@ def mirroring(rendering: Rendering) -> Drawn:
 
 
 def vary_alpha(rendering: Rendering) -> Drawn:
-    """Figure 3: frames of the alpha movie. The frame of 66 degrees shows the predicted image as well."""
+    """Draw figure 3: frames of the alpha movie. The frame for 66 degrees also shows the predicted image."""
     scenes = [Chess(alpha=alpha, predicted_image=alpha == 66) for alpha in (0, 33, 66, 99, 132, 180)]
     figure, _ = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes])
     return Drawn(figure, {"pieces": agreement.pieces(scenes)})
 
 
 def vary_z1(rendering: Rendering) -> Drawn:
-    """Figure 4: frames of the z1 movie."""
+    """Draw figure 4: frames of the z1 movie."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 60)]
     figure, _ = _montage(scenes, rendering, [f"$z_1 = {scene.z1:g}$" for scene in scenes])
     return Drawn(figure, {"pieces": agreement.pieces(scenes), "horizon": agreement.horizon_angle(90)})
 
 
 def geometry(rendering: Rendering) -> Drawn:
-    """Figure 5: a ray from L by P to E in space, its projection, and the circles on which P lies."""
+    """Draw figure 5: a ray from L through P to E in space, its projection, and the circles on which P lies."""
     alpha, z1, z2 = radians(60), 1.6, 2.4
     figure = Figure(figsize=(WIDTH, 6.3))
     _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
@@ -146,7 +146,7 @@ def geometry(rendering: Rendering) -> Drawn:
 
 
 def spheres(rendering: Rendering) -> Drawn:
-    """Figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
+    """Draw figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 150)]
     figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
     for ax, scene in zip(panels, scenes, strict=True):
@@ -171,7 +171,7 @@ FIGURES: dict[int, Callable[[Rendering], Drawn]] = {
 def _montage(
     scenes: Sequence[Scene], rendering: Rendering, titles: list[str], reach: float = 1.45
 ) -> tuple[Figure, Sequence[Axes]]:
-    """Draw two rows of three frames in coordinates of the plane z = 0, each cut off `reach` tiles from its middle."""
+    """Draw two rows of three frames, with coordinates in the plane z = 0. Each ends `reach` tiles from its middle."""
     figure = Figure(figsize=(WIDTH, 5.05))
     layout = {"left": 0.005, "right": 0.995, "top": 0.945, "bottom": 0.005, "hspace": 0.13, "wspace": 0.03}
     panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
@@ -187,7 +187,7 @@ def _montage(
 
 
 def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
-    """Draw the ray from L by P to E, the sheet, and the projections into the sheet's plane."""
+    """Draw the ray from L through P to E, the sheet, and the projections into the sheet's plane."""
     L, E = -0.6 + 0.25j, 0.6 + 0.25j
     P = complex(rotation.apparent_position(L, E, z1, z2, alpha))
 
@@ -224,7 +224,7 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
 
 
 def _projection(ax: Axes, r: float, alpha: float) -> None:
-    """Draw the triangle of L = 0, P and E = 1 in the plane of the sheet, and the angles in the triangle."""
+    """Draw the triangle L = 0, P, E = 1 in the plane of the sheet, and the angles alpha and nu."""
     P = complex(rotation.P(r, alpha))
     plane(ax, (-0.25, 1.25), (-0.62, 0.42))
     ax.plot(*xy(P * np.array([1, 1.6])), ":", color=GREY, linewidth=1.3)

@@ -1,4 +1,4 @@
-"""Draw over a frame: a caption with its parameters, and an overlay with predicted positions."""
+"""Draw on a frame: a caption with the scene's parameters, and an overlay with predicted positions."""
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
@@ -15,7 +15,7 @@ from povgen.settings import Rendering
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # Okabe and Ito's yellow, sky blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (86, 180, 233, 255), (213, 94, 0, 255)
-# Height of the caption's text: the least, in pixels, and the usual, as a fraction of the picture's height.
+# Height of the caption's text: the least height in pixels, and the usual height as a fraction of the picture's height.
 MIN_TEXT, TEXT = 12, 0.05
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
 
@@ -26,7 +26,7 @@ Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to 
 
 
 def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
-    """Return a copy of the scene's picture with the overlay and the caption that `rendering` asks for.
+    """Return a copy of the scene's picture, with an overlay and a caption if `rendering` says so.
 
     Pictures are (height, width, 3) bytes.
     """
@@ -41,7 +41,8 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
 def facts(scene: Scene) -> dict[str, str]:
     """Return what the caption says: alpha, z1, z2, r, nu and M, as text.
 
-    For several objects a value is a range. nu and M are predicted for prisms of the scene's size (`Scene.nu_and_M`).
+    For several objects a value is a range. nu and M are predictions for the size of the scene's prisms
+    (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
     texts = {"z1": _range(z1), "z2": f"{scene.z2:g}", "r": _range(rotation.r(z1, scene.z2))}
@@ -52,7 +53,7 @@ def facts(scene: Scene) -> dict[str, str]:
 
 
 def _range(values: Reals, form: str = ".3g") -> str:
-    """Return the least and the greatest of the numbers as text, with '?' for NaN (nu at the pole)."""
+    """Return the least and the greatest number as text, and '?' if one is NaN (nu at the pole)."""
     numbers = values[~np.isnan(values)]
     ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
     return ", ".join([" to ".join(ends)] * bool(ends) + ["?"] * (len(numbers) < len(values)))
@@ -63,7 +64,7 @@ def _number(value: float, form: str) -> str:
 
 
 def _caption(scene: Scene, picture: NDArray[np.uint8]) -> None:
-    """Darken a strip along the lower edge and write the caption there, in as many lines as keep it legible."""
+    """Darken a strip along the lower edge and write the caption there, in 1 to 3 lines so that it is legible."""
     texts = [f"{name} = {value}" for name, value in facts(scene).items()]
     widest_texts = [_widest_text(name, len(scene.distances) > 1) for name in facts(scene)]
     height, width, _ = picture.shape
@@ -91,7 +92,7 @@ def _caption(scene: Scene, picture: NDArray[np.uint8]) -> None:
 
 
 def _widest_text(name: str, several: bool) -> str:
-    """Return a text of the width that every frame reserves for a value, so that a movie's caption does not move."""
+    """Return a text as wide as the space that each frame reserves for a value. So a movie's caption does not move."""
     number = "0.0000" if name == "M" else "-00.00"  # at least as wide as "infinite"
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
@@ -103,7 +104,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     height, width, _ = picture.shape
     tile = height / scene.view_height
     thick = max(height / 180, 1.5)
-    step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs in a row, which then look like a smooth line
+    step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs: so close together they look like a smooth line
 
     def pixels(points: Complexes) -> Complexes:
         return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
@@ -127,7 +128,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         for ends, size in zip((points.imag, points.real), picture.shape, strict=False)
     )
     part = picture[rows, columns]
-    # squares of the distances from the nearest point
+    # for each pixel, the square of its distance from the nearest point
     nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
     for x, y in zip(points.real - columns.start, points.imag - rows.start, strict=True):
         down, right = (slice(max(0, int(c) - reach), max(0, int(c) + reach + 2)) for c in (y, x))
@@ -153,9 +154,9 @@ def positions(scene: Scene) -> list[complex]:
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
-    The first is the curve of constant alpha, along which z1 changes. If there is a single object, the second is the
-    curve of constant r, along which alpha changes. A part is an array of points of the plane z = 0, in tiles, at most
-    `step` apart. It ends where the window frame begins to hide the object.
+    The first curve is for constant alpha: z1 changes along it. If there is a single object, the second curve is for
+    constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles, at most `step` apart.
+    It ends where the window frame begins to hide the object.
     """
     alpha, pitch = radians(scene.alpha), scene.pitch if scene.sheet == "detailed" else 0
     ends = scene.depth / 2, 1e4 * scene.z2
@@ -181,8 +182,8 @@ def _visible_parts(
 ) -> list[Complexes]:
     """Return the visible parts of a curve between two parameters.
 
-    `infinite` holds the parameters at which the curve may pass through infinity. Samples are denser near these, and no
-    part extends across them.
+    `infinite` contains the parameters at which the curve can pass through infinity. Points are denser close to these
+    parameters, and no part extends across them.
     """
     shares = np.geomspace(1e-14, 0.5, 320)
     shares = np.concatenate((shares, 1 - shares[::-1]))
@@ -195,7 +196,7 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.window / 2
                 gap = abs(np.diff(place))
-                # points between these two may be visible unless both are far outside the window's opening
+                # between two points that are far apart add one, unless both are far outside the window's opening
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break
