@@ -1,50 +1,58 @@
-# povgen: `make movies` renders the paper's three movies, `make test` runs the tests. Each target first sets up what
-# it needs: POV-Ray and Python from Debian's packages, and the package in a virtual environment.
+# The tasks of povgen; `make help` lists them. `make movies` renders the paper's three movies, `make test` runs the tests.
+# Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
 QUALITY ?= paper
+# more options for povgen's command line, such as --size 64x48
+OPTIONS ?=
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
-SOURCES := $(wildcard povgen/*.py povgen/*/*.py templates/*.j2 templates/*/*.j2)
+SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
-# Says that make made the environment, and may therefore remove it.
-OURS := $(VENV)-made-by-make
-# Debian's package for each program (or file) that may be missing
-NEEDED := $(if $(shell command -v povray),,povray) \
+# This file says that make created the environment. Only then may make remove it.
+CREATED := $(VENV)-made-by-make
+# Debian's packages that are missing
+MISSING := $(if $(shell command -v povray),,povray) \
   $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
 SUDO := $(if $(filter 0,$(shell id -u)),,$(if $(shell command -v sudo),sudo))
-# root or sudo can install
+# not empty for root, and for users who have sudo
 CAN_INSTALL := $(filter 0,$(shell id -u))$(SUDO)
-# installs packages of Debian's, or says who has to
+# installs Debian's packages, or asks the user to have them installed
 install = $(if $(strip $(CAN_INSTALL)),$(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends $(1) \
   > /dev/null,@echo "povgen needs Debian's packages: $(1). Have them installed: apt-get install $(1)" >&2; exit 1)
 
-# What a whole environment's READY says: the Python and the folder that it was made for. Where it says anything else, as
-# after an upgrade of Python, or in a copy of the checkout, whose .venv runs the original's code, the environment is
-# made anew.
-WHOLE = $$(python3 -VV) in $(CURDIR)
-$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(WHOLE)" && $(VENV)/bin/python -c '' 2> /dev/null \
+# A finished environment's READY file holds this text: its Python and its folder. The text differs after an upgrade of
+# Python, and in a copy of the checkout, whose .venv runs the code of the original. Make then creates a new environment.
+FINISHED = $$(python3 -VV) in $(CURDIR)
+$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" && $(VENV)/bin/python -c '' 2> /dev/null \
   || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
-# Installs into the environment, which is not whole until that has ended: what was interrupted is made anew.
-install-into-venv = @rm -f $(READY) && $(1) && echo "$(WHOLE)" > $(READY)
+# Installs into the environment. READY is away meanwhile, so an interrupted installation is repeated from the start.
+install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
-.PHONY: movies frame demo figures readme-images test lint test-deps verify chart bench cluster-bench auto-check clean help
+.PHONY: movies frame demo figures readme-images test-fast test test-release test-deps lint verify chart docs bench \
+  cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
 
-movies/%.mp4: movies/%.toml $(SOURCES) build/quality | $(READY)
-	$(POVGEN) movie $< -o $@ --quality $(QUALITY)
+movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
+	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)
 
-frame: | $(READY)  ## one frame, frame.png: the chess piece and its predicted place
-	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) -o frame.png
+frame: | $(READY)  ## one frame, frame.png: a chess piece and its predicted image
+	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) $(OPTIONS) -o frame.png
 
-demo: | $(READY)  ## a page to teach with, build/demo/index.html: the movies beside the equations, no network needed
+demo: | $(READY)  ## a page for teaching, build/demo/index.html: the movies beside the equations; works offline
 	@mkdir -p build
-	$(POVGEN) demo -o build/demo --quality $(QUALITY)
+	$(POVGEN) demo -o build/demo --quality $(QUALITY) $(OPTIONS)
 
-test: $(VENV)/test-ready test-deps  ## all tests
+test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
+	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
+
+test: $(VENV)/test-ready test-deps  ## all tests but those of a release
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
+
+test-release: $(VENV)/test-ready test-deps  ## tests before a release: every Python on this machine, the oldest packages
+	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
 	@mkdir -p docs/figures
@@ -63,66 +71,69 @@ readme-images: | $(READY)  ## the pictures in README.md
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py
 
-lint: $(VENV)/test-ready  ## what ruff and mypy say of the code
+lint: $(VENV)/test-ready  ## checks by ruff and mypy
 	$(VENV)/bin/ruff format --quiet --check .
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
 
-verify: $(VENV)/charts-ready  ## every picture against the equations, and where methods fail: tables, and maps in stability/
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables, and maps in stability/
 	$(POVGEN) verify
 	$(POVGEN) verify --stability
 	cp stability/stability.png docs
 
-chart: $(VENV)/charts-ready  ## error against CPU seconds, every model and sampling: charts and tables, into docs/chart
+chart: $(VENV)/charts-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
 
-bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## what povgen costs beside others: a table, and build/bench.json
+docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html
+	$(VENV)/bin/python docs/api.py build/api
+
+bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## CPU time of povgen and of other programs: a table, and build/bench.json
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/bench.py $(VENV)/mitsuba/bin/python
 
-cluster-bench: $(VENV)/cluster-ready  ## what rendering on a Dask cluster costs: tables, and build/cluster.json
+cluster-bench: $(VENV)/cluster-ready  ## time of a movie on a Dask cluster: tables, and build/cluster.json
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/cluster_bench.py
 
-auto-check: $(VENV)/charts-ready  ## what --sheet auto promises, on 100 random scenes: a table; goes on where it stopped
+auto-check: $(VENV)/charts-ready  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
 	$(VENV)/bin/python benchmarks/auto_check.py
 
-clean:  ## remove movies, frame and virtual environment (frames stay in the user's cache)
-	$(if $(wildcard $(OURS)),rm -rf $(VENV) $(OURS))
+clean:  ## remove movies, frame.png and the virtual environment (rendered frames stay in povgen's cache)
+	$(if $(wildcard $(CREATED)),rm -rf $(VENV) $(CREATED))
 	rm -rf build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
 
 help:  ## this list
-	@echo "QUALITY=draft|paper|high, now $(QUALITY)"
+	@echo "QUALITY=draft|paper|high (now $(QUALITY)), OPTIONS='more options of povgen'"
 	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
-	@echo "movies/NAME.mp4	one movie, for every movies/NAME.toml"
+	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 
-# changes when QUALITY does
-build/quality: FORCE
+# changes when QUALITY or OPTIONS change
+build/options: FORCE
 	@mkdir -p build
-	@echo $(QUALITY) | cmp -s - $@ || echo $(QUALITY) > $@
+	@echo "$(QUALITY) $(OPTIONS)" | cmp -s - $@ || echo "$(QUALITY) $(OPTIONS)" > $@
 FORCE:
 
-$(READY): pyproject.toml $(if $(strip $(NEEDED)),FORCE)
-	$(if $(strip $(NEEDED)),$(call install,$(strip $(NEEDED))))
-	@test -e $(OURS) -o ! -e $(VENV) || { echo "povgen: $(VENV) was not made by make; allowed: remove it, or name" \
+$(READY): pyproject.toml $(if $(strip $(MISSING)),FORCE)
+	$(if $(strip $(MISSING)),$(call install,$(strip $(MISSING))))
+	@test -e $(CREATED) -o ! -e $(VENV) || { echo "povgen: $(VENV) was not made by make; allowed: remove it, or name" \
 	  "another folder, as in make VENV=.venv-povgen" >&2; exit 2; }
-	@touch $(OURS) && rm -rf $(VENV)
+	@touch $(CREATED) && rm -rf $(VENV)
 	python3 -m venv $(VENV)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .)
 
-# what only tests need: a browser, with which they drive the page of demo, and POV-Ray's own includes
-TESTED := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /usr/lib/*/libatomic.so.1),,libatomic1) \
+# Tests also need a browser, for the page of `povgen demo`, and POV-Ray's include files.
+TEST_PACKAGES := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /usr/lib/*/libatomic.so.1),,libatomic1) \
   $(if $(wildcard /usr/share/povray*/include/colors.inc),,povray-includes)
 test-deps:
-	$(if $(strip $(TESTED)),$(call install,$(strip $(TESTED))))
+	$(if $(strip $(TEST_PACKAGES)),$(call install,$(strip $(TEST_PACKAGES))))
 
-# a baseline of the benchmark, in an environment of its own
+# Mitsuba, which the benchmark compares povgen with, has an environment of its own.
 $(VENV)/mitsuba/ready: | $(READY)
 	python3 -m venv --clear $(VENV)/mitsuba
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
-# many packages, which pip takes a minute for
+# uv installs the many packages of the tests faster than pip does.
 $(VENV)/test-ready: pyproject.toml | $(READY)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check uv \
 	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])

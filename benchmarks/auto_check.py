@@ -1,18 +1,20 @@
-"""What `--sheet auto` promises, on scenes drawn at random, as a table: `make auto-check`.
+"""Check what `--sheet auto` promises on random scenes, and print a table: `make auto-check`.
 
-What is measured is kept in build/auto-check: a run that was stopped goes on, and nothing is rendered twice. CPU seconds
-are the operating system's account of the POV-Ray processes, of whole frames and of whole trials.
+Results are kept in build/auto-check, so that a stopped run can continue and nothing is rendered twice. CPU seconds are
+what the operating system reports of the POV-Ray processes, for whole frames and for whole trials.
 """
 
 import json
 import os
 import sys
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from math import exp, inf, log
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -28,23 +30,23 @@ from povgen.scene.spec import MovieSpec
 KEPT = Path("build/auto-check")
 SCENES = 100
 SEED = 2009
-MOVIES = (("vary-alpha", 0.3), ("vary-z1", 0.2), ("spheres", 0.3))  # and a tolerance of each
-CHOICE = Path(auto.__file__).read_text()  # a trial is kept for as long as this does not change
+MOVIES = (("vary-alpha", 0.3), ("vary-z1", 0.2), ("spheres", 0.3))  # movie, tolerance (mean FLIP)
+AUTO_SOURCE = Path(auto.__file__).read_text()  # kept trials are used until this changes
 PROCESSES = len(os.sched_getaffinity(0))
 
 
 @dataclass
 class Found:
-    """What became of one scene: the choice, what the trial said, and what whole frames say."""
+    """The choice for one scene, the error that the trial expected, and what whole frames show."""
 
     scene: str
     tolerance: float
-    sheet: str | None  # None: refused, as nothing keeps the tolerance
+    sheet: str | None  # None: refused, because no candidate keeps the tolerance
     antialias: str | None
-    flip: float  # of the whole window; where refused, of the best candidate
+    flip: float  # of the whole window; if refused, of the best candidate
     expected: float
-    dearer: float  # CPU seconds of the choice, over those of the cheapest candidate that keeps the tolerance
-    trial: float  # CPU seconds, over those of a converged frame
+    cost_ratio: float  # CPU seconds of the choice divided by CPU seconds of the cheapest candidate within tolerance
+    trial: float  # CPU seconds of the trial divided by CPU seconds of a converged frame
 
     @property
     def missed(self) -> bool:
@@ -52,11 +54,11 @@ class Found:
 
 
 def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
-    """Scene, size and tolerance (mean FLIP) of one of the random scenes."""
+    """Draw a random scene. Return the scene, the size and the tolerance (mean FLIP)."""
     rng = np.random.default_rng((SEED, number))
 
     def spread(least: float, greatest: float) -> float:
-        """Evenly in the logarithm, to three digits."""
+        """Draw a number, evenly in its logarithm, to three digits."""
         return float(f"{exp(rng.uniform(log(least), log(greatest))):.3g}")
 
     height = 2 * round(spread(60, 240))
@@ -65,14 +67,14 @@ def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
     if rng.integers(2):
         scene: Scene = Spheres(**shared)
     else:
-        clear = Chess(**shared | {"z1": 5}).depth / 2 + 0.45  # of the sheets' frame
+        clear = Chess(**shared | {"z1": 5}).depth / 2 + 0.45  # the least z1 at which no piece touches the window frame
         scene = Chess(**shared, z1=max(z1, round(clear, 2)), piece=piece)
     return scene, (2 * round(height * 2 / 3), height), tolerance
 
 
-def kept(text: str, what: object, make) -> dict:
-    """What `make` returns, from the file of an earlier run where there is one."""
-    key = "\0".join([text, json.dumps(what), CHOICE if what == "trial" else ""])
+def kept(text: str, what: object, make: Callable[[], Any]) -> Any:
+    """Return what `make` returns, or what it returned in an earlier run."""
+    key = "\0".join([text, json.dumps(what), AUTO_SOURCE if what == "trial" else ""])
     path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
     if not path.is_file():
         save(json.dumps(make()).encode(), path)
@@ -80,7 +82,7 @@ def kept(text: str, what: object, make) -> dict:
 
 
 def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
-    """CPU seconds and picture of what is right."""
+    """Return the CPU seconds and the picture of the converged frame, which others are compared with."""
     text = to_pov(scene)
     path = KEPT / f"{sha256(f'{text}{size}'.encode()).hexdigest()[:32]}.npz"
     if not path.is_file():
@@ -93,7 +95,7 @@ def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
 
 
 def measured(scene: Scene, size: tuple[int, int], candidate: tuple[str, str]) -> tuple[float, float]:
-    """CPU seconds and mean FLIP of a candidate's whole frame."""
+    """Return the CPU seconds and the mean FLIP of a candidate's whole frame."""
 
     def make() -> list[float]:
         cpu, picture = speed.sample(text, candidate[1], size)
@@ -104,10 +106,10 @@ def measured(scene: Scene, size: tuple[int, int], candidate: tuple[str, str]) ->
     return cpu, flip
 
 
-def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> dict:
-    """What was chosen, and the CPU seconds of the trial."""
+def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> Any:
+    """Return the choice as a dictionary, with the CPU seconds of the trial."""
 
-    def make() -> dict:
+    def make() -> dict[str, Any]:
         before = getrusage(RUSAGE_CHILDREN)
         try:
             chosen, _ = auto.choose(scenes, Rendering(size=size), auto.Tolerance(flip=tolerance))
@@ -121,25 +123,25 @@ def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> dict:
 
 
 def check(number: int) -> Found:
-    """Choose for one of the random scenes, and render what is needed to judge it."""
+    """Choose for a random scene, and render the frames that are needed to judge the choice."""
     scene, size, tolerance = draw(number)
     chosen = tried([scene], size, tolerance)
-    order = [("ideal", sampling) for sampling in auto.STAND_IN]
-    order += [("detailed", sampling) for sampling in auto.PRISMS]
+    order = [("ideal", sampling) for sampling in auto.IDEAL_SAMPLINGS]
+    order += [("detailed", sampling) for sampling in auto.PRISM_SAMPLINGS]
     refused = chosen["sheet"] is None
     place = len(order) - 1 if refused else order.index((chosen["sheet"], chosen["antialias"]))
     cpu, flip = measured(scene, size, order[place])
-    dearer = inf if refused and flip <= tolerance else 1.0
+    cost_ratio = inf if refused and flip <= tolerance else 1.0
     if not refused:
         costs = [measured(scene, size, candidate) for candidate in order[:place]]
-        dearer = max([1.0, *(cpu / cost for cost, error in costs if error <= tolerance)])
+        cost_ratio = max([1.0, *(cpu / cost for cost, error in costs if error <= tolerance)])
     trial = chosen["cpu"] / converged(scene, size)[0]
     name = f"{scene.name} {size[0]}x{size[1]} N {scene.prisms} α {scene.alpha} z2 {scene.z2:g}"
-    return Found(name, tolerance, chosen["sheet"], chosen["antialias"], flip, chosen["flip"], dearer, trial)
+    return Found(name, tolerance, chosen["sheet"], chosen["antialias"], flip, chosen["flip"], cost_ratio, trial)
 
 
 def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
-    """Movie and choice; worst FLIP of frames not tried, in tolerances; CPU seconds of the trial, in frames."""
+    """Return the choice; of frames not tried, worst FLIP / tolerance; of the trial, CPU seconds / converged frame's."""
     size = (160, 120)
     scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("paper")]
     chosen = tried(scenes, size, tolerance)
@@ -159,12 +161,17 @@ def main(count: int) -> bool:
         movies = list(pool.map(check_movie, *zip(*MOVIES, strict=True)))
     missed = [one for one in found if one.missed]
     far = [one for one in found if one.missed and one.flip > 1.1 * one.tolerance]
-    dear = [one for one in found if not one.missed and one.dearer > 1.5]
+    costly = [one for one in found if not one.missed and one.cost_ratio > 1.5]
     share = max(one.trial for one in found)
     rows = [
         ("tolerance kept, scenes", len(found) - len(missed), 0.98 * count, True),
         ("missed by more than 10 %, scenes", len(far), 0, False),
-        ("at most 1.5 times as dear as the cheapest that keeps it, scenes", len(found) - len(dear), 0.9 * count, True),
+        (
+            "at most 1.5 times as costly as the cheapest that keeps it, scenes",
+            len(found) - len(costly),
+            0.9 * count,
+            True,
+        ),
         ("greatest cost of a trial, converged frames", share, 0.2, False),
         ("greatest cost of a movie's trial, converged frames", max(cost for *_, cost in movies), 2, False),
         (
@@ -183,7 +190,7 @@ def main(count: int) -> bool:
     refused = sum(one.sheet is None for one in found)
     ideal = sum(one.sheet == "ideal" for one in found)
     console.print(f"chosen: {ideal} ideal, {count - ideal - refused} detailed, {refused} refused")
-    for one in missed + dear:
+    for one in missed + costly:
         console.print(one)
     for movie in movies:
         console.print(*movie)

@@ -1,7 +1,7 @@
-"""What povgen costs beside others, as a table and as JSON: `make bench`.
+"""What povgen costs, compared with baselines, as a table and as JSON: `make bench`.
 
-CPU seconds are the operating system's account of each finished process; pairs run in turn, medians of each and of their
-ratios. Mitsuba runs in an environment of its own, which `make bench` sets up.
+CPU seconds are what the operating system reports of each finished process. povgen and a baseline run alternately. The
+table gives the median of each, and of their ratios. Mitsuba runs in an environment of its own; `make bench` makes it.
 """
 
 import json
@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from math import ceil, cos, floor, radians, sin
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
@@ -28,18 +29,21 @@ HERE = Path(__file__).parent
 PLAIN = Rendering(size=(640, 480), antialias="off")
 
 
-def paired(ours, theirs, rounds: int) -> tuple[float, float, float]:
-    """Medians of what two functions return, called in turn, and of their ratio."""
+Line = tuple[str, str, float, float, float, float | None]  # povgen, baseline, their values, ratio, greatest ratio
+
+
+def paired(ours: Callable[[], float], theirs: Callable[[], float], rounds: int) -> tuple[float, float, float]:
+    """Call two functions alternately. Return the medians of what they return, and of the ratio."""
     times = [(ours(), theirs()) for _ in range(rounds)]
-    return *(median(column) for column in zip(*times, strict=True)), median(a / b for a, b in times)
+    return median(a for a, _ in times), median(b for _, b in times), median(a / b for a, b in times)
 
 
-def cpu(text: str, rendering: Rendering = PLAIN):
+def cpu(text: str, rendering: Rendering = PLAIN) -> Callable[[], float]:
     return lambda: speed.cpu_seconds(text, rendering)[0]
 
 
-def triangles(scene: Chess) -> list[list]:
-    """povgen's mesh, for others: the near sheet and the far one, triangles of three corners."""
+def triangles(scene: Chess) -> list[list[list[float]]]:
+    """Return povgen's mesh: the near sheet and the far sheet, each a list of triangles of three corners, tiles."""
     pitch = scene.window / scene.prisms
     height = pitch * (1 - prism.AIR_GAP)
     base = height * prism.aspect() / 2
@@ -67,7 +71,7 @@ def triangles(scene: Chess) -> list[list]:
     return found
 
 
-def mitsuba(python: str):
+def mitsuba(python: str) -> Callable[[], float]:
     mesh = json.dumps(triangles(Chess()))
 
     def run() -> float:
@@ -85,7 +89,7 @@ def help_seconds() -> float:
 
 
 def traced() -> float:
-    """CPU seconds for a million rays through two sheets."""
+    """Return the CPU seconds for a million rays through two sheets."""
     random = np.random.default_rng(0).uniform(-1.1, 1.1, (1_000_000, 2))
     direction = np.column_stack((random, np.full(len(random), 6.0)))
     start = time.process_time()
@@ -105,7 +109,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
 def movie(frames: int, sheet: str, width: int) -> tuple[float, float]:
-    """The fraction of the cores that was busy while a movie was made in its own process, and its peak memory, MiB."""
+    """Make a movie in its own process. Return the fraction of the cores that was busy, and the peak memory, MiB."""
     with tempfile.TemporaryDirectory() as folder:
         before, start = getrusage(RUSAGE_CHILDREN), time.monotonic()
         arguments = [sys.executable, "-c", MOVIE, str(frames), sheet, f"{folder}/movie.mp4", str(width)]
@@ -116,15 +120,16 @@ def movie(frames: int, sheet: str, width: int) -> tuple[float, float]:
     return used / wall / len(os.sched_getaffinity(0)), float(done.stdout)
 
 
-def lines():
-    """Every line of the table: what, povgen's figure, whose, its figure, the ratio, and what it should be at most."""
-    detailed, baselines = to_pov(Chess()), speed.rewrites(HERE)
-    for name, by_hand in baselines.items():
+def lines() -> Iterator[Line]:
+    """Yield the lines of the table."""
+    detailed = to_pov(Chess())
+    by_hand = {name: to_pov(Chess(), sheet_macro=macro) for name, macro in speed.baselines(HERE).items()}
+    for name, text in by_hand.items():
         bound = 0.25 if name == "intersections" else None
-        yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(by_hand(detailed)), 5), bound
+        yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(text), 5), bound
     if len(sys.argv) > 1:
         yield "detailed, CPU s", "Mitsuba 3, the same mesh", *paired(cpu(detailed), mitsuba(sys.argv[1]), 5), 0.9
-    yield equal_error(detailed, baselines["intersections"](detailed))
+    yield equal_error(detailed, by_hand["intersections"])
     ideal, none = to_pov(Chess(sheet="ideal")), to_pov(Chess(sheet="none"))
     for sampling in ("off", "1,0.9,2", "1,0.3,3", "2,0.3,2", "2,0.1,3"):
         rendering = Rendering(size=PLAIN.size, antialias=sampling)
@@ -157,11 +162,11 @@ def lines():
     yield "ray trace, a million rays, CPU s", "a second", seconds, 1, seconds, 5
 
 
-def equal_error(detailed: str, by_hand: str) -> tuple:
-    """povgen's sampling of least cost whose picture is no worse than the hand-written scene's at POV-Ray's +A0.3."""
-    scene, size = Chess(), speed.MAIN
+def equal_error(detailed: str, by_hand: str) -> Line:
+    """Compare the hand-written scene at +A0.3 with povgen's cheapest sampling whose picture is no worse."""
+    scene, size = Chess(), speed.MAIN_SIZE
     reference = speed.sample(detailed, speed.CONVERGED, size)[1]
-    theirs, picture = speed.sample(by_hand, speed.USUAL, size)
+    theirs, picture = speed.sample(by_hand, speed.POVRAY_DEFAULT, size)
     wanted = speed.picture_error(picture, reference, scene)[0]
     found = []
     for sampling in speed.SAMPLINGS:

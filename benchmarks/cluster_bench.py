@@ -1,7 +1,7 @@
 """What rendering on a Dask cluster costs, as a table and as JSON: `make cluster-bench`.
 
-Scheduler, client and workers run on this machine, each worker held to a core of its own, as if it were a machine of one
-core. CPU seconds are the operating system's account of a process.
+Scheduler, client and workers run on this machine. Each worker runs on one core only, as if it were a machine of one
+core. CPU seconds are what the operating system reports of a process.
 """
 
 import json
@@ -9,7 +9,6 @@ import os
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -17,23 +16,24 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
 from threading import Thread
-from unittest import mock
 
 import distributed
 from rich.console import Console
 from rich.table import Table
 
 from povgen import MovieSpec, Rendering, movie, to_pov
+from povgen.files import temporary_folder
 from povgen.measure import speed
-from povgen.rendering import frames
+from povgen.rendering import frames, parallel
 from povgen.rendering.cluster import Cluster
 from povgen.scene import prediction
+from povgen.video import still
 
 DASK = Path(sys.executable).with_name("dask")
-THREADS = frames.WORKERS_PER_CORE
+THREADS = parallel.POVRAYS_PER_CORE
 ROUNDS = 3
-LONG, ALONE = 600, 100  # frames that cost nothing, at once and one after the other
-# a worker's povray.run, which hands out a picture that is there
+LONG, ALONE = 600, 100  # numbers of frames that cost nothing: submitted together, and one after the other
+# code that replaces a worker's povray.run: it returns a finished picture
 STAND_IN = """
 from pathlib import Path
 from povgen.rendering import povray
@@ -47,7 +47,7 @@ povray.run = run
 
 
 def spec(count: int) -> MovieSpec:
-    """The paper's first movie, through prisms, in so many frames."""
+    """Return the paper's first movie, through prisms, with `count` frames."""
     own = MovieSpec.load("vary-alpha")
     return own.model_copy(update={"sweep": own.sweep.model_copy(update={"frames": count})})
 
@@ -66,7 +66,7 @@ def started(*command: object, core: int | None = None) -> Iterator[subprocess.Po
 
 @contextmanager
 def running(workers: int, *options: object) -> Iterator[tuple[str, int]]:
-    """A cluster's address, and the number of its scheduler's process."""
+    """Start a cluster. Yield its address and its scheduler's process id."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     with ExitStack() as stack:
@@ -81,7 +81,7 @@ def running(workers: int, *options: object) -> Iterator[tuple[str, int]]:
 
 
 class Counted:
-    """A way to an address that counts the bytes that go there and come back."""
+    """A relay to an address, which counts the bytes in both directions."""
 
     def __init__(self, address: str):
         self.to = ("127.0.0.1", int(address.rpartition(":")[2]))
@@ -93,10 +93,10 @@ class Counted:
     def serve(self) -> None:
         while True:
             here, there = self.server.accept()[0], socket.create_connection(self.to)
-            Thread(target=self.pass_on, args=(here, there, "out"), daemon=True).start()
-            Thread(target=self.pass_on, args=(there, here, "back"), daemon=True).start()
+            Thread(target=self.relay, args=(here, there, "out"), daemon=True).start()
+            Thread(target=self.relay, args=(there, here, "back"), daemon=True).start()
 
-    def pass_on(self, source: socket.socket, target: socket.socket, name: str) -> None:
+    def relay(self, source: socket.socket, target: socket.socket, name: str) -> None:
         while data := source.recv(1 << 16):
             setattr(self, name, getattr(self, name) + len(data))
             target.sendall(data)
@@ -104,7 +104,7 @@ class Counted:
 
 
 def cpu(process: int) -> float:
-    """CPU seconds so far of another process."""
+    """Return the CPU seconds so far of another process."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
@@ -114,18 +114,11 @@ def own_cpu(who: int) -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-@contextmanager
-def empty_cache() -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="povgen-") as folder:
-        with mock.patch.dict(os.environ, POVGEN_CACHE=f"{folder}/cache"):
-            yield Path(folder)
-
-
 def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
-    """Wall seconds of a movie, and CPU seconds of client and encoder for each of its frames."""
-    with empty_cache() as folder, running(workers) as (address, _):
-        movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # loads what workers need
-        prediction.surveys.clear()  # what is known of these scenes from the movie before
+    """Return the wall seconds of a movie, and the CPU seconds of client and encoder for each of its frames."""
+    with temporary_folder() as folder, speed.empty_cache(folder / "cache"), running(workers) as (address, _):
+        movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # workers import their modules
+        prediction.surveys.clear()  # forget what the first movie found out about these scenes
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start
@@ -133,16 +126,16 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
 
 
 def for_nothing(quality: str, workers: int) -> dict[str, float]:
-    """For a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
+    """Measure a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
     scenes, rendering = spec(LONG).scenes("paper"), Rendering(quality=quality)
-    with empty_cache() as folder:
+    with temporary_folder() as folder, speed.empty_cache(folder / "cache"):
         picture = folder / "picture.png"
-        picture.write_bytes(frames.png(scenes[LONG // 2], rendering))
+        picture.write_bytes(still.png(scenes[LONG // 2], rendering))
         (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)
             with Cluster(counted.address) as cluster:
-                texts = [to_pov(scene) for scene in scenes]  # traces rays for each, which is then known
+                texts = [to_pov(scene) for scene in scenes]  # also traces each scene's rays, whose result is then kept
                 alone = []
                 for text in texts[:ALONE]:
                     start = time.monotonic()

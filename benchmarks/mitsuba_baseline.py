@@ -1,8 +1,8 @@
-"""CPU seconds that Mitsuba 3 (scalar_rgb, one thread, one ray a pixel) takes for the sheets of povgen's detailed frame.
+"""Render the sheets of povgen's detailed frame with Mitsuba 3 (scalar_rgb, one thread, one ray a pixel), and time it.
 
-Run by bench.py in an environment of its own, with the greatest number of faces on a path, and with the mesh on standard
-input: a JSON list of sheets, each a list of triangles of three corners in tiles. Prints the CPU seconds of rendering
-alone, after a first frame that warms up.
+bench.py runs this in an environment of its own. The argument is the greatest number of faces on a path. Standard input
+is the mesh: a JSON list of sheets, each a list of triangles of three corners in tiles. The output is the CPU seconds of
+rendering without reading the scene: the median of three frames, after one to warm up.
 """
 
 import json
@@ -50,7 +50,7 @@ def main() -> None:
             "sampler": {"type": "independent", "sample_count": 1},
         },
     }
-    # the frame, before and behind: what is not seen through the window ends there
+    # the window frame, in front and behind: rays beside the window end there
     side, middle = 3.0, WINDOW / 2 + 3.0 / 2
     for n, (x, y) in enumerate(((middle, 0), (-middle, 0), (0, middle), (0, -middle))):
         half = [side / 2, 3.0, 0.13] if x else [WINDOW / 2, side / 2, 0.13]

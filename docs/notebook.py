@@ -1,40 +1,33 @@
-"""The lesson as a Jupyter notebook: `python docs/notebook.py` writes docs/lesson.ipynb from docs/lesson.md."""
+"""Make a Jupyter notebook of the lesson: `python docs/notebook.py` writes docs/lesson.ipynb from docs/lesson.md."""
 
 import re
 from pathlib import Path
 
+import jupytext
 import nbformat
-from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 LESSON = Path(__file__).with_name("lesson.md")
-SHOW = {"png": "Image", "mp4": "Video"}
+KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
+SHOW = {"png": "Image", "mp4": "Video"}  # IPython's class for each kind of file
 
 
 def notebook(text: str) -> nbformat.NotebookNode:
-    """Each block of code as a cell; after shell commands a cell that shows the pictures and movies that they wrote."""
-    cells = []
-    for n, part in enumerate(re.split(r"^(```\w+\n.*?^```\n)", text, flags=re.M | re.S)):
-        kind, code = n % 2, re.sub(r"^```\w+\n|^```\n", "", part, flags=re.M).strip()
-        if not kind:
-            cells.append(new_markdown_cell(_unfolded(part)))
-        elif part.startswith("```bash"):
-            cells.append(new_code_cell(f"%%bash\n{code}"))
-            written = re.findall(r"-o (\S+\.(\w+))", code)
-            shown = ", ".join(f'{SHOW[kind]}("{name}")' for name, kind in written)
-            cells.append(new_code_cell(f"from IPython.display import Image, Video, display\n\ndisplay({shown})"))
-        else:
-            cells.append(new_code_cell(code))
-    for n, cell in enumerate(cells):
-        cell.id = f"cell-{n}"
-    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    return new_notebook(cells=[cell for cell in cells if cell.source], metadata=kernel)
+    """Return a notebook with a cell for each block of code, and a cell that shows the files that a block wrote."""
+    text = re.sub(r"^```bash\n.*?^```\n", lambda block: block[0] + _show(block[0]), text, flags=re.M | re.S)
+    # A hidden answer would end where its cell ends: show every answer.
+    text = re.sub(r"<details><summary>(\w+)</summary>", r"**\1.**", text)
+    text = re.sub(r"\n*</details>\n*", "\n\n", text)
+    made = jupytext.reads(text, "md")
+    made.metadata = {"kernelspec": KERNEL}
+    for n, cell in enumerate(made.cells):
+        cell.id = f"cell-{n}"  # jupytext's are random
+    return made
 
 
-def _unfolded(text: str) -> str:
-    """Markdown without what hides an answer, which cannot reach over cells."""
-    return re.sub(
-        r"<details><summary>(\w+)</summary>|</details>", lambda m: f"**{m[1]}.**" if m[1] else "", text
-    ).strip()
+def _show(commands: str) -> str:
+    files = re.findall(r"-o (\S+\.(\w+))", commands)
+    shown = ", ".join(f'{SHOW[kind]}("{name}")' for name, kind in files)
+    return f"\n```python\nfrom IPython.display import Image, Video, display\n\ndisplay({shown})\n```\n"
 
 
 if __name__ == "__main__":

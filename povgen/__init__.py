@@ -1,6 +1,6 @@
 """POV-Ray scenes of light-ray-rotating sheets, and the movies made from them.
 
-The names below are loaded when they are first used, so that ``povgen --help`` loads none of them.
+The public names are imported when they are first used, because that is slow and ``povgen --help`` needs none.
 """
 
 import sys
@@ -43,7 +43,7 @@ def __dir__() -> list[str]:
 
 
 def _shown_in_notebooks() -> None:
-    """Have Jupyter show a scene as its picture. Scenes themselves know nothing of rendering."""
+    """Tell Jupyter to show a scene as its picture. The scene models themselves do not depend on rendering."""
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]

@@ -1,19 +1,19 @@
-"""The program's first lines: signals are caught before anything is loaded that is slow to load."""
+"""The program's start. Signals are handled before any slow import."""
 
 from povgen import stopping
 
 
 def main() -> None:
-    """Run the command line, as povgen.cli.app.main.
+    """Run the command line (povgen.cli.app.main).
 
-    Exit status 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM, which leave no process and no part of a file behind.
+    After SIGHUP, SIGINT and SIGTERM no process and no unfinished file is left, and the exit status is 129, 130 and 143.
     """
     stopping.on_signals()
     try:
         from povgen.cli import app
 
         app.main()
-    except BaseException:  # whatever became of the handler's exception on its way here
+    except BaseException:  # the signal handler's KeyboardInterrupt may have become another exception
         if not stopping.asked():
             stopping.off_signals()
             raise

@@ -1,11 +1,11 @@
-"""How a scene becomes a picture: size and antialiasing, by name of a quality or one by one."""
+"""How a scene is rendered: the qualities draft, paper and high, picture size, antialiasing, caption and overlay."""
 
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-# Size, antialiasing (method, threshold, depth; each on the front of error against cost, docs/speed.md) and the share of
-# a movie's frames, for each quality.
+# Each quality's picture size, antialiasing (POV-Ray's method, threshold and depth) and number of frames, as a multiple
+# of the number that a movie's spec states. No other antialiasing is both faster and more accurate (docs/speed.md).
 QUALITIES: dict[str, dict[str, Any]] = {
     "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
     "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
@@ -16,15 +16,15 @@ Quality = Literal["draft", "paper", "high"]
 
 def _even(pixels: int) -> int:
     if pixels % 2:
-        raise ValueError("should be even, for movies hold pixels in blocks of 2x2")
+        raise ValueError("should be even, because a movie stores pixels in blocks of 2x2")
     return pixels
 
 
-def _size(value: Any) -> Any:
+def _size(value: object) -> object:
     return value.lower().split("x") if isinstance(value, str) else value
 
 
-def _antialias(value: Any) -> Any:
+def _antialias(value: object) -> object:
     if value == "off":
         return None
     return value.split(",") if isinstance(value, str) else value
@@ -34,12 +34,12 @@ Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
 
 
 class Rendering(BaseModel):
-    """What is asked for beside the scene. What is not given follows from the quality."""
+    """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     file: ClassVar[str] = "frame.png"
-    format: ClassVar[tuple[str, ...]] = ("+FN8",)  # in POV-Ray's options
+    format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
 
     quality: Quality = Field("paper", description="draft, paper or high")
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
@@ -55,36 +55,36 @@ class Rendering(BaseModel):
         BeforeValidator(_antialias),
     ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9")
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
-        1800, description="the longest a frame may take, above 0 to 1e6 seconds"
+        1800, description="time limit for a frame, above 0 to 1e6 seconds"
     )
 
     caption: bool = Field(
-        False, description="burn alpha, z1, z2, r, and the predicted nu and M into the picture's lower edge"
+        False, description="write alpha, z1, z2, r and the predicted nu and M along the picture's lower edge"
     )
     overlay: bool = Field(
         False,
-        description="mark where objects are predicted, and the curves that they move on, in the window's opening alone",
+        description="mark predicted positions inside the window, and the curves on which they move",
     )
 
     @model_validator(mode="before")
     @classmethod
-    def _follow_quality(cls, values: Any) -> Any:
+    def _follow_quality(cls, values: dict[str, Any]) -> dict[str, Any]:
         preset = QUALITIES.get(values.get("quality", "paper"), QUALITIES["paper"])
         return {"size": preset["size"], "antialias": preset["antialias"], **values}
 
     @property
     def picture_options(self) -> list[str]:
-        """POV-Ray's options for this format, size and antialiasing."""
+        """Return POV-Ray's options for the file format, the size and the antialiasing."""
         width, height = self.size
         if self.antialias is None:
             sampling = ["-A"]
         else:
             method, threshold, depth = self.antialias
-            # without jitter the same scene gives the same pixels
+            # -J: no jitter, so that the same scene gives the same pixels
             sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
         return [*self.format, f"+W{width}", f"+H{height}", *sampling]
 
     @property
     def annotated(self) -> bool:
-        """Whether something is drawn over POV-Ray's picture."""
+        """Whether povgen draws on POV-Ray's picture."""
         return self.caption or self.overlay

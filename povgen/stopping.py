@@ -1,4 +1,7 @@
-"""The state 'stopping': a signal asks for it, and no new process gets past it. Loaded first, so it loads little."""
+"""How povgen stops at a signal: no process is started any more, and none is left behind, nor any unfinished file.
+
+This module is loaded first, before anything slow, so it imports little itself.
+"""
 
 import _thread
 import os
@@ -9,36 +12,36 @@ import time
 from contextlib import suppress
 from threading import RLock
 
-LONGEST = 1.5  # seconds until povgen ends, whatever is still under way
+LONGEST = 1.5  # seconds after the signal; then povgen ends in any case
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
 
-# Held while a process is started, or a folder for unfinished files is made. The handler takes it in the main thread,
-# which may hold it already.
+# Held while a process is started or a work folder is made. It is reentrant because the signal handler takes it in the
+# main thread, which may hold it already.
 lock = RLock()
-folders: set[str] = set()  # for unfinished files: removed by what made them, or here if that takes too long
-_number = 0
+folders: set[str] = set()  # work folders; whoever made one removes it, or this module if that takes too long
+_number = 0  # of the signal; 0 before it came
 
 
 def asked() -> bool:
-    """Whether a signal has asked povgen to stop. Who holds the lock knows that it stays so."""
+    """Whether a signal has asked povgen to stop. The answer cannot change while the caller holds the lock."""
     return bool(_number)
 
 
 def check() -> None:
-    """Raise KeyboardInterrupt where a signal has asked povgen to stop."""
+    """Raise KeyboardInterrupt if a signal has asked povgen to stop."""
     if _number:
         raise KeyboardInterrupt
 
 
 def on_signals() -> None:
-    """Stop at SIGHUP, SIGINT and SIGTERM from now on, unless they are ignored, as nohup and a shell's & have it."""
+    """Stop at SIGHUP, SIGINT and SIGTERM from now on, unless the signal is ignored, as under nohup or a shell's &."""
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _stop)
 
 
 def off_signals() -> None:
-    """Let the signals end what is left of the process, with no word."""
+    """Give the signals back their default action: they end the process without a message."""
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is _stop:
             signal.signal(number, signal.SIG_DFL)
@@ -46,18 +49,18 @@ def off_signals() -> None:
 
 def _stop(number: int, frame: object) -> None:
     global _number
-    if _number:  # it is ending
+    if _number:  # povgen is stopping already
         return
     with lock:
         _number = number
-    # not a threading.Thread: the handler may have interrupted the start of one, which is not reentrant
+    # not threading.Thread: its start is not reentrant, and this handler may have interrupted one
     _thread.start_new_thread(_end_in_time, ())
     _kill_children()
     raise KeyboardInterrupt
 
 
 def _end_in_time() -> None:
-    """For an exception that was lost, as in a destructor, or work that cannot be interrupted."""
+    """End povgen after a while: the exception may be lost, as in a destructor, or the work may not be interruptible."""
     time.sleep(LONGEST)
     _kill_children()
     _thread.start_new_thread(_remove_folders, ())
@@ -70,11 +73,11 @@ def _remove_folders() -> None:
 
     while left := [folder for folder in list(folders) if os.path.lexists(folder)]:
         for folder in left:
-            shutil.rmtree(folder, ignore_errors=True)  # again, if a thread has just written there
+            shutil.rmtree(folder, ignore_errors=True)  # the loop tries again if a thread has just written there
 
 
 def _kill_children() -> None:
-    """End what runs for povgen, POV-Rays and the encoder, so that nothing is waited for."""
+    """Kill povgen's child processes, POV-Rays and the encoder, so that no thread waits for them."""
     for thread in os.listdir("/proc/self/task"):
         with suppress(OSError), open(f"/proc/self/task/{thread}/children") as children:
             for child in children.read().split():
@@ -83,16 +86,16 @@ def _kill_children() -> None:
 
 
 def leave() -> None:
-    """End with the word 'stopped' and a status of 128 and the signal's number, and wait for no thread."""
+    """End the process without waiting for threads. The exit status is 128 plus the signal's number."""
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError, AttributeError):  # closed, or none
+        with suppress(OSError, ValueError, AttributeError):  # closed or missing
             stream.flush()
     _remove_folders()
     _end()
 
 
 def _end() -> None:
-    # written only if that cannot block; without a stderr its number may be another file's
+    # Write only if that cannot block. Without a stderr its number may belong to another file.
     with suppress(OSError, ValueError, AttributeError):
         number = sys.stderr.fileno()
         if select.select([], [number], [], 0)[1]:

@@ -1,4 +1,7 @@
+"""Helpers of several test files, and fixtures that every test may use."""
+
 import os
+import subprocess
 import sys
 import time
 from contextlib import redirect_stderr, redirect_stdout
@@ -12,15 +15,16 @@ from hypothesis import settings
 from povgen.cli import app
 
 PROJECT = Path(__file__).parents[1]
+POVGEN = Path(sys.executable).with_name("povgen")  # the program
 
-# The same cases at each run. A machine that is busy makes no case wrong: hangs are found by pytest-timeout.
+# Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
 settings.register_profile("povgen", deadline=None, derandomize=True, database=None)
 settings.load_profile("povgen")
 
 
 @pytest.fixture(autouse=True, scope="session")
 def cache(tmp_path_factory):
-    """Every run renders anew, each frame once: no frame of an earlier version of the code is compared with."""
+    """A cache for this run, which all its processes share. So no frame of an earlier version of the code is used."""
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
     with pytest.MonkeyPatch.context() as patch:
@@ -29,16 +33,16 @@ def cache(tmp_path_factory):
 
 
 def wait_for(condition, seconds=60):
-    """Return what the condition gives, as soon as that is true; fail where it never is."""
+    """Call the condition until its result is true, and return the result. Fail after some seconds."""
     end = time.monotonic() + seconds
     while not (found := condition()):
-        assert time.monotonic() < end, "waited in vain"
+        assert time.monotonic() < end, f"the condition is not true after {seconds} s"
         time.sleep(0.01)
     return found
 
 
 def tree(folder):
-    """All that is in a folder: what it is, its mode, and what it holds or leads to."""
+    """Return the mode of everything in a folder, and the content of files and the targets of links."""
     return {
         path: (
             path.lstat().st_mode,
@@ -49,7 +53,7 @@ def tree(folder):
 
 
 def povgen(arguments, folder):
-    """Run the command line in a folder: exit status, output, errors."""
+    """Run the command line in this process and in a folder. Return its exit status, its output and its errors."""
     out, err = (TextIOWrapper(BytesIO(), "utf-8", errors="backslashreplace") for _ in range(2))
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
         patch.chdir(folder)
@@ -63,7 +67,16 @@ def povgen(arguments, folder):
     return done.value.code or 0, *texts
 
 
+def run_povgen(*arguments, cwd, status=0, **options):
+    """Run the program in a folder. Check its exit status; return the completed process with its output as text."""
+    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
 def refused(arguments, folder):
+    """Check that the command line refuses the arguments in one or two lines and changes no file. Return its message."""
     before = sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file())
     status, out, err = povgen(arguments, folder)
     assert status == 2, err
@@ -75,5 +88,5 @@ def refused(arguments, folder):
 
 @pytest.fixture
 def rng():
-    """The same numbers in each test, whatever ran before it."""
+    """A generator of the same random numbers for each test."""
     return np.random.default_rng(2009)

@@ -1,8 +1,12 @@
-"""The command line: finds the command, runs it, and puts every error in a line. All checking is done by the models."""
+"""The command line: find a command, run it, and turn every error into a message and an exit status.
+
+The commands are in commands/. The models check values (`povgen.errors.validated`).
+"""
 
 import os
 import sys
 from collections.abc import Callable
+from functools import cache, cached_property
 from importlib import import_module
 from inspect import getdoc
 from io import TextIOWrapper
@@ -20,26 +24,33 @@ COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify",
 
 
 class _Command(TyperCommand):
-    """A command that gets its options when it is run."""
+    """A command's name and help. Its options are added when it is run, because that loads the models."""
 
-    def __init__(self, name: str, function: Callable):
+    def __init__(self, name: str, function: Callable[..., None]) -> None:
         super().__init__(name=name, help=getdoc(function))
         self._function = function
 
-    def make_context(self, *arguments: Any, **options: Any) -> Any:
+    @cached_property
+    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command; where it is depends on typer's release)
         alone = typer.Typer(add_completion=False)
         alone.command(self.name)(with_options(self._function))
-        return typer.main.get_command(alone).make_context(*arguments, **options)
+        return typer.main.get_command(alone)
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401
+        return self._with_options.make_context(*arguments, **options)
+
+
+@cache
+def _command(name: str) -> _Command:
+    return _Command(name, import_module(f"povgen.cli.commands.{name}").command)
 
 
 class _Commands(TyperGroup):
-    def list_commands(self, context: Any) -> list[str]:
+    def list_commands(self, context: object) -> list[str]:
         return list(COMMANDS)
 
-    def get_command(self, context: Any, name: str) -> Any:
-        if name in COMMANDS:
-            return _Command(name, import_module(f"povgen.cli.commands.{name}").command)
-        return None
+    def get_command(self, context: object, name: str) -> _Command | None:
+        return _command(name) if name in COMMANDS else None
 
 
 app = typer.Typer(
@@ -60,13 +71,13 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
 
 
 def main() -> None:
-    """Run the command line; exit status 2 for input that cannot be, 1 where POV-Ray or the disk fails."""
+    """Run the command line. The exit status is 2 for a value that is not allowed, 1 if POV-Ray or the disk fails."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:  # closed, as by 2>&-: the next file that is opened would take its number
+        if getattr(sys, name) is None:  # closed, as by 2>&-; then the next file that is opened would get its number
             setattr(sys, name, open(os.devnull, mode))
-    if isinstance(sys.stdout, TextIOWrapper):  # a file's name need not be text
+    if isinstance(sys.stdout, TextIOWrapper):  # the name of a file may be no valid text
         sys.stdout.reconfigure(errors="backslashreplace")
-    usage_error = typer.BadParameter.__bases__[0]  # click's, which typer has under another name from release to release
+    usage_error = typer.BadParameter.__bases__[0]  # click's UsageError; where it is depends on typer's release
     try:
         status = app(standalone_mode=False)
     except Exception as error:
@@ -74,7 +85,7 @@ def main() -> None:
             raise
         if isinstance(error, (InputError, usage_error)):
             message = one_line(getattr(error, "format_message", error.__str__)())
-            _fail(f"povgen: {message}" if message else "", 2)  # typer has said it all where it has printed the help
+            _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
         if isinstance(error, (PovrayError, OSError)):
             _fail(f"povgen: {error}", 1)
         if isinstance(error, MemoryError) or str(error) == "can't start new thread":

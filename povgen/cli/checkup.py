@@ -1,4 +1,4 @@
-"""Whether everything that povgen needs is there and works."""
+"""What `povgen check` tests: whether each part that povgen needs is there and works."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,17 +15,17 @@ TINY = Rendering(size=(64, 48), antialias=None)
 
 
 def faults(report: Callable[[str], object]) -> Iterator[str]:
-    """Try each part, report how it went in a line, and yield the names of those that fail."""
+    """Test each part, report the result as a line of text, and yield the names of the parts that fail."""
     with temporary_folder() as folder:
         frame = folder / "frame.png"
         for name, test, remedy in (
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
-            ("sandbox", _sandbox, "report it: povgen's issues"),
+            ("sandbox", _sandbox, "report it as an issue of povgen's"),
             (
                 "frame",
                 lambda: _frame(frame),
-                "look at POV-Ray's message; reinstall it: apt-get install --reinstall povray",
+                "read POV-Ray's message; reinstall it: apt-get install --reinstall povray",
             ),
             ("encoder", lambda: _encode(frame), "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'"),
         ):
@@ -37,26 +37,24 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
 
 
 def _cache() -> str:
-    with cache.work():
+    with cache.work_folder():
         return str(cache.folder())
 
 
 def _sandbox() -> str:
-    """What POV-Ray can read and write; a kernel without Landlock is no fault, but worth knowing."""
+    """Return which sandbox POV-Ray runs in. A kernel without Landlock is no fault, but the user should know."""
     version = sandbox.version()
-    return (
-        f"Landlock {version}" if version else "none, for this kernel has no Landlock: render only scenes that you trust"
-    )
+    return f"Landlock {version}" if version else "none: this kernel has no Landlock; render only scenes that you trust"
 
 
 def _frame(frame: Path) -> str:
     with temporary_folder() as folder:
         povray.run(to_pov(Chess(sheet="detailed")), TINY, folder).rename(frame)
-    return "a chess piece seen through 2 x 100 prisms, 64x48"
+    return "a chess piece seen through two sheets of 100 prisms, 64x48 pixels"
 
 
 def _encode(frame: Path) -> str:
     import imageio_ffmpeg
 
-    encode.encode([frames.read(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
+    encode.encode([frames.read_png(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
     return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"

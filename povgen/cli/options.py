@@ -1,4 +1,4 @@
-"""What options commands take: those that follow from the models' fields, and those that several commands share."""
+"""The commands' options: those that are made from the models' fields, and those that several commands share."""
 
 import inspect
 import re
@@ -14,46 +14,52 @@ from povgen.errors import InputError, validated
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
+    from povgen.measure.auto import Tolerance as AutoTolerance
     from povgen.scene.models import Scene
 
+Command = Callable[..., None]
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
 Workers = Annotated[
     str | None,
-    typer.Option(metavar="N", help="POV-Ray processes at once, 1 to 256", show_default="enough to keep the cores busy"),
+    typer.Option(metavar="N", help="how many POV-Rays run at once, 1 to 256", show_default="8 for each core"),
 ]
 Tolerance = Annotated[
     str | None,
-    typer.Option(metavar="ERROR", help="for --sheet auto: 1px (of position), 0.2flip (of the picture), or 1px,0.2flip"),
+    typer.Option(
+        metavar="ERROR",
+        help="largest error for --sheet auto: of positions (1px), of the picture (0.2flip), or both (1px,0.2flip)",
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
 
-def takes(*models: str) -> Callable[[Callable], Callable]:
-    """Mark a command that takes, in its **values, an option for every field of the models.
+def takes(*models: str) -> Callable[[Command], Command]:
+    """Mark a command that has an option for every field of these models: 'scenes' (all scenes) or 'rendering'.
 
-    'scenes' stands for all scenes, 'rendering' for Rendering. The command gets a dictionary of what was given.
+    The command gets the given values in its **values, as text.
     """
 
-    def mark(command: Callable) -> Callable:
+    def mark(command: Command) -> Command:
         command.__dict__["models"] = models
         return command
 
     return mark
 
 
-def with_options(command: Callable) -> Callable:
-    """The command as typer reads it: with an option for every field of the models that it `takes`.
+def with_options(command: Command) -> Command:
+    """Return the command as typer reads it: with an option for every field of the models that it `takes`.
 
-    A field is given as text, or as --x and --no-x. The models are slow to load: this is for a command that is run.
+    An option's value is text; a switch is --x or --no-x. This loads the models, which is slow, so only a command that
+    is run gets its options.
     """
     fields = _fields(command.__dict__.get("models", ()))
 
-    def called(**arguments):
-        given = {name: arguments.pop(name) for name in fields}
+    def called(**arguments: object) -> None:
+        given: dict[str, Any] = {name: arguments.pop(name) for name in fields}
         if given.get("z1") and len(given["z1"]) == 1:
             given["z1"] = given["z1"][0]
         given = {name: value for name, value in given.items() if value not in (None, [])}
-        return command(**arguments, **given)
+        command(**arguments, **given)
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
     parameters = [*own, *(_option(name, owners) for name, owners in fields.items())]
@@ -65,11 +71,11 @@ def with_options(command: Callable) -> Callable:
 
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
-    """Every field's name, with the names of the scenes that have it ('' for Rendering) and what it is in each."""
+    """Return, by each field's name, the scenes that have it ('' for Rendering) and the field of each."""
     from povgen.scene.models import SCENES
     from povgen.settings import Rendering
 
-    fields: dict[str, list] = {}
+    fields: dict[str, list[tuple[str, FieldInfo]]] = {}
     named = {"scenes": SCENES.values(), "rendering": [Rendering]}
     for model in [model for name in models for model in named[name]]:
         for name, field in model.model_fields.items():
@@ -78,6 +84,7 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
 
 
 def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Parameter:
+    """Return a field's option, as a parameter with typer's annotation. Its help names scenes in which it differs."""
     texts = {_about(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items())
     flag = name.replace("_", "-")
@@ -85,14 +92,15 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]]) -> inspect.Paramet
     if owners[0][1].annotation is bool:
         kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
-        # the spheres' scene takes several z1
+        # the spheres scene takes several z1
         kind, info = list[str] if name == "z1" else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
-    # None: not given, so that a movie's spec decides
+    # None: not given; then a movie's spec decides
     annotation = Annotated[kind | None, info]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
 def _about(field: "FieldInfo") -> str:
+    """Return a field's help: its description and its default."""
     from pydantic_core import PydanticUndefined
 
     default = field.default
@@ -103,7 +111,7 @@ def _about(field: "FieldInfo") -> str:
 
 
 def scene_of(name: str, values: dict[str, Any]) -> "Scene":
-    """The scene of a name, with values as text. Raises InputError."""
+    """Return the scene of this name, with these values, which may be text. Raises InputError."""
     from povgen.scene.models import SCENES
 
     if name not in SCENES:
@@ -112,15 +120,15 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The values of the scene and those of the rendering."""
+    """Divide values into those of the scene and those of `Rendering`."""
     from povgen.settings import Rendering
 
-    rendering = {name: values.pop(name) for name in Rendering.model_fields if name in values}
-    return values, rendering
+    rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
+    return {name: value for name, value in values.items() if name not in rendering}, rendering
 
 
 def worker_count(text: str | None) -> int | None:
-    """How many POV-Rays run at once. Raises InputError."""
+    """Return the number that --workers gives. Raises InputError."""
     if text is None:
         return None
     if not re.fullmatch("[0-9]{1,9}", text) or not 1 <= int(text) <= 256:
@@ -129,7 +137,7 @@ def worker_count(text: str | None) -> int | None:
 
 
 def made_folder(output: Path) -> Path:
-    """A folder that is made, when there is nothing left to refuse."""
+    """Make the folder for a command's output. Call this last, when all other values have been checked."""
     from povgen.files import checked_folder
     from povgen.rendering import cache
 
@@ -137,26 +145,26 @@ def made_folder(output: Path) -> Path:
     return checked_folder(output)
 
 
-def chosen_sheet(
-    values: dict[str, Any],
-    options: dict[str, Any],
-    tolerance: str | None,
-    quiet: bool,
-    scenes: Callable[[dict[str, Any], str], list["Scene"]],
-) -> dict[str, str]:
-    """The sheet in place of 'auto', if that is what was given; puts the antialiasing chosen into the options."""
+def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolerance | None":
+    """Return the tolerance of --sheet auto, or None for another sheet.
+
+    Raises InputError for a tolerance that is none, and if only one of --sheet auto and --tolerance was given.
+    """
     if (values.get("sheet") == "auto") != (tolerance is not None):
         raise InputError("sheet = 'auto' and tolerance go together; allowed: both, as --sheet auto --tolerance 1px")
     if tolerance is None:
-        return {}
+        return None
+    from povgen.measure.auto import Tolerance
+
+    return Tolerance.parse(tolerance)
+
+
+def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
+    """Return the sheet and the antialiasing that --sheet auto chooses for these scenes of prisms, and print why."""
     from povgen.measure import auto
     from povgen.settings import Rendering
 
-    limit = auto.Tolerance.parse(tolerance)
-    rendering = validated(Rendering, options)
-    through = scenes(values | {"sheet": "detailed"}, rendering.quality)
-    chosen, why = auto.choose(through, rendering, limit, options.get("antialias"))
+    choice, why = auto.choose(scenes, validated(Rendering, options), tolerance, options.get("antialias"))
     if not quiet:
         say(f"povgen: {why}")
-    options["antialias"] = chosen.antialias
-    return {"sheet": chosen.sheet}
+    return choice.sheet, choice.antialias

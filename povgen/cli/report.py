@@ -1,4 +1,4 @@
-"""What the command line says beside its results: messages, warnings, progress."""
+"""What the command line prints on standard error: messages, warnings and progress."""
 
 import os
 import sys
@@ -12,40 +12,41 @@ if TYPE_CHECKING:
 
 
 def say(message: str) -> None:
-    """Print on standard error. A message that cannot be written there stops nothing."""
+    """Print on standard error. If that fails, the program goes on."""
     try:
         print(message, file=sys.stderr, flush=True)
     except OSError:
-        sys.stderr = open(os.devnull, "w")  # else Python tries again at its end, and exits with status 120
+        # otherwise Python writes again when it ends, fails, and exits with status 120
+        sys.stderr = open(os.devnull, "w")
 
 
 def one_line(message: str) -> str:
-    """A message that may quote anything, in one line that a terminal shows as it is; of a long one the ends."""
+    """Return a message as one line of printable characters. Of a long message, return its beginning and its end."""
     message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
     return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"
 
 
 def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
-    """Say once, of each limit that frames cross, what it is and how many do."""
+    """Print one warning for each limit that scenes exceed, with the number of these scenes."""
     from povgen.scene.prediction import warnings
 
     if rendering:
-        from povgen.rendering.frames import known
+        from povgen.rendering import surveys
 
         for scene in scenes:
-            known(scene)
-    said: dict[str, list[str]] = {}
+            surveys.load(scene)
+    texts_by_limit: dict[str, list[str]] = {}
     for scene in scenes:
-        for name, text in warnings(scene, rendering):
-            said.setdefault(name, []).append(text)
-    for texts in said.values():
+        for limit, text in warnings(scene, rendering):
+            texts_by_limit.setdefault(limit, []).append(text)
+    for texts in texts_by_limit.values():
         also = f" (so in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
         say(f"povgen: warning: {texts[0]}{also}")
 
 
 @contextmanager
 def progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
-    """A bar with the time left on a terminal, a line now and then elsewhere. Yields what to call after each frame."""
+    """Show a progress bar on a terminal, up to ten lines elsewhere. Yield the function to call after each frame."""
     if quiet:
         yield lambda: None
     elif sys.stderr.isatty():
@@ -60,10 +61,10 @@ def progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]
     else:
         count = 0
 
-        def line() -> None:
+        def say_each_tenth() -> None:
             nonlocal count
             count += 1
             if count == total or count * 10 // total > (count - 1) * 10 // total:
                 say(f"{what}: {count}/{total} frames")
 
-        yield line
+        yield say_each_tenth

@@ -1,4 +1,4 @@
-"""Drawing with matplotlib: how povgen's charts and figures look, and how they become files."""
+"""Drawing with matplotlib: the style of povgen's charts and figures, and how they become files."""
 
 from contextlib import AbstractContextManager
 from io import BytesIO
@@ -22,7 +22,7 @@ except ImportError:
         "charts and figures are drawn with matplotlib, which is not installed: pip install 'povgen[charts]'"
     ) from None
 
-# matplotlib's names, for the modules that draw
+# for the modules that draw
 __all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {
@@ -39,13 +39,13 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def style(**other) -> AbstractContextManager:
-    """While it is entered, povgen's style holds, with other settings of matplotlib in place of its own."""
+def style(**other: object) -> AbstractContextManager[None]:
+    """Return a context in which figures have povgen's style. `other` settings of matplotlib override the style."""
     return matplotlib.rc_context(STYLE | other)
 
 
 def save_drawing(figure: Figure, *paths: Path) -> None:
-    """Write a figure, each file of the kind that its name ends with."""
+    """Write a figure to files. Each file name ends with its format: .png or .svg."""
     for path in paths:
         image = BytesIO()
         undated = {"Date": None} if path.suffix == ".svg" else None

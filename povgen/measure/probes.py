@@ -1,49 +1,54 @@
-"""Frames as measuring instruments: scenes whose colours are numbers, and what they say, pixel by pixel.
+"""Probes: scenes whose colours are numbers, so that each pixel of a rendered probe can be decoded.
 
-Places in the picture are complex numbers, tiles in the plane z = 0, as in `scenes`.
+A position in the picture is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
 """
 
 import re
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from math import radians
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from povgen.errors import PovrayError
 from povgen.files import temporary_folder
 from povgen.optics import prism, trace
 from povgen.rendering import povray
-from povgen.rendering.frames import default_workers
+from povgen.rendering.parallel import thread_pool
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Mask = NDArray[np.bool_]
+Size = tuple[int, int]  # width and height, pixels
 
-class Linear(Rendering):
-    """A frame in 16-bit colours that are proportional to POV-Ray's own, every pixel one ray."""
+
+class LinearRendering(Rendering):
+    """A rendering with 16-bit colours that are proportional to POV-Ray's own. Each pixel is one ray."""
 
     file: ClassVar[str] = "frame.ppm"
     format: ClassVar[tuple[str, ...]] = ("+FP16", "File_Gamma=1.0")
 
-    def __init__(self, size: tuple[int, int]):
+    def __init__(self, size: Size) -> None:
         super().__init__(size=size, antialias="off")
 
 
-class _Instrument(Scene):
-    """A window before something coded. Sheets and eye may be what no picture would have."""
+class _Probe(Scene):
+    """A window in front of something whose colours are numbers. It allows sheets and eyes that other scenes refuse."""
 
     prisms: int = 100
     z2: float = 6
     alpha: float = 66
     E: complex = 0j
     gap: float = prism.AIR_GAP  # air between prisms, in units of their pitch
-    trace_level: int | None = None  # as the scene needs
-    grid: int | None = None  # cells of the ideal sheet's camera, as it needs
+    trace_level: int | None = None  # None: the level that povgen sets for the scene
+    grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
 
     @property
     def air_gap(self) -> float:
@@ -54,15 +59,15 @@ class _Instrument(Scene):
         return ()
 
 
-class Directions(_Instrument):
-    """The surroundings tell from which direction light comes."""
+class Directions(_Probe):
+    """Surroundings, infinitely far away, whose colour is the direction in which they are seen."""
 
     name: ClassVar[str] = "instruments/directions"
     subject: ClassVar[str] = "directions of the light that comes through the window"
 
 
-class Positions(_Instrument):
-    """A square parallel to the sheets, its centre at L, tells from which place light comes."""
+class Positions(_Probe):
+    """A square parallel to the sheets. Its centre is at L, and its colour is the position on it, relative to L."""
 
     name: ClassVar[str] = "instruments/positions"
     subject: ClassVar[str] = "a square whose colours are places on it"
@@ -75,35 +80,35 @@ class Positions(_Instrument):
         return (self.z1,)
 
 
-class Piece(Chess):
-    """A chess piece alone, whose colours are the places on it."""
+class PiecePositions(Chess):
+    """A chess piece alone. Its colour is the position on it, relative to the centre of its foot."""
 
     name: ClassVar[str] = "instruments/piece"
     subject: ClassVar[str] = "a chess piece whose colours are places on it"
     extent: ClassVar[float] = 2.0
 
 
-def frames(scenes: Iterable[Scene], size: tuple[int, int]) -> Iterator[np.ndarray]:
-    """What the scenes' pixels say, (height, width, 3): directions, or tiles from L; NaN where nothing coded is seen."""
-    rendering = Linear(size)
+def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:
+    """Render probes, and yield the numbers that each one's pixels stand for, (height, width, 3).
 
-    def measure(scene: Scene, source: str) -> np.ndarray:
+    The numbers are directions, or tiles from L. They are NaN where a pixel shows nothing that is coded.
+    Raises PovrayError.
+    """
+    rendering = LinearRendering(size)
+
+    def measure(scene: Scene, source: str) -> Floats:
         with temporary_folder() as folder:
             colours = _read(runner.run(source, rendering, folder))
-        return np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan) * getattr(scene, "extent", 1)
+        numbers = np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan)
+        return numbers * float(getattr(scene, "extent", 1))
 
     scenes, runner = list(scenes), povray.Runner()
-    pool = ThreadPoolExecutor(default_workers())
-    try:
+    with thread_pool(runner) as pool:
         yield from pool.map(measure, scenes, map(to_pov, scenes))
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        runner.stop()
-        pool.shutdown()
 
 
-def _read(path: Path) -> np.ndarray:
-    """A 16-bit PPM's colours, 0 to 1."""
+def _read(path: Path) -> Floats:
+    """Return the colours, 0 to 1, of a 16-bit PPM file. Raises PovrayError if the file is not complete."""
     data = path.read_bytes()
     header = re.match(rb"P6\s(?:#.*\n)*(\d+) (\d+)\s(?:#.*\n)*65535\n", data)
     if header is None:
@@ -112,41 +117,45 @@ def _read(path: Path) -> np.ndarray:
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 
-def pixels(size: tuple[int, int]) -> np.ndarray:
-    """Where the pixels' centres are, (height, width)."""
+def pixels(size: Size) -> Complexes:
+    """Return the positions of the pixels' centres, (height, width)."""
     width, height = size
-    tile = height / Scene.view_height
+    pixels_per_tile = height / Scene.view_height
     x, y = np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5
-    return (x + 1j * y[:, None]) / tile
+    return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
 
 
-def rays(scene: Scene, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Which pixels look through the window past the frame's front, (height, width); their unit directions, (n, 3)."""
-    place = pixels(size)
-    front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
+def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
+    """Return which pixels look through the window, (height, width), and their rays' unit directions, (n, 3).
+
+    Pixels whose ray meets the window frame before the sheets are left out.
+    """
+    position = pixels(size)
+    front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.window / 2
-    inside = (_reach(place) < half) & (_reach(front) < half)
-    offset = place[inside] - scene.E
+    inside = (_reach(position) < half) & (_reach(front) < half)
+    offset = position[inside] - scene.E
     direction = np.column_stack((offset.real, offset.imag, np.full(len(offset), float(scene.z2))))
     return inside, direction / np.linalg.norm(direction, axis=1, keepdims=True)
 
 
-def window(scene: Scene, size: tuple[int, int]) -> tuple[slice, slice]:
-    """Rows and columns of the pixels that look through the window."""
+def window(scene: Scene, size: Size) -> tuple[slice, slice]:
+    """Return the rows and the columns of the pixels that look through the window."""
     inside, _ = rays(scene, size)
     y, x = np.argwhere(inside)[[0, -1]].T
     return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
 
 
-def traced(scene: Scene, direction: np.ndarray, most: int = 60, origin: np.ndarray | None = None) -> trace.Rays:
-    """The exact ray trace of a scene of prisms for rays from its eye, or from origins (n, 3), up to `most` faces each.
+def traced(scene: Scene, direction: Floats, max_faces: int = 60, origin: Floats | None = None) -> trace.Rays:
+    """Trace rays exactly through a scene of prisms, each through at most `max_faces` faces.
 
-    A ray that meets the frame behind the sheets ends there.
+    `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets the
+    window frame behind the sheets ends there.
     """
     sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(origin, direction, sheets, scene.window, scene.prisms, scene.air_gap, most)
+    found = trace.trace(origin, direction, sheets, scene.window, scene.prisms, scene.air_gap, max_faces)
     side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
     leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
     free = found.end <= trace.End.BACK
@@ -155,21 +164,25 @@ def traced(scene: Scene, direction: np.ndarray, most: int = 60, origin: np.ndarr
     return found
 
 
-def _reach(place: np.ndarray) -> np.ndarray:
-    return np.maximum(abs(place.real), abs(place.imag))
+def _reach(position: Complexes) -> Floats:
+    """Return the larger of |x| and |y|."""
+    return np.asarray(np.maximum(abs(position.real), abs(position.imag)))
 
 
 @dataclass(frozen=True)
-class Seen:
-    """Where an object appears, and how a step d on it appears about there: as a d + b conj(d)."""
+class ApparentObject:
+    """Where an object appears, and how it is turned, scaled and sheared.
 
-    place: complex
+    A step d on the object, a complex number in tiles, is seen as a step a d + b conj(d).
+    """
+
+    position: complex
     a: complex
     b: complex
 
     @property
     def rotation(self) -> float:
-        """Radians."""
+        """Return the angle, radians, by which the object appears turned counter-clockwise."""
         return float(np.angle(self.a))
 
     @property
@@ -177,51 +190,53 @@ class Seen:
         return abs(self.a)
 
 
-def locate(place: np.ndarray, told: np.ndarray, radius: float) -> Seen | None:
-    """Where the point told as 0 appears, from pixels at `place` that tell places `told` on an object; None: nowhere.
+def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:
+    """Return where the point 0 of an object appears, or None if too little of the object is seen.
 
-    A pixel counts if what it tells is within `radius`. Stray light puts scraps of the object elsewhere and prisms
-    cut it into slices: a fit of what is told, as a function of place, starts where most of these pixels are and
-    drops what lies far from it.
+    `position` holds the pixels' positions in the picture. `on_object` holds the position on the object that each pixel
+    shows. Only pixels that show a position within `radius` of 0 count. Prisms cut the object into slices, and stray
+    light shows parts of it elsewhere. Therefore a linear function is fitted to these pixels: the fit starts where they
+    are densest, and drops pixels that lie far from it.
     """
-    near = abs(told) < radius
-    place, told = place[near], told[near]
-    if len(place) < 12:
+    near = abs(on_object) < radius
+    position, on_object = position[near], on_object[near]
+    if len(position) < 12:
         return None
-    centre, reach = _densest(place)
+    centre, reach = _densest(position)
     for _ in range(20):
-        inside = abs(place - centre) < reach
+        inside = abs(position - centre) < reach
         if inside.sum() < 12:
             return None
-        x, y = (place[inside] - centre) / reach, told[inside]
+        x, y = (position[inside] - centre) / reach, on_object[inside]
         basis = np.column_stack((np.ones(len(x)), x, x.conj()))
         kept = np.ones(len(x), bool)
         for _ in range(5):
             fit = basis[kept]
             c, _, rank, _ = np.linalg.lstsq(fit, y[kept], rcond=None)
-            if rank < 3:  # pixels in a line
+            if rank < 3:  # the pixels lie on a line
                 return None
             off = abs(y - basis @ c)
             kept = off <= 4 * np.median(off[kept]) + 1e-12
         c /= (1, reach, reach)
+        # the fit gives the object's position from the picture's: invert it
         size = abs(c[1]) ** 2 - abs(c[2]) ** 2
         a, b = c[1].conj() / size, -c[2] / size
         step = -a * c[0] - b * c[0].conj()
         centre = centre + step
-        # what is cut off at the radius would pull the fit: stay within the ellipse that it is seen as
+        # pixels cut off at the radius would bias the fit: stay within the ellipse as which the circle is seen
         reach = 0.8 * radius * abs(abs(a) - abs(b))
         if abs(step) < 1e-6 * reach:
             break
-    return Seen(complex(centre), complex(a), complex(b))
+    return ApparentObject(complex(centre), complex(a), complex(b))
 
 
-def _densest(place: np.ndarray) -> tuple[complex, float]:
-    """The middle of the crowd, and its extent: half of the places, those nearest to each other by median."""
-    centre, kept = np.median(place.real) + 1j * np.median(place.imag), place
+def _densest(position: Complexes) -> tuple[complex, float]:
+    """Return the centre and the radius of the region where positions are densest. It holds about half of them."""
+    centre, kept = complex(np.median(position.real), np.median(position.imag)), position
     for _ in range(30):
-        distance = abs(place - centre)
-        kept = place[distance <= np.median(distance)]
-        new = np.median(kept.real) + 1j * np.median(kept.imag)
+        distance = abs(position - centre)
+        kept = position[distance <= np.median(distance)]
+        new = complex(np.median(kept.real), np.median(kept.imag))
         if new == centre:
             break
         centre = new

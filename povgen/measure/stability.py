@@ -1,11 +1,12 @@
-"""Where methods fail: maps of error and loss, and the limits read off them, `povgen verify --stability`.
+"""Where methods fail: maps of error and loss, and the limits read from them, `povgen verify --stability`.
 
-Each map measures scenes of `instruments` and holds a table, which `charts` draws. A limit is the abscissa up to which
-(or from which on) the ordinate keeps below a tolerance; it is measured beside the one that is in force in `limits`.
+Each map measures probes and holds a table, which `charts` draws. A limit is the x up to which (or from which on) y
+stays below a tolerance. It is compared with the limit in `scene.limits`, which povgen applies.
 """
 
 import dataclasses
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, degrees, radians, sqrt
@@ -13,7 +14,7 @@ from math import ceil, degrees, radians, sqrt
 import numpy as np
 
 from povgen.measure import probes
-from povgen.measure.probes import Directions, Positions
+from povgen.measure.probes import Directions, Floats, Positions, Size
 from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, transverse
 from povgen.optics import rotation
 from povgen.optics.trace import End
@@ -33,80 +34,95 @@ from povgen.scene.models import Chess
 from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
 
 TINY = (320, 240)
-CONDITIONS = tuple(10.0 ** np.arange(0.5, 7.5, 0.5))
-RENDERED = ", by POV-Ray"  # ends the name of a series beside the one that the exact ray trace makes
+CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
+RENDERED = ", by POV-Ray"  # suffix of a series that POV-Ray renders; the exact ray trace makes the series without it
 
 
 @dataclass
-class Map:
-    """Ordinates over an abscissa, in series: rows of (series, abscissa, ordinate), in the order of measuring.
+class StabilityMap:
+    """Measured values y against x, in named series. `rows` are (series, x, y), in the order of measuring.
 
-    `most` is the tolerance that a limit keeps the ordinate below; `logs` names the axes, of 'xy', that are logarithmic.
+    The fields `x` and `y` are the axes' labels. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'. Limits
+    keep y below `tolerance`.
     """
 
     name: str
     title: str
     x: str
     y: str
-    most: float
-    logs: str
+    tolerance: float
+    log_axes: str
     rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
     limits: list[Measured] = dataclasses.field(default_factory=list)
 
     def add(self, series: str, x: float, y: float) -> None:
-        """A row."""
+        """Append a row."""
         self.rows.append((series, float(x), float(y)))
 
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
-        """Measure how far a series keeps below `most`: up to where if it is rising, else from where on.
+        """Measure the limit of a series, and compare it with the limit `in_force`.
 
-        Interpolated between abscissas, or their logarithms; NaN, which fails, where it keeps below `most` nowhere.
+        If the series is rising, the limit is the x up to which y stays below the tolerance; else the x from which on
+        it does. It is interpolated between the rows' x, or their logarithms. If y is nowhere below the tolerance the
+        limit is NaN, which fails.
         """
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
-        found = points[0][0] if points[0][1] <= self.most else np.nan
+        found = points[0][0] if points[0][1] <= self.tolerance else np.nan
         for (x0, y0), (x1, y1) in pairwise(points):
-            if not y0 <= self.most:
+            if not y0 <= self.tolerance:
                 break
-            if y1 <= self.most:
+            if y1 <= self.tolerance:
                 found = x1
-            elif y1 > self.most and "x" in self.logs:
-                found = x0 * (x1 / x0) ** ((self.most - y0) / (y1 - y0))
-            elif y1 > self.most:
-                found = x0 + (x1 - x0) * (self.most - y0) / (y1 - y0)
+            elif y1 > self.tolerance and "x" in self.log_axes:
+                found = x0 * (x1 / x0) ** ((self.tolerance - y0) / (y1 - y0))
+            elif y1 > self.tolerance:
+                found = x0 + (x1 - x0) * (self.tolerance - y0) / (y1 - y0)
         self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
 
 
-def pole(conditions=CONDITIONS, size=TINY) -> Iterator[Map]:
-    """(a) Measured against predicted position as alpha -> 180 deg and as z1 -> z2, by the condition number of P."""
+def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
+    """(a) Measure the error of eq. 7 as alpha -> 180 deg and as z1 -> z2, by the condition number of P."""
     x, y = "condition number |1 − P|", "error of position (px)"
-    map = Map("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
+    result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
-            for M, _, place, thin in _near_pole(toward, conditions, size, sheet="ideal", E=E):
-                map.add(series, M, px(abs(place - thin)))
-            map.limit("ideal", series, MAX_CONDITION)
-    yield map
+            for M, _, place, thin in _near_pole(toward, conditions, size, "ideal", E=E):
+                result.add(series, M, px(abs(place - thin)))
+            result.limit("ideal", series, MAX_CONDITION)
+    yield result
 
 
-def prediction(conditions=(1, 1.5, 2, 3, 4, 6, 8), size=TINY) -> Iterator[Map]:
-    """(a) What the paraxial prediction leaves of eq. 7's error: towards the pole, for few prisms, in a wide field."""
+def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
+    """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "correction of eq. 7 (px)", "error of the paraxial prediction (px)"
-    map = Map("prediction", "(a) prisms' size and the pole", x, y, 3, "xy")
+    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, 3, "xy")
     for toward in ("α → 180°", "z1 → z2"):
-        for series, values in (
-            (f"{toward}", {}),
-            (f"{toward}, N = 25", {"prisms": 25}),
-            (f"{toward}, wide field", {"z2": 3.6, "P": 0.6 - 0.6j}),
+        for series, prisms, z2, P in (
+            (f"{toward}", 100, 6.0, 0.3 + 0.1j),
+            (f"{toward}, N = 25", 25, 6.0, 0.3 + 0.1j),
+            (f"{toward}, wide field", 100, 3.6, 0.6 - 0.6j),
         ):
-            for _, scene, place, thin in _near_pole(toward, conditions, size, sheet="detailed", **values):
+            for _, scene, place, thin in _near_pole(toward, conditions, size, "detailed", z2=z2, P=P, prisms=prisms):
                 seen = scene.apparent_position(scene.L, scene.z1)
-                map.add(series, px(abs(seen - thin)), px(abs(place - seen)))
-            map.limit("detailed", series, MAX_CORRECTION, "px")
-    yield map
+                result.add(series, px(abs(seen - thin)), px(abs(place - seen)))
+            result.limit("detailed", series, MAX_CORRECTION, "px")
+    yield result
 
 
-def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, E=-0.2 + 0j, **values):
-    """Condition number, scene, where its object is seen and where eq. 7 has it, tiles: towards the pole."""
+def _near_pole(
+    toward: str,
+    conditions: Sequence[float],
+    size: Size,
+    sheet: str,
+    z2: float = 6.0,
+    P: complex = 0.3 + 0.1j,
+    E: complex = -0.2 + 0j,
+    prisms: int = 100,
+) -> Iterator[tuple[float, Positions, complex, complex]]:
+    """Yield the condition number, the scene, where its object is seen, and where eq. 7 predicts it, tiles.
+
+    The scenes approach the pole, as `toward` says.
+    """
     scenes = []
     for M in conditions:
         # near the pole |1 - P| is 1/|alpha - pi|, or z2/|z2 - z1|
@@ -114,26 +130,32 @@ def _near_pole(toward: str, conditions, size, z2=6.0, P=0.3 + 0.1j, E=-0.2 + 0j,
         alpha, z1 = (angle, z2) if toward[0] == "α" else (180.0, z2 - z2 / (M + 1))
         L = rotation.object_position(P, E, z1, z2, radians(alpha))
         extent = 0.3 / rotation.M(z2 / z1, radians(alpha))
-        scenes.append(Positions(alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=extent, **values))
+        scenes.append(Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=extent))
     for scene, seen in located(scenes, size):
         thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-        yield rotation.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.place, thin
+        yield rotation.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.position, thin
 
 
-def prism_count(counts=(300, 1000, 3000, 10000, 30000), size=SMALL) -> Iterator[Map]:
-    """(b) Rays on the designed path that leave in a direction that the exact ray trace does not give: the leak."""
-    map = Map("prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy")
+def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
+    """(b) Measure the leak: rays on the designed path that leave in another direction than in the exact ray trace."""
+    result = StabilityMap(
+        "prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy"
+    )
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
-        map.add("leak", count, 100 * float(np.mean(wrong)))
-    map.limit("detailed", "leak", MAX_PRISMS)
-    yield map
+        result.add("leak", count, 100 * float(np.mean(wrong)))
+    result.limit("detailed", "leak", MAX_PRISMS)
+    yield result
 
 
-def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=TINY) -> Iterator[Map]:
-    """(c) Stray pixels that POV-Ray gets wrong where gaps are narrow; light lost to gaps where they are wide."""
-    narrow = Map("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
-    wide = Map("gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to it (%)", 3, "x")
+def gap_width(
+    gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size: Size = TINY
+) -> Iterator[StabilityMap]:
+    """(c) Measure the stray pixels that POV-Ray gets wrong if gaps are narrow, and the light lost if they are wide."""
+    narrow = StabilityMap("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
+    wide = StabilityMap(
+        "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to it (%)", 3, "x"
+    )
     for count in (100, 1000):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -145,22 +167,24 @@ def gap_width(gaps=(1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size=T
     yield wide
 
 
-def _wrong(scene: Directions, size) -> tuple[float, float, float]:
-    """Fractions: of pixels on the designed path that are wrong; of pixels on it; of stray pixels that are wrong."""
+def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
+    """Return three fractions: wrong pixels of those on the designed path; these of all; wrong ones of stray pixels."""
     inside, direction = probes.rays(scene, size)
     found = probes.traced(scene, direction, max_trace_level(scene))
-    (told,) = probes.frames([scene], size)
-    wrong = ~(np.linalg.norm(told[inside] - found.direction, axis=1) < 1e-3)
+    (decoded,) = probes.decoded([scene], size)
+    wrong = ~(np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3)
     stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.designed
     return wrong[found.designed].mean(), found.designed.mean(), wrong[stray].mean()
 
 
-def trace_level(size=TINY) -> Iterator[Map]:
-    """(d) Pixels of the window that stay black though their light comes through: the ray trace, and POV-Ray beside it.
+def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
+    """(d) Measure the lost pixels, traced exactly and rendered: they stay black although light reaches them.
 
-    The limit is the level that povgen takes for the scene.
+    The limit is the level that povgen sets for the scene.
     """
-    map = Map("trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * MAX_LOST_FRACTION, "")
+    result = StabilityMap(
+        "trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * MAX_LOST_FRACTION, ""
+    )
     levels = np.arange(5, MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
@@ -176,44 +200,53 @@ def trace_level(size=TINY) -> Iterator[Map]:
     ):
         inside, direction = probes.rays(scene, size)
         found = probes.traced(scene, direction, 255)
-        leaves = found.end != End.FRAME  # those that the ray trace gives up would leave as well
+        leaves = found.end != End.FRAME  # rays that the trace does not finish would leave as well
         for level in levels:
-            map.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
+            result.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
         scenes = [scene.model_copy(update={"trace_level": level}) for level in (7, 15, max_trace_level(scene))]
-        for other, told in zip(scenes, probes.frames(scenes, size), strict=True):
-            black = np.isnan(told[inside][:, 0]) & leaves
-            map.add(series + RENDERED, max_trace_level(other), 100 * black.mean())
-        map.limit(scene.sheet, series, max_trace_level(scene), rising=False)
-    yield map
+        for other, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
+            black = np.isnan(decoded[inside][:, 0]) & leaves
+            result.add(series + RENDERED, max_trace_level(other), 100 * black.mean())
+        result.limit(scene.sheet, series, max_trace_level(scene), rising=False)
+    yield result
 
 
-def field_angle(distances=(0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size=SMALL) -> Iterator[Map]:
-    """(e) Pixels that show no rotated light, by field angle; and those of a whole window, by the eye's distance."""
-    y, most = (
-        "pixels without rotated light (%)",
-        100 * (1 - MIN_DESIGNED_FRACTION) + 1,
-    )  # one for the sample that povgen warns by
-    angles = Map("field", "(e) field angle", "field angle (degrees)", y, most, "")
+def field_angle(
+    distances: Sequence[float] = (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size: Size = SMALL
+) -> Iterator[StabilityMap]:
+    """(e) Measure the pixels without rotated light, by field angle; and for a whole window, by the eye's distance."""
+    y = "pixels without rotated light (%)"
+    # 1 % more than povgen warns at, because it warns by a sample of rays
+    most = 100 * (1 - MIN_DESIGNED_FRACTION) + 1
+    angles = StabilityMap("field", "(e) field angle", "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
-    distance = Map("distance", "(e) distance of the eye", "z2 (tiles)", y, most, "x")
+    distance = StabilityMap("distance", "(e) distance of the eye", "z2 (tiles)", y, most, "x")
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
             distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).designed))
     for alpha in (0, 66, 120, 180):
-        near = next(z2 for z2 in np.arange(0.5, 9, 0.1) if not _warned(alpha, z2))
+        near = _nearest_without_warning(alpha)
         distance.limit("detailed", f"α = {alpha}°", near, "tiles", rising=False)
     yield distance
 
 
-def _warned(alpha: float, z2: float) -> bool:
-    return any(name == "z2" for name, _ in warnings(Directions(sheet="detailed", alpha=alpha, z2=z2)))
+def _nearest_without_warning(alpha: float) -> float:
+    """Return the least distance of the eye, tiles, to a tenth, at which povgen does not warn of z2."""
+
+    def quiet(z2: float) -> bool:
+        scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
+        return all(name != "z2" for name, _ in warnings(scene))
+
+    distances = np.arange(0.5, 9, 0.1)
+    return float(distances[bisect_left(distances, True, key=quiet)])
 
 
-ASIDE = (  # z2, E, alpha, z1/z2: wide fields, eyes far aside, near the pole, objects far off
+# z2, E, alpha, z1/z2: wide fields, eyes far from the axis, scenes near the pole, distant objects
+OFF_AXIS: tuple[tuple[float, complex, float, float], ...] = (
     (20, 0.5 - 0.5j, 66, 1),
     (6, 3 - 1j, 66, 1),
     (6, 8.6j, 162.5, 1),
@@ -225,56 +258,60 @@ ASIDE = (  # z2, E, alpha, z1/z2: wide fields, eyes far aside, near the pole, ob
 )
 
 
-def grid(scenes=ASIDE, size=TINY) -> Iterator[Map]:
-    """(f) The ideal sheet's camera off the axis: the error of what is seen, over the most that it should be."""
+def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size: Size = TINY) -> Iterator[StabilityMap]:
+    """(f) Measure the error of the ideal sheet's camera off the axis, against the error that it may have."""
     x = "the most that the error should be (px)"
-    # 0.011 px of it are the 16 bits that tell the place
-    map = Map(
+    # 0.011 px: the resolution of positions in 16 bits
+    result = StabilityMap(
         "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
     )
     place = probes.pixels(size)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = rotation.one_minus_P(1 / ratio, radians(alpha))
-        # the square lies across the whole window
-        values = {"E": E, "L": rotation.object_position(0, E, z1, z2, radians(alpha)), "extent": 2 / abs(seen)}
-        values |= {"sheet": "ideal", "alpha": alpha, "z1": z1, "z2": z2}
-        enough = ceil(sqrt(grid_error(Positions(**values), 1) / MAX_CAMERA_ERROR))
-        cut = [Positions(**values, grid=max(1, enough // part)) for part in (8, 4, 2, 1)]
-        for scene, told in zip(cut, probes.frames(cut, size), strict=True):
+        # the square fills the whole window
+        L = rotation.object_position(0, E, z1, z2, radians(alpha))
+        own = Positions(sheet="ideal", alpha=alpha, z1=z1, z2=z2, E=E, L=L, extent=2 / abs(seen))
+        enough = ceil(sqrt(grid_error(own, 1) / MAX_CAMERA_ERROR))
+        coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
+        for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
             inside, _ = probes.rays(scene, size)
-            inside &= ~np.isnan(told[..., 0])
-            predicted = scene.E + (transverse(told[inside]) + scene.L - scene.E) * seen
+            inside &= ~np.isnan(decoded[..., 0])
+            predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
             error = abs(predicted - place[inside]).max(initial=0)
             series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
-            map.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
-        map.limit("ideal", series, MAX_CAMERA_ERROR, "px")
-    yield map
+            result.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
+        result.limit("ideal", series, MAX_CAMERA_ERROR, "px")
+    yield result
 
 
-def aliasing(counts=(12, 25, 50, 75, 100, 150, 300), size=TINY) -> Iterator[Map]:
-    """(g) Error of a picture without antialiasing, by the pitch of the prisms in pixels; and that of 12x12 blocks.
+def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size = TINY) -> Iterator[StabilityMap]:
+    """(g) Measure the error of a picture without antialiasing, by prism width in pixels; and of 12x12 blocks' means.
 
-    Where the pixels resolve no prism, their error is that of a sample at random; it grows no more.
+    If the pixels do not resolve the prisms, their error is that of a random sample and does not grow any more.
     """
     from povgen.video.still import render
 
-    map = Map("aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x")
+    result = StabilityMap(
+        "aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x"
+    )
     width = Chess.window / Chess.view_height * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
         window = probes.window(scene, size)
-        coarse, fine = (render(scene, size=size, antialias=to)[window] / 255 for to in ("off", "1,0.001,4"))
+        coarse, fine = (
+            render(scene, size=size, antialias=antialias)[window] / 255 for antialias in ("off", "1,0.001,4")
+        )
         off = coarse - fine
-        map.add("pixels", width / count, rms(off))
-        map.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
-    map.limit("detailed", "pixels", MIN_PIXELS_PER_PRISM, "px", rising=False)
-    yield map
+        result.add("pixels", width / count, rms(off))
+        result.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
+    result.limit("detailed", "pixels", MIN_PIXELS_PER_PRISM, "px", rising=False)
+    yield result
 
 
-def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
-    """(h) Moire of nearly parallel sheets: how far blocks of pixels differ in their share on the designed path."""
-    map = Map("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast over that at 30°", 1.35, "")
+def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size = SMALL) -> Iterator[StabilityMap]:
+    """(h) Measure moire of nearly parallel sheets: by how much blocks differ in their fraction on the designed path."""
+    result = StabilityMap("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast over that at 30°", 1.35, "")
     for count in (50, 100, 400):
         contrast = []
         for alpha in alphas:
@@ -283,22 +320,23 @@ def moire(alphas=(0, 0.3, 1, 2, 3, 5, 8, 15, 30), size=SMALL) -> Iterator[Map]:
             designed = np.zeros(inside.shape)
             designed[inside] = probes.traced(scene, direction).designed
             blocks = _blocks(designed[probes.window(scene, size)][6:-6, 6:-6], 24)
-            # of neighbours, for the slow fall towards the edges does not count
+            # differences of neighbours, because the slow fall towards the edges is not moire
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
-            map.add(f"N = {count}", alpha, value / contrast[-1])
-        map.limit("detailed", f"N = {count}", MIN_ALPHA, "deg", rising=False)
-    yield map
+            result.add(f"N = {count}", alpha, value / contrast[-1])
+        result.limit("detailed", f"N = {count}", MIN_ALPHA, "deg", rising=False)
+    yield result
 
 
-def _blocks(picture: np.ndarray, n: int) -> np.ndarray:
-    """Means of n x n pixels."""
+def _blocks(picture: Floats, n: int) -> Floats:
+    """Return the means of n x n pixels."""
     h, w = picture.shape[0] // n, picture.shape[1] // n
-    return picture[: h * n, : w * n].reshape(h, n, w, n, *picture.shape[2:]).mean((1, 3))
+    blocks: Floats = picture[: h * n, : w * n].reshape(h, n, w, n, *picture.shape[2:]).mean((1, 3))
+    return blocks
 
 
-def maps(sheet: str | None = None) -> Iterator[Map]:
-    """All maps, one after the other, or those of one sheet model: 'ideal' or 'detailed'."""
+def maps(sheet: str | None = None) -> Iterator[StabilityMap]:
+    """Measure all maps, or only those of one model of the sheets: 'ideal' or 'detailed'."""
     if sheet != "detailed":
         yield from pole()
         yield from grid()

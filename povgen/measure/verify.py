@@ -1,30 +1,30 @@
 """What POV-Ray renders, measured against the equations and the exact ray trace: `povgen verify`.
 
-Every check renders scenes of `instruments` and yields what it measured beside its bound. Random ones are seeded.
+Each check renders probes, and yields each value that it measured together with the value's bound. Random scenes are
+seeded.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from math import degrees, pi, radians
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from povgen.measure import probes
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen.measure.probes import ApparentObject, Complexes, Directions, Floats, PiecePositions, Positions, Size
+from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
 
-Size = tuple[int, int]
-HD = (1280, 960)  # what pixels are counted in
+HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
-VIEW = Positions.view_height
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A figure, the bound that it must keep, and whether that is the least or the most that it may be."""
+    """A measured value and its bound: a least value if `least`, else a greatest value."""
 
     sheet: str
     what: str
@@ -35,15 +35,16 @@ class Measured:
 
     @property
     def holds(self) -> bool:
+        """Return whether the value keeps its bound. NaN does not."""
         return bool(self.value >= self.bound if self.least else self.value <= self.bound)
 
 
 def checks(sheet: str | None = None) -> Iterator[Measured]:
-    """Measure all, or what concerns one sheet model: 'ideal' or 'detailed'."""
+    """Measure everything, or only what concerns one model of the sheets: 'ideal' or 'detailed'."""
     if sheet != "detailed":
         yield from ideal_positions()
         yield from ideal_directions()
-        yield from piece()
+        yield from chess_pieces()
         yield from horizon()
         yield from real_image()
         yield from nothing_changed()
@@ -56,7 +57,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
 
 
 def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
-    """The apparent position of an object against eq. 7."""
+    """Measure the apparent positions of objects against eq. 7."""
     scenes = [
         *targets("ideal", count - 2 * (count // 3), seed=7, E=0j),
         *targets("ideal", count // 3, seed=8, E=0.3 - 0.4j),
@@ -65,7 +66,7 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
     off, turn, scale = [], [], []
     for scene, seen in located(scenes, size):
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
-        off.append(px(abs(seen.place - scene.apparent_position(scene.L, scene.z1))))
+        off.append(px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))))
         turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * rotation.nu(r, alpha))))))
         scale.append(100 * abs(abs(seen.a) / rotation.M(r, alpha) - 1))
     # numpy's max keeps NaN
@@ -75,26 +76,26 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
 
 
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
-    """The direction seen in every pixel of the window against the rotation."""
+    """Measure the direction seen in every pixel of the window against the rotated direction."""
     for E, where in ((0j, "before the window"), (0.5 - 0.5j, "aside"), (8.6j, "far aside")):
         scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
         worst = 0.0
-        for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+        for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = probes.rays(scene, size)
             turned = rotation.rotate(direction, radians(scene.alpha))
-            # the frame's inner walls hide what leaves the sheet beside the opening behind it
+            # the window frame hides rays that leave the sheet and then miss the opening behind it
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
-            off = np.linalg.norm(_unit(told[inside]) - turned, axis=1)
+            off = np.linalg.norm(_unit(decoded[inside]) - turned, axis=1)
             free = abs(leaves).max(1) < scene.window / 2 - 1e-6
             worst = max(worst, np.nan_to_num(off[free], nan=np.inf).max())
         yield Measured("ideal", f"direction against the rotation, eye {where}, worst pixel", worst, 1e-4, "rad")
 
 
-def piece(size: Size = HD) -> Iterator[Measured]:
-    """Rotation and magnification of a chess piece about the eye against eqs. 8 and 9, corrected."""
+def chess_pieces(size: Size = HD) -> Iterator[Measured]:
+    """Measure how chess pieces appear rotated and magnified about the eye, against eqs. 8 and 9, corrected."""
     scenes = [
-        Piece(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
+        PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
         for alpha, z1, name in (
             (25, 3, "pawn"),
             (66, 2, "knight"),
@@ -104,8 +105,8 @@ def piece(size: Size = HD) -> Iterator[Measured]:
         )
     ]
     turn, scale = 0.0, 0.0
-    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
-        a = about_eye(scene, told, size)
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
+        a = about_eye(scene, decoded, size)
         r = scene.z2 / scene.z1
         turn = max(turn, abs(np.angle(a * np.exp(-1j * rotation.nu(r, radians(scene.alpha))))))
         scale = max(scale, abs(abs(a) / rotation.M(r, radians(scene.alpha)) - 1))
@@ -115,14 +116,15 @@ def piece(size: Size = HD) -> Iterator[Measured]:
     yield Measured("ideal", f"M of {len(scenes)} chess pieces against eq. 9 corrected, worst", 100 * scale, 0.2, "%")
 
 
-def about_eye(scene: Piece, told: np.ndarray, size: Size) -> complex:
-    """The complex number by which what lies in the plane of the piece's axis appears multiplied about the eye.
+def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
+    """Return the complex number that multiplies a piece's positions relative to the eye, in the plane of its axis.
 
-    A piece is as deep as it is wide, and what is farther turns more: so the number is fitted as a cubic of depth.
+    A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
+    cubic of depth.
     """
     inside, _ = probes.rays(scene, size)
-    inside &= ~np.isnan(told[..., 0])
-    x, y, depth = told[inside].T
+    inside &= ~np.isnan(decoded[..., 0])
+    x, y, depth = decoded[inside].T
     offset = scene.L + x + 1j * y - scene.E
     basis = offset[:, None] * depth[:, None] ** np.arange(4)
     target = probes.pixels(size)[inside] - scene.E
@@ -135,7 +137,7 @@ def about_eye(scene: Piece, told: np.ndarray, size: Size) -> complex:
 
 
 def horizon(size: Size = HD) -> Iterator[Measured]:
-    """Where light from the horizon is seen: on a line through E that is turned by alpha."""
+    """Measure where light from the horizon is seen: on a line through E that is turned by alpha."""
     alphas = (-120, 30, 66, 90, 180)
     off = [horizon_angle(Directions(sheet="ideal", alpha=alpha), size) - radians(alpha) for alpha in alphas]
     worst = np.max(abs((np.array(off) + pi) % (2 * pi) - pi))
@@ -143,40 +145,45 @@ def horizon(size: Size = HD) -> Iterator[Measured]:
 
 
 def horizon_angle(scene: Directions, size: Size) -> float:
-    """The angle, radians, through which the horizon is seen turned; stray light is left out of the fit."""
-    (told,) = probes.frames([scene], size)
+    """Return the angle, radians, by which the horizon appears turned. The fit drops stray light."""
+    (decoded,) = probes.decoded([scene], size)
     inside, _ = probes.rays(scene, size)
-    inside &= ~np.isnan(told[..., 0])
-    slope = told[inside][:, 1] / told[inside][:, 2]
-    place = probes.pixels(size)[inside]
-    x, y = place.real, place.imag
+    inside &= ~np.isnan(decoded[..., 0])
+    slope = decoded[inside][:, 1] / decoded[inside][:, 2]
+    position = probes.pixels(size)[inside]
+    x, y = position.real, position.imag
     kept = np.ones(len(x), bool)
     for _ in range(8):
-        low = np.linalg.lstsq(np.column_stack((x, y))[kept], slope[kept], rcond=None)[0]
-        off = abs(slope - low[0] * x - low[1] * y)
+        gradient = np.linalg.lstsq(np.column_stack((x, y))[kept], slope[kept], rcond=None)[0]
+        off = abs(slope - gradient[0] * x - gradient[1] * y)
         kept = off <= 4 * np.median(off[kept]) + 1e-12
-    return float(np.arctan2(low[1], low[0]) - pi / 2)  # its normal, upwards
+    return float(np.arctan2(gradient[1], gradient[0]) - pi / 2)  # the horizon is perpendicular to the gradient
 
 
 def real_image(size: Size = HD) -> Iterator[Measured]:
-    """alpha = 180 deg: two eyes see an object by parallax as far before the sheets as it is behind them."""
+    """Measure the image distance at alpha = 180 deg, by the parallax between two eyes.
+
+    The image is as far in front of the sheets as the object is behind them.
+    """
     off = []
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
         scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
-        a, b = (seen.place for _, seen in located(scenes, size))
-        nearness = 1 - (a - b) / (eyes[0] - eyes[1])  # of the crossing of the two lines of sight: z2/distance
-        off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / nearness - z1) / z1)
+        a, b = (seen.position for _, seen in located(scenes, size))
+        z2_over_distance = 1 - (a - b) / (
+            eyes[0] - eyes[1]
+        )  # distance: from the eyes to where their lines of sight cross
+        off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / z2_over_distance - z1) / z1)
     yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
 
 
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
-    """alpha = 0: every pixel of the window shows the place that it shows without a sheet."""
+    """Measure, at alpha = 0, how far the position that a pixel shows differs from the one without a sheet."""
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
-    ideal, none = probes.frames(scenes, size)
+    ideal, none = probes.decoded(scenes, size)
     inside, _ = probes.rays(scenes[0], size)
     change = transverse(ideal - none)[inside & ~np.isnan(none[..., 0])]
-    worst = np.nan_to_num(abs(change), nan=np.inf).max(initial=0) * 6 / 8  # as seen in the plane z = 0
+    worst = np.nan_to_num(abs(change), nan=np.inf).max(initial=0) * 6 / 8  # projected from z = 2 to the plane z = 0
     worst = worst if len(change) else np.nan
     yield Measured("ideal", "alpha = 0: change of what a pixel shows, worst", px(worst), 0.05, "px")
 
@@ -187,7 +194,10 @@ def every_pixel(
     others: int = 16,
     size: Size = SMALL,
 ) -> Iterator[Measured]:
-    """The direction in every pixel against the exact ray trace, stray light and light between the sheets included."""
+    """Measure the direction in every pixel against the exact ray trace.
+
+    Stray light and light that travels between the sheets is included. `others` is the number of random scenes.
+    """
     for count in prisms:
         scenes = [Directions(sheet="detailed", prisms=count, alpha=alpha) for alpha in alphas]
         yield from _pixels(f"2x{count}, {len(alphas)} alphas", scenes, size)
@@ -196,7 +206,7 @@ def every_pixel(
 
 
 def any_window(count: int, seed: int) -> list[Directions]:
-    """Windows of 12 to 3000 prisms at all alphas, for eyes 0.3 to 60 tiles off, half of them aside."""
+    """Return random windows: 12 to 3000 prisms, all alphas, eyes 0.3 to 60 tiles away, half of them off the axis."""
     random = np.random.default_rng(seed)
     scenes = []
     for n in range(count):
@@ -209,15 +219,16 @@ def any_window(count: int, seed: int) -> list[Directions]:
 
 
 def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
-    designed, agree, sensitive = [], [], []
-    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+    designed, agree, by_rounding = [], [], []
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
-        found = probes.traced(scene, direction, prediction.max_trace_level(scene))
-        off = np.nan_to_num(np.linalg.norm(told[inside] - found.direction, axis=1), nan=np.inf)
-        seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+        trace_level = prediction.max_trace_level(scene)
+        found = probes.traced(scene, direction, trace_level)
+        off = np.nan_to_num(np.linalg.norm(decoded[inside] - found.direction, axis=1), nan=np.inf)
+        seen = (found.end <= End.BACK) & (found.count < trace_level)
         designed.append((off < 1e-3)[seen & found.designed])
         agree.append((off < 1e-3)[seen])
-        sensitive.append(_sensitive(scene, direction[seen & (off >= 1e-3)]))
+        by_rounding.append(decided_by_rounding(scene, direction[seen & (off >= 1e-3)]))
     yield Measured(
         "detailed", f"{kind}: pixels on the designed path within 1e-3 rad of the ray trace",
         100 * np.concatenate(designed).mean(), 99.99, "%", least=True,
@@ -226,52 +237,17 @@ def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measure
         "detailed", f"{kind}: all pixels whose ray leaves, likewise",
         100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
     )  # fmt: skip
-    told_by_rounding = np.concatenate(sensitive)
+    differing = np.concatenate(by_rounding)
     yield Measured(
-        "detailed", f"{kind}: of the {len(told_by_rounding)} others not decided by rounding",
-        100 * (1 - told_by_rounding).mean() if len(told_by_rounding) else 0, 1, "%",
+        "detailed", f"{kind}: of the {len(differing)} others not decided by rounding",
+        100 * (1 - differing).mean() if len(differing) else 0, 1, "%",
     )  # fmt: skip
-
-
-# tiles: POV-Ray takes no face that is nearer to the last than its tolerance, 1e-6
-EDGE = 1e-6
-# radians, times N: POV-Ray keeps vertices to 1e-7 tiles, which tilts the faces of prisms 2.4/N wide
-TILT = 1e-7
-
-
-def _sensitive(scene: Directions, direction: np.ndarray) -> np.ndarray:
-    """Which rays POV-Ray's rounding can send elsewhere.
-
-    Those that take another path, or leave 5e-4 rad aside, if they come to the sheets up to EDGE aside and turned by
-    TILT N; and those that meet two faces within EDGE, as at an edge.
-    """
-    most = prediction.max_trace_level(scene)
-    path = probes.traced(scene, direction, most)
-    sensitive = np.zeros(len(direction), bool)
-    eye = np.array([scene.E.real, scene.E.imag, -scene.z2])
-    front = eye + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
-    across = np.cross(direction, (0, 1, 0))
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
-    other = np.cross(direction, across)
-    for n in range(16):
-        angle = n * pi / 8
-        turn = scene.prisms * TILT * np.exp(5j * angle)  # in all combinations with the side
-        turned = direction + turn.real * across + turn.imag * other
-        aside = front + EDGE * np.array([np.cos(angle), np.sin(angle), 0])
-        neighbour = probes.traced(scene, turned, most, aside)
-        sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
-        sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
-    # where each ray meets its first face, its second ...; the last of them again where it has met them all
-    places = [probes.traced(scene, direction, most=met).position for met in range(1, path.count.max(initial=0) + 1)]
-    for met, (place, after) in enumerate(pairwise(places), 1):
-        sensitive |= (np.linalg.norm(after - place, axis=1) < EDGE) & (path.count > met)
-    return sensitive
 
 
 def finite_prisms(
     prisms: tuple[int, ...] = (25, 50, 100, 200, 400, 800, 1600), count: int = 8, size: Size = SMALL
 ) -> Iterator[Measured]:
-    """The apparent position through prisms against eq. 7 and against the paraxial prediction for thick sheets."""
+    """Measure how the error of eq. 7, which is for infinitely small prisms, falls with the number of prisms."""
     thin = [errors(targets("detailed", count, seed=3, E=0j, prisms=number), size)[0] for number in prisms]
     slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
     yield Measured(
@@ -279,13 +255,16 @@ def finite_prisms(
     )
 
 
-# |alpha|, degrees: from and to where the paraxial prediction for 100 prisms is measured, and what it may leave
-RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
+# Ranges of |alpha|, degrees, and for each the largest part of eq. 7's error that the paraxial prediction may leave.
+ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
 def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
-    """What the paraxial prediction leaves of eq. 7's error, by alpha: near 0 it does not know of the moire bands."""
-    for between, most in RANGES:
+    """Measure the error of the paraxial prediction, for 100 prisms, as a fraction of eq. 7's error.
+
+    The fraction is large near alpha = 0, because the prediction ignores the moire bands of nearly parallel sheets.
+    """
+    for between, most in ALPHA_RANGES:
         thin, thick = errors(targets("detailed", count, seed=5, E=0j, alphas=between, prisms=100), size)
         kind = f"2x100, |alpha| {between[0]} to {between[1]} deg"
         yield Measured(
@@ -294,37 +273,40 @@ def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measure
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
-    """The errors of eq. 7 and of the scenes' own prediction, tiles, RMS of where objects are seen."""
+    """Return the errors of eq. 7 and of the scenes' own predictions: RMS over the scenes, tiles."""
     thin, thick = [], []
     for scene, seen in located(scenes, size):
         ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-        thin.append(abs(seen.place - ideal))
-        thick.append(abs(seen.place - scene.apparent_position(scene.L, scene.z1)))
+        thin.append(abs(seen.position - ideal))
+        thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
-    """Through a single sheet a line along the normal at (X, Y) is seen as a hyperbola, (x - X/2)(y - Y/2) = XY/4."""
+    """Measure the hyperbola as which a line appears through a single sheet, if the line is perpendicular to the sheet.
+
+    A line through (X, Y) is seen as (x - X/2)(y - Y/2) = XY/4.
+    """
     L = 0.45 + 0.3j
     scenes = [
         Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)
     ]
-    place = np.array([seen.place for _, seen in located(scenes, size)])
-    x, y = place.real, place.imag
-    # x y = p x + q y + const
-    fit = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
-    away = abs(x * y - (fit[0] * x + fit[1] * y + fit[2])) / np.hypot(y - fit[0], x - fit[1])
+    position = np.array([seen.position for _, seen in located(scenes, size)])
+    x, y = position.real, position.imag
+    # x y = p x + q y + c
+    p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
+    away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
     yield Measured("detailed", "single sheet: a line along the normal off its hyperbola, rms", px(rms(away)), 0.2, "px")
-    middle = abs(fit[1] + 1j * fit[0] - L / 2)
-    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(middle), 2, "px")
-    y = (fit[0] * L.real + fit[2]) / (L.real - fit[1])
+    centre = abs(q + 1j * p - L / 2)
+    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(centre), 2, "px")
+    y = (p * L.real + c) / (L.real - q)
     yield Measured(
         "detailed", "single sheet: the hyperbola off L, where the line meets the sheet", px(abs(y - L.imag)), 2, "px"
     )
 
 
 def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
-    """The fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
+    """Measure the fraction of pixels that show light rotated by alpha, by field angle, against the exact ray trace."""
     found = list(fractions(alphas, size))
     worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
     angles = [angle for _, angle, *_ in found] or [np.nan]
@@ -337,70 +319,71 @@ def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size
 
 
 def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:
-    """alpha, field angle, the fraction of pixels that show rotated light, and the same by the exact ray trace.
+    """Yield alpha, field angle, and the fraction of pixels that show rotated light: rendered, and traced exactly.
 
-    The fields are rings of 5 deg.
+    Angles are in degrees. Each field angle is the middle of a ring of 5 degrees.
     """
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
-    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
         turned = rotation.rotate(direction, radians(scene.alpha))
         found = probes.traced(scene, direction, prediction.max_trace_level(scene))
-        rendered = np.linalg.norm(told[inside] - turned, axis=1) < 1e-3
+        rendered = np.linalg.norm(decoded[inside] - turned, axis=1) < 1e-3
         exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
         exact &= found.count < prediction.max_trace_level(scene)
         field = np.degrees(np.arccos(direction[:, 2])) // 5
         for ring in np.unique(field):
             pixels = field == ring
             if pixels.sum() > 500:
-                yield scene.alpha, 5 * ring + 2.5, rendered[pixels].mean(), exact[pixels].mean()
+                yield scene.alpha, float(5 * ring + 2.5), rendered[pixels].mean(), exact[pixels].mean()
 
 
 def targets(
-    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), **values
+    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), prisms: int = 100
 ) -> list[Positions]:
-    """Objects at random distances that are seen at random places of the window, magnified less than 10 times.
+    """Return squares at random distances that appear at random positions in the window, magnified less than 10 times.
 
-    |alpha| lies between `alphas`, degrees.
+    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide.
     """
     random = np.random.default_rng(seed)
     scenes: list[Positions] = []
     while len(scenes) < count:
         alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(1), np.log(30))), random.uniform(3, 8)
         alpha = np.copysign(alphas[0] + abs(alpha) / 180 * (alphas[1] - alphas[0]), alpha)
-        place = complex(*random.uniform(-0.8, 0.8, 2))
+        position = complex(*random.uniform(-0.8, 0.8, 2))
         M = rotation.M(z2 / z1, radians(alpha))
-        # the object is seen as 0.4 tiles wide
         if M < 10:
-            L = rotation.object_position(place, E, z1, z2, radians(alpha))
-            values |= {"alpha": alpha, "z1": z1, "z2": z2, "L": L, "extent": 0.3 / M}
-            scenes.append(Positions(sheet=sheet, E=E, **values))
+            L = rotation.object_position(position, E, z1, z2, radians(alpha))
+            scene = Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=0.3 / M)
+            scenes.append(scene)
     return scenes
 
 
-NOWHERE = probes.Seen(complex("nan"), complex("nan"), complex("nan"))
+NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
 
 
-def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, probes.Seen]]:
-    """Each scene, and where its square is seen, in tiles; NOWHERE where it is not, which holds no bound."""
-    place = probes.pixels(size)
-    for scene, told in zip(scenes, probes.frames(scenes, size), strict=True):
+def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
+    """Yield each scene, and where its square appears. If too little of it is seen: NOT_FOUND, which keeps no bound."""
+    position = probes.pixels(size)
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = probes.rays(scene, size)
-        yield scene, probes.locate(place[inside], transverse(told[inside]), scene.extent) or NOWHERE
+        yield scene, probes.locate(position[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND
 
 
-def transverse(told: np.ndarray) -> np.ndarray:
-    return told[..., 0] + 1j * told[..., 1]
+def transverse(decoded: Floats) -> Complexes:
+    """Return x + iy of decoded vectors (..., 3)."""
+    return np.asarray(decoded[..., 0] + 1j * decoded[..., 1], np.complex128)
 
 
-def _unit(direction: np.ndarray) -> np.ndarray:
-    return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
+def _unit(direction: Floats) -> Floats:
+    return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
-def rms(values) -> float:
+def rms(values: ArrayLike) -> float:
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def px(tiles: float) -> float:
-    """Pixels of a picture of 1280x960."""
-    return float(tiles * HD[1] / VIEW)
+    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960."""
+    return float(tiles * HD[1] / Positions.view_height)

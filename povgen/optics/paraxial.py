@@ -52,16 +52,14 @@ def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
     g, apart = _sheet(prism)
     h = (apart + g) / 2
     half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
-    roots: Complexes = h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
-    return roots
+    return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
 
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
     """Return the alpha from 0 to pi, radians, at which |A| = |B|; -alpha is another. Complex if there is none."""
     g, apart = _sheet(prism)
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
-    alpha: Complexes = np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
-    return alpha
+    return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
 def apparent_position(
@@ -82,15 +80,14 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
     D = np.subtract(L, E)
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = D.real / (np.add(z2, z1) - prism.slab_shift) + 1j * np.divide(D.imag, np.subtract(z2, z1))
-        position: Complexes = np.add(E, np.multiply(z2, slope))
-    return position
+        return np.add(E, np.multiply(z2, slope))
 
 
 def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
     """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
     g, apart = _sheet(prism)
     h = (apart + g) / 2
-    turn: Complexes = np.exp(-1j * np.asarray(alpha))
+    turn = np.exp(-1j * np.asarray(alpha))
     return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
 
 

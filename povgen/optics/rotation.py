@@ -11,15 +11,18 @@ At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P an
 lost by cancellation. `condition` says how much errors of r and alpha grow there.
 
 alpha, r and distances are real: complex numbers raise TypeError. Negative r and distances raise ValueError. NaN gives
-NaN. For scalars the results are numpy scalars.
+NaN.
 """
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-Booleans = NDArray[np.bool_]
+# Results are arrays, or numpy scalars if all arguments are scalars. As in numpy, their type for checkers is Any.
+Floats = Any
+Complexes = Any
+Booleans = Any
 
 
 def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
@@ -52,8 +55,7 @@ def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
 
 def E_minus_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return eq. 5: r exp(i alpha) P, the projection of the ray from P to E onto the sheet. P and r are finite."""
-    turned: Complexes = np.multiply(np.exp(1j * _real("alpha", alpha)), P)
-    return _real("r", r, 0) * turned
+    return np.multiply(_real("r", r, 0), np.exp(1j * _real("alpha", alpha)) * P)
 
 
 def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
@@ -149,7 +151,7 @@ def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
     return _with_transverse(direction, np.exp(2j * _real("angle", angle)) * _transverse(direction).conj())
 
 
-def _real(name: str, values: ArrayLike, least: float = -np.inf) -> Floats:
+def _real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.float64]:
     """Return the values as floats. Raises TypeError if they are complex, ValueError if one is less than `least`."""
     values = np.asarray(values)
     if np.iscomplexobj(values):
@@ -160,7 +162,7 @@ def _real(name: str, values: ArrayLike, least: float = -np.inf) -> Floats:
     return values
 
 
-def _checked(r: ArrayLike, alpha: ArrayLike) -> tuple[Floats, Floats, Booleans]:
+def _checked(r: ArrayLike, alpha: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], Booleans]:
     """Return r and alpha as floats, and whether the object touches the sheet: r infinite, and alpha not NaN."""
     r, alpha = _real("r", r, 0), _real("alpha", alpha)
     return r, alpha, np.isinf(r) & ~np.isnan(alpha)
@@ -175,17 +177,16 @@ def _with_transverse(direction: Floats, transverse: Complexes) -> Floats:
     return np.stack((d.real, d.imag, z), axis=-1)
 
 
-def _sum(a: Floats | float, b: Floats | float, alpha: Floats) -> Complexes:
+def _sum(a: Floats, b: Floats, alpha: Floats) -> Complexes:
     """Return a + b exp(i alpha) for a, b >= 0, without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
     half = alpha / 2
     cosine = np.cos(half)
     at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # alpha is the double nearest to an odd multiple of pi
     cosine = np.where(at_pi & (a == b), 0, cosine)
-    mean: Complexes = 2 * cosine * np.exp(1j * half)
-    return (a - b) + b * mean
+    return (a - b) + b * (2 * cosine * np.exp(1j * half))
 
 
-def _divide(a: Complexes | Floats | float, b: Complexes) -> Complexes:
+def _divide(a: Complexes, b: Complexes) -> Complexes:
     """Return a/b; the complex infinity if only b is 0; NaN if both are 0."""
     pole = b == 0
     with np.errstate(invalid="ignore"):  # division by a complex NaN would warn

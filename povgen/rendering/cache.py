@@ -1,4 +1,7 @@
-"""What is kept to be used again: files under the names of what they were made from, in a folder that is marked."""
+"""The cache: a marked folder of finished frames and ray traces, each in a file named after what it was made from.
+
+`frame_path` makes a frame's key. A ray trace's key is made in surveys.py.
+"""
 
 import errno
 import os
@@ -15,10 +18,12 @@ import platformdirs
 
 from povgen import files
 from povgen.errors import InputError
+from povgen.rendering import povray
+from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
-# A cache bears this file, which backup programs know: they leave its folder out. povgen puts it into no folder that
-# holds anything else, and uses no folder without it.
+# Backup programs leave out a folder that holds this file. povgen writes it only into an empty folder, and uses no
+# folder without it.
 TAG = "CACHEDIR.TAG"
 MARK = b"""\
 Signature: 8a477f597d28d172789f06886806bc55
@@ -28,10 +33,21 @@ Signature: 8a477f597d28d172789f06886806bc55
 HINT = "the folder for frames; POVGEN_CACHE names another"
 
 
-def folder() -> Path:
-    """Where files are kept: the folder POVGEN_CACHE or else the user's cache folder.
+def frame_path(source: str, rendering: Rendering) -> Path:
+    """Return the file of a frame. Its key is POV-Ray's version, POV-Ray's command line and the scene's text."""
+    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), source]), ".png")
 
-    Raises InputError for a relative path where the current folder has been removed.
+
+def path_for(key: str, suffix: str) -> Path:
+    """Return the file named after a key's checksum. The suffix is .png for a frame, .json for a ray trace."""
+    name = sha256(key.encode()).hexdigest()
+    return folder() / name[:2] / f"{name}{suffix}"
+
+
+def folder() -> Path:
+    """Return the cache's folder: POVGEN_CACHE, or else povgen's folder in the user's cache.
+
+    Raises InputError for a relative path if the current folder has been removed.
     """
     if named := os.environ.get("POVGEN_CACHE"):
         try:
@@ -39,19 +55,19 @@ def folder() -> Path:
         except FileNotFoundError:
             reason = "the current folder has been removed; allowed: a path from / on"
             raise InputError(f"POVGEN_CACHE = {named!r}: {reason}") from None
-    with suppress(RuntimeError):  # of platformdirs, from 4.4 on, for a user without a home
-        if (kept := platformdirs.user_cache_path("povgen")).is_absolute():
-            return kept
+    with suppress(RuntimeError):  # platformdirs raises it, from 4.4 on, for a user without a home
+        if (path := platformdirs.user_cache_path("povgen")).is_absolute():
+            return path
     return _temporary()
 
 
 def _temporary() -> Path:
-    """The folder of a user without a home."""
+    """Return the cache's folder for a user without a home."""
     return Path(tempfile.gettempdir(), f"povgen-{os.geteuid()}")
 
 
-def limit() -> float:
-    """How many bytes the files may take: POVGEN_CACHE_SIZE, in GiB. Raises InputError where that is no number."""
+def max_bytes() -> float:
+    """Return the limit of the cache's size, POVGEN_CACHE_SIZE (GiB). Raises InputError if that is no number."""
     text = os.environ.get("POVGEN_CACHE_SIZE") or str(DEFAULT_SIZE)
     try:
         size = float(text)
@@ -63,141 +79,140 @@ def limit() -> float:
 
 
 def check() -> None:
-    """Raises InputError for a limit that is no number and for a folder that povgen has not made.
+    """Check the settings before any work is done.
 
-    Raises PermissionError for a folder among temporary files that others can write to.
+    Raises InputError for a limit that is no number, and for a folder that is not povgen's. Raises PermissionError for
+    a folder among temporary files that other users can write to.
     """
-    limit()
-    kept = folder()
+    max_bytes()
+    path = folder()
     try:
-        status, names = os.lstat(kept), set(os.listdir(kept))
-    except (FileNotFoundError, NotADirectoryError):  # `work` makes it, or tells
+        status, names = os.lstat(path), set(os.listdir(path))
+    except (FileNotFoundError, NotADirectoryError):  # `work_folder` makes it, or raises an error
         return
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(kept)) from None
+        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
     private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o077
-    if kept == _temporary() and not private:
-        raise PermissionError(errno.EACCES, f"It is not this user's alone ({HINT})", str(kept))
+    if path == _temporary() and not private:
+        raise PermissionError(errno.EACCES, f"It is not this user's alone ({HINT})", str(path))
     try:
-        mark = _read(kept / TAG, len(MARK))
+        mark = _read(path / TAG, len(MARK))
     except FileNotFoundError:
         mark = b""
     except OSError:
         mark = b"unreadable"
-    # another povgen may be about to write the tag, or was killed before it did; it puts nothing else there before
+    # Another povgen may be about to write the mark, or was killed before it did. It writes nothing else before.
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
-            f"POVGEN_CACHE = {str(kept)!r}: a folder that holds other things and that povgen has not marked; "
+            f"POVGEN_CACHE = {str(path)!r}: a folder that holds other things and that povgen has not marked; "
             f"allowed: a new or an empty folder, or one that povgen has made and marked ({TAG})"
         )
 
 
-def work() -> AbstractContextManager[Path]:
-    """A folder to render in, on the cache's file system; makes the cache.
+def work_folder() -> AbstractContextManager[Path]:
+    """Make the cache if it is not there. Return a work folder in it, as files.work_folder.
 
-    Raises what `check` raises, and OSError where it cannot be.
+    Raises what `check` raises, and OSError if the cache cannot be made.
     """
-    kept = folder()
+    path = folder()
     try:
-        kept.mkdir(mode=0o700 if kept == _temporary() else 0o777, parents=True, exist_ok=True)
-        if not os.access(kept, os.W_OK):
+        path.mkdir(mode=0o700 if path == _temporary() else 0o777, parents=True, exist_ok=True)
+        if not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(kept)) from None
+        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
     check()
-    # two that make the cache at once write the same
-    tag = os.open(kept / TAG, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    # two povgens that make the cache at once write the same mark
+    tag = os.open(path / TAG, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
     with open(tag, "wb") as file:
         if os.fstat(tag).st_size < len(MARK):
             file.write(MARK)
-    return files.work_folder(kept)
+    return files.work_folder(path)
 
 
-def place(key: str, suffix: str) -> Path:
-    """The file of what is made from what the key tells: a frame's ends in .png, a survey's in .json."""
-    name = sha256(key.encode()).hexdigest()
-    return folder() / name[:2] / f"{name}{suffix}"
-
-
-def find(place: Path, most: int) -> bytes | None:
-    """What a file holds, if it is there, can be read and is no larger than `most` bytes. Marks it as used now."""
+def read(path: Path, most: int) -> bytes | None:
+    """Return a file's bytes and mark the file as used now. None if it is missing, unreadable or above `most` bytes."""
     with suppress(OSError):
-        return _read(place, most, used=True)
+        return _read(path, most, used=True)
     return None
 
 
-def _read(place: Path, most: int, used: bool = False) -> bytes:
-    """The first bytes of a regular file. Raises OSError for what is none, a link included."""
-    # what opens a FIFO would wait
-    with open(os.open(place, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
+def _read(path: Path, most: int, used: bool = False) -> bytes:
+    """Return the first bytes of a regular file. Raises OSError for anything else, a link included."""
+    # without O_NONBLOCK, opening a FIFO would wait
+    with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode) or used and status.st_size > most:
-            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(place))
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(path))
         if used:
-            with suppress(PermissionError):  # another user's
+            with suppress(PermissionError):  # another user's file
                 os.utime(file.fileno(), ns=(time.time_ns(), status.st_mtime_ns))
         return file.read(most)
 
 
-def keep(part: Path, place: Path) -> bool:
-    """Give a whole file its place. False where that cannot be, for something is there that is not povgen's."""
+def store(made: Path, path: Path) -> bool:
+    """Move a finished file to its path in the cache. Return False if something that is not povgen's is in the way."""
     with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError):
-        place.parent.mkdir(exist_ok=True)
-        mine = not place.parent.is_symlink() and (place.is_file() or not os.path.lexists(place))
-        if mine and not place.is_symlink():
-            os.replace(part, place)
+        path.parent.mkdir(exist_ok=True)
+        free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
+        if free and not path.is_symlink():
+            os.replace(made, path)
             return True
     return False
 
 
-def entries() -> list[tuple[float, int, Path]]:
-    """Each file's time of last use, size in bytes, and path; the least recently used first."""
-    found = list(_entries())
+def by_last_use() -> list[tuple[float, int, Path]]:
+    """Return each file's time of last use, size in bytes and path. The least recently used comes first."""
     now = time.time()
-    # a time that is still to come says nothing of when it was used
-    return sorted((used if used <= now else 0.0, size, path) for used, size, path in found)
+    # a time in the future does not say when the file was used
+    return sorted((used if used <= now else 0.0, size, path) for used, size, path in _stored())
 
 
-def _entries() -> Iterator[tuple[float, int, Path]]:
-    for shelf in _listed(folder()):
-        if re.fullmatch("[0-9a-f]{2}", shelf.name) and shelf.is_dir(follow_symlinks=False):
-            for entry in _listed(shelf):
-                named = re.fullmatch(rf"{shelf.name}[0-9a-f]{{62}}\.(png|json)", entry.name)
+def _stored() -> Iterator[tuple[float, int, Path]]:
+    """Yield time of last use, size and path of each file that `store` may have put there."""
+    for subfolder in _entries(folder()):
+        if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
+            for entry in _entries(subfolder):
+                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|json)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
                     if named and stat.S_ISREG(status.st_mode):
                         yield status.st_atime, status.st_size, Path(entry.path)
 
 
-def _listed(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
-    with suppress(FileNotFoundError, NotADirectoryError, PermissionError), os.scandir(parent) as entries:
-        return list(entries)
+def _entries(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
+    """Return what is in a folder: nothing if the folder is missing or unreadable."""
+    with suppress(FileNotFoundError, NotADirectoryError, PermissionError), os.scandir(parent) as found:
+        return list(found)
     return []
 
 
 def trim(most: float) -> list[Path]:
-    """Remove the least recently used files until the others take no more than `most` bytes; returns those removed."""
-    kept = entries()
-    total, removed = sum(size for _, size, _ in kept), []
-    for _, size, path in kept:
+    """Remove the least recently used files until the others take at most `most` bytes. Return the removed files.
+
+    Below 0 every file is removed, an empty one too.
+    """
+    stored = by_last_use()
+    total, removed = sum(size for _, size, _ in stored), []
+    for _, size, path in stored:
         if total <= most:
             break
-        with suppress(FileNotFoundError, PermissionError):  # removed by another povgen, or another user's
+        with suppress(FileNotFoundError, PermissionError):  # another povgen has removed it, or another user owns it
             path.unlink()
             removed.append(path)
         total -= size
     return removed
 
 
-def left() -> list[int]:
-    """The size, in bytes, of each folder that a killed povgen left, here or among temporary files."""
-    return [size for parent in _work_places() for size in files.left(parent)]
+def leftover_sizes() -> list[int]:
+    """Return the sizes, in bytes, of the work folders that killed povgens left here and among temporary files."""
+    return [size for parent in _work_parents() for size in files.leftover_sizes(parent)]
 
 
-def sweep() -> int:
-    """Remove the folders that killed povgens left, here or among temporary files; returns how many."""
-    return sum(files.sweep(parent) for parent in _work_places())
+def remove_leftovers() -> int:
+    """Remove the work folders that killed povgens left in the cache and among temporary files. Return their number."""
+    return sum(files.remove_leftovers(parent) for parent in _work_parents())
 
 
-def _work_places() -> list[Path]:
+def _work_parents() -> list[Path]:
     return [folder(), Path(tempfile.gettempdir())]

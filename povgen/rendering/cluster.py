@@ -1,6 +1,6 @@
-"""Other machines: the workers of a Dask scheduler in place of the processes here. The one place that knows Dask.
+"""Rendering on other machines, by the workers of a Dask scheduler. No other module uses Dask.
 
-A scene's text goes out, a PNG's bytes come back: a worker has povgen and POV-Ray, and no file in common with others.
+A worker gets a scene's text and returns a PNG file's bytes. It needs povgen and POV-Ray, and no shared files.
 """
 
 import asyncio
@@ -12,7 +12,7 @@ from collections.abc import Coroutine
 from contextlib import suppress
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, TypeVar
 
 from povgen import __version__
 from povgen.errors import InputError, PovrayError, TransientError
@@ -23,38 +23,38 @@ from povgen.settings import Rendering
 try:
     import distributed
 except ImportError:
-    raise InputError(
-        "a scheduler is spoken to with Dask, which is not installed: pip install 'povgen[cluster]'"
-    ) from None
+    raise InputError("--scheduler needs Dask, which is not installed: pip install 'povgen[cluster]'") from None
 
-PATIENCE = 5.0  # seconds until the scheduler answers, and then until it has a worker
-PULSE = 5.0  # seconds from one question to the scheduler, whether all is well, to the next
-SILENT = 5  # such questions in succession without news: the scheduler, or the worker, is given up
-# Frames under way for each thread of the workers: one is rendered while the next waits its turn at the scheduler.
-AHEAD = 2
+Result = TypeVar("Result")
+
+PATIENCE = 5.0  # seconds in which the scheduler must answer, and then seconds in which it must have a worker
+POLL = 5.0  # seconds from one question to the scheduler, which workers it has heard from, to the next
+MAX_SILENT = 5  # questions in succession without news; then the scheduler, or the worker, is given up
+AHEAD = 2  # frames sent out for each thread of the workers: one is rendered while the next waits at the scheduler
 
 
 class Cluster:
-    """A scheduler's workers, to be entered with `with`: each runs POV-Ray in as many threads as it was given.
+    """The workers of a scheduler, as a context manager. Each worker runs one POV-Ray in each of its threads.
 
-    A worker of which the scheduler hears nothing any more is dismissed, and the others render its frames.
+    A worker from which the scheduler hears nothing is dismissed; other workers render its frames.
 
-    Raises InputError for what is no address, PovrayError where no scheduler answers, where it has no workers, or where
-    a worker has not the povgen and the POV-Ray that are here: the message names it.
+    Raises InputError if the scheduler's address is none. Raises PovrayError if no scheduler answers, if it has no
+    workers, or if a worker has another version of povgen, POV-Ray or Dask than this machine; the message names it.
     """
 
-    def __init__(self, scheduler: str):
+    def __init__(self, scheduler: str) -> None:
         if not re.fullmatch(r"(tcp|tls)://[^\s/]+:[0-9]{1,5}", scheduler):
             raise InputError(f"scheduler = {scheduler!r}: allowed: its address, such as tcp://192.0.2.1:8786")
         self._scheduler = scheduler
         self._no_workers = f"scheduler {scheduler}: it has no workers"
         self._versions = versions()
-        self._over: concurrent.futures.Future[str] = concurrent.futures.Future()  # why nothing is waited for any more
+        # done when this client waits for no more results; its result says why
+        self._ended: concurrent.futures.Future[str] = concurrent.futures.Future()
         self._dismissed: set[str] = set()
-        self._client = _connected(scheduler)
+        self._client: Any = _connected(scheduler)  # Dask's types do not cover what is used here
         self._watching = self._start(self._watch())
         try:
-            self.frames = AHEAD * self._result(self._threads())  # to ask for at once
+            self.frames = AHEAD * self._result(self._threads())  # to be sent out at once
             self._check()
         except BaseException:
             self.__exit__()
@@ -71,11 +71,12 @@ class Cluster:
             self._client.close(timeout=1)
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """As povray.Runner.run, on a worker. Where a worker is lost, another does its frame.
+        """Do what povray.Runner.run does, on a worker. If that worker is lost, another renders the frame.
 
-        Raises PovrayError, which names the worker where POV-Ray failed; TransientError where several workers were lost.
+        Raises PovrayError, which names the worker if POV-Ray failed there, and TransientError if several workers were
+        lost.
         """
-        future = self._client.submit(frame, self._versions, source, rendering, pure=False)
+        future = self._client.submit(render, self._versions, source, rendering, pure=False)
         try:
             png = self._result(self._client.gather(future, asynchronous=True))
         except PovrayError:
@@ -84,7 +85,7 @@ class Cluster:
             number, last = lost.allowed_failures + 1, lost.last_worker.address
             raise TransientError(f"workers lost while they rendered it: {number}, the last {last}") from None
         except Exception as error:
-            raise PovrayError(f"scheduler {self._scheduler}: {_line(error)}") from None
+            raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
             future.release()
         picture = folder / rendering.file
@@ -92,64 +93,67 @@ class Cluster:
         return picture
 
     def stop(self) -> None:
-        """Wait for no frame any more. A POV-Ray that runs on a worker ends with its frame."""
+        """Wait for no more frames. A POV-Ray that runs on a worker finishes its frame."""
         self._end("POV-Ray was stopped")
 
     def _end(self, why: str) -> None:
-        with suppress(concurrent.futures.InvalidStateError):  # it has ended before
-            self._over.set_result(why)
+        with suppress(concurrent.futures.InvalidStateError):  # ended before
+            self._ended.set_result(why)
 
-    def _start(self, coroutine: Coroutine) -> concurrent.futures.Future:
-        loop: Any = self._client.loop  # tornado's, around asyncio's
+    def _start(self, coroutine: Coroutine[Any, Any, Result]) -> concurrent.futures.Future[Result]:
+        loop: Any = self._client.loop  # tornado's, which wraps asyncio's
         return asyncio.run_coroutine_threadsafe(coroutine, loop.asyncio_loop)
 
-    def _result(self, coroutine: Coroutine) -> Any:
-        """What the coroutine returns. Raises PovrayError, which tells why, where all ends before that."""
+    def _result(self, coroutine: Coroutine[Any, Any, Result]) -> Result:
+        """Return the coroutine's result. Raises PovrayError if `stop` or a lost connection comes first."""
         result = self._start(coroutine)
-        concurrent.futures.wait([result, self._over], return_when=concurrent.futures.FIRST_COMPLETED)
+        either: list[concurrent.futures.Future[Any]] = [result, self._ended]
+        concurrent.futures.wait(either, return_when=concurrent.futures.FIRST_COMPLETED)
         if not result.done():
-            raise PovrayError(self._over.result())
+            raise PovrayError(self._ended.result())
         try:
             return result.result()
         except (concurrent.futures.CancelledError, distributed.CancelledError, OSError):
             raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
 
     async def _watch(self) -> None:
-        """Ask the scheduler again and again which workers it has heard of; give up what is silent for too long."""
-        unanswered = alone = 0  # questions in succession, without an answer, and without news of any worker
-        heard: dict[str, float] = {}  # when the scheduler heard of each worker, by its own clock
+        """Ask the scheduler every POLL seconds which workers it has heard from. Give up what is silent for too long."""
+        unanswered = 0  # questions in succession without an answer
+        without_news = 0  # answers in succession without news of any worker
+        heard: dict[str, float] = {}  # when the scheduler last heard from each worker, by the scheduler's clock
         silent: dict[str, int] = {}  # answers in succession without news of each worker
         while True:
-            pause = asyncio.create_task(asyncio.sleep(PULSE))
+            pause = asyncio.create_task(asyncio.sleep(POLL))
             try:
-                now = {name: worker["last_seen"] for name, worker in (await self._workers(PULSE)).items()}
+                now = {name: worker["last_seen"] for name, worker in (await self._workers(POLL)).items()}
                 silent = {name: silent[name] + 1 if heard.get(name) == seen else 0 for name, seen in now.items()}
-                heard, unanswered, alone = now, 0, 0 if 0 in silent.values() else alone + 1
-                for name in [name for name, times in silent.items() if times >= SILENT]:
+                heard, unanswered = now, 0
+                without_news = 0 if 0 in silent.values() else without_news + 1
+                for name in [name for name, times in silent.items() if times >= MAX_SILENT]:
                     await self._dismiss(name)
-            except Exception:  # whatever it is: the scheduler does not answer as it should
+            except Exception:  # of any kind: the scheduler did not answer as it should
                 unanswered += 1
-            if unanswered == SILENT:
-                return self._end(f"scheduler {self._scheduler}: it has not answered for {SILENT * PULSE:g} s")
-            if alone == SILENT:
+            if unanswered == MAX_SILENT:
+                return self._end(f"scheduler {self._scheduler}: it has not answered for {MAX_SILENT * POLL:g} s")
+            if without_news == MAX_SILENT:
                 return self._end(self._no_workers)
             await pause
 
     async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
-        """What the scheduler knows of its workers, by their addresses. Raises TimeoutError."""
-        return (await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"]
+        """Return what the scheduler knows of its workers, by their addresses. Raises TimeoutError."""
+        return dict((await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"])
 
     async def _dismiss(self, worker: str) -> None:
-        """Have the scheduler forget a worker, as Dask does itself after its worker-ttl: others get its frames."""
+        """Tell the scheduler to give a worker's frames to others, as Dask itself does after worker-ttl."""
         if worker not in self._dismissed:
             self._dismissed.add(worker)
-            silence = f"worker {worker}: nothing was heard of it for {SILENT * PULSE:g} s"
-            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; it is dismissed, others do its frames")
+            silence = f"worker {worker}: nothing was heard from it for {MAX_SILENT * POLL:g} s"
+            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; other workers render its frames")
         forgotten = self._client.scheduler.unregister(address=worker, stimulus_id="povgen")
-        await asyncio.wait_for(forgotten, PULSE)
+        await asyncio.wait_for(forgotten, POLL)
 
     async def _threads(self) -> int:
-        """How many threads the workers have, as soon as there is a worker."""
+        """Return how many threads the workers have, as soon as there is a worker. Raises PovrayError."""
         try:
             async with asyncio.timeout(PATIENCE):
                 while not (workers := await self._workers(PATIENCE)):
@@ -159,30 +163,31 @@ class Cluster:
         return sum(worker["nthreads"] for worker in workers.values())
 
     def _check(self) -> None:
-        told = self._result(self._client.run(check, self._versions, on_error="return", asynchronous=True))
-        faults = [(worker, told[worker]) for worker in sorted(told) if told[worker] and worker not in self._dismissed]
+        """Raise PovrayError if a worker has other versions than this machine."""
+        answers = self._result(self._client.run(check, self._versions, on_error="return", asynchronous=True))
+        faults = [(name, fault) for name, fault in sorted(answers.items()) if fault and name not in self._dismissed]
         if faults:
             worker, fault = faults[0]
-            others = f" ({len(faults)} of {len(told)} workers cannot be used)" if len(faults) > 1 else ""
-            raise PovrayError(f"worker {worker}: {_line(fault)}{others}")
+            others = f" ({len(faults)} of {len(answers)} workers cannot be used)" if len(faults) > 1 else ""
+            raise PovrayError(f"worker {worker}: {_first_line(fault)}{others}")
 
 
 def versions() -> str:
-    """What must be the same everywhere, so that frames look alike and all understand each other."""
+    """Return the versions that all machines must have in common."""
     return f"povgen {__version__}, POV-Ray {povray.version()}, Dask {distributed.__version__}"
 
 
 def check(wanted: str) -> None:
-    """Raises PovrayError on a worker that has other versions than those wanted."""
+    """Check a worker, on that worker. Raises PovrayError if it has other versions than wanted."""
     own = versions()
     if own != wanted:
-        raise PovrayError(f"it has {own}; wanted, as here: {wanted}")
+        raise PovrayError(f"it has {own}; wanted, as on this machine: {wanted}")
 
 
-def frame(wanted: str, source: str, rendering: Rendering) -> bytes:
-    """A scene's picture as a PNG file's bytes, made on a worker. Raises PovrayError, which names the worker."""
+def render(wanted: str, source: str, rendering: Rendering) -> bytes:
+    """Render a scene's text, on a worker, and return the PNG file. Raises PovrayError, which names the worker."""
     try:
-        check(wanted)  # it may have come after the others were asked
+        check(wanted)  # this worker may have joined after the others were checked
         with temporary_folder() as folder:
             return povray.run(source, rendering, folder).read_bytes()
     except (PovrayError, OSError) as error:
@@ -193,6 +198,7 @@ def frame(wanted: str, source: str, rendering: Rendering) -> bytes:
 
 
 def _connected(scheduler: str) -> distributed.Client:
+    """Return a client of the scheduler. Raises PovrayError if no scheduler with this Dask's version answers."""
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # povgen says what went wrong
     answers: list[object] = []
@@ -200,7 +206,7 @@ def _connected(scheduler: str) -> distributed.Client:
     async def ask() -> str:
         arguments = distributed.Security().get_connection_args("client")
         async with distributed.rpc(scheduler, timeout=PATIENCE, connection_args=arguments) as there:
-            return (await there.versions())["packages"]["distributed"]
+            return str((await there.versions())["packages"]["distributed"])
 
     def asked() -> None:
         try:
@@ -208,23 +214,25 @@ def _connected(scheduler: str) -> distributed.Client:
         except Exception as error:
             answers.append(error)
 
-    # Dask's client would wait for ever for a server that accepts connections and says nothing. In a thread, for here
-    # may be a notebook, whose event loop runs already.
+    # Ask first: Dask's client would wait for ever if a server accepts the connection and does not answer. Ask in a
+    # thread: in a notebook, this thread's event loop runs already.
     thread = Thread(target=asked, daemon=True)
     thread.start()
     thread.join()
     (answer,) = answers
     if isinstance(answer, Exception):
-        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_line(answer)})")
+        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_first_line(answer)})")
     if answer != distributed.__version__:
-        raise PovrayError(f"scheduler {scheduler}: it has Dask {answer}; wanted, as here: {distributed.__version__}")
+        raise PovrayError(
+            f"scheduler {scheduler}: it has Dask {answer}; wanted, as on this machine: {distributed.__version__}"
+        )
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of other versions of other packages there
+        warnings.simplefilter("ignore")  # about other versions of other packages
         try:
             return distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except OSError as error:
-            raise PovrayError(f"scheduler {scheduler}: {_line(error)}") from None
+            raise PovrayError(f"scheduler {scheduler}: {_first_line(error)}") from None
 
 
-def _line(error: BaseException) -> str:
+def _first_line(error: BaseException) -> str:
     return str(error).partition("\n")[0] or type(error).__name__

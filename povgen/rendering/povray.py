@@ -1,4 +1,7 @@
-"""The one place where POV-Ray is started."""
+"""Starting POV-Ray: its command line, what it may read and run, its limits of memory and time, and its errors.
+
+No other module starts a process. sandbox.py enforces what POV-Ray may read and run.
+"""
 
 import errno
 import os
@@ -18,8 +21,8 @@ from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
-# POV-Ray takes the stricter of this and the system's own. (Its release 3.7.0.10 obeys the ban on shell-outs but not
-# always the one on files: the sandbox does not depend on it.)
+# POV-Ray obeys the stricter of this configuration and the system's. Release 3.7.0.10 obeys the ban on shell commands,
+# but not always the ban on files. That is why there is a sandbox as well.
 CONFIG = """\
 [File I/O Security]
 restricted
@@ -31,51 +34,51 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-# What a POV-Ray may take, unless povgen itself may take less.
-MEMORY = 8 << 30  # bytes that it may address
-LARGEST = 1 << 30  # bytes of a file that it may write
-# What it says, or a library for it, where it gets no memory; and where that is the likely reason.
+# Limits for one POV-Ray. If povgen itself has lower ones (ulimit), those count.
+MAX_MEMORY = 8 << 30  # bytes of address space
+MAX_FILE = 1 << 30  # bytes in each file that it writes
+# Messages of POV-Ray and its libraries if they get no memory, and messages for which that is the likely reason.
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
-# What POV-Ray may read and run, beside its own program, where a system has them.
+# What POV-Ray may read and run besides its work folder and its own program, if the system has it.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
 
 
 def command(binary: str, rendering: Rendering) -> list[str]:
-    """POV-Ray's command line for the scene in its work folder: one thread, no display, messages kept apart."""
+    """Return POV-Ray's command line for the scene in its work folder: one thread, no display, errors in a file."""
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
-        # a large picture stays in memory: POV-Ray would swap it to a place outside the sandbox
-        *("+WT1", f"+MI{MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
+        # +MI: a large picture stays in memory; otherwise POV-Ray would write it to a file outside the sandbox
+        *("+WT1", f"+MI{MAX_MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
 
 
 @cache
 def binary(name: str = "povray") -> str:
-    """An executable, by default POV-Ray's. Raises PovrayError where there is none."""
+    """Return the path of a program, by default POV-Ray. Raises PovrayError if it is not installed."""
     found = shutil.which(name)
     if found is None:
         package = "povray" if name == "povray" else "util-linux"
         what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
         raise PovrayError(f"{what}: no {name!r} on the PATH. On Debian: apt-get install {package}")
-    return str(Path(found).absolute())  # it is started in other folders than the current one
+    return str(Path(found).absolute())  # because it is started in other folders
 
 
-def memory() -> int:
-    """How many bytes a POV-Ray may address."""
-    return min(MEMORY, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
+def max_memory() -> int:
+    """Return how many bytes of address space POV-Ray gets."""
+    return min(MAX_MEMORY, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
 
 
-def largest() -> int:
-    """How many bytes of a file it may write."""
-    return min(LARGEST, _own(resource.RLIMIT_FSIZE))
+def max_file() -> int:
+    """Return how many bytes POV-Ray may write to a file."""
+    return min(MAX_FILE, _own(resource.RLIMIT_FSIZE))
 
 
 def _own(limit: int) -> int:
-    """The limit that povgen itself runs under: it cannot give more than it has."""
+    """Return povgen's own limit, which a process that it starts cannot exceed."""
     soft, _ = resource.getrlimit(limit)
     return sys.maxsize if soft == resource.RLIM_INFINITY else soft
 
@@ -85,16 +88,16 @@ def _mebibytes(count: int) -> str:
 
 
 def _limits() -> list[str]:
-    """What runs a command so that it ends with the thread that started it, and takes no more than its share."""
-    limits = [f"--as={memory()}", f"--fsize={largest()}", "--core=0"]
+    """Return the start of a command line that sets limits, and that kills the command if its thread in povgen ends."""
+    limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
     return [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), *limits, "--"]
 
 
 @cache
 def version() -> str:
-    """POV-Ray's version, such as '3.7.0.10.unofficial'. Raises PovrayError if it is too old or does not say."""
+    """Return POV-Ray's version, such as '3.7.0.10.unofficial'. Raises PovrayError if it is too old or unknown."""
     try:
-        # POV-Ray does not end where the current folder has been removed
+        # cwd: POV-Ray hangs if the current folder has been removed
         process = subprocess.run(
             [binary(), "--version"], cwd="/", capture_output=True, text=True, errors="replace", timeout=60
         )
@@ -109,7 +112,7 @@ def version() -> str:
 
 
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
-    """Render one scene's text, as a Runner of its own."""
+    """Render one scene's text with a new Runner."""
     runner = Runner()
     try:
         return runner.run(source, rendering, folder)
@@ -118,17 +121,17 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
 
 
 class Runner:
-    """Runs the POV-Rays of one render: what stops them stops no other render's."""
+    """The POV-Rays of one render, so that they can be stopped together, and no others with them."""
 
     def __init__(self) -> None:
-        self._running: set[subprocess.Popen] = set()
+        self._running: set[subprocess.Popen[bytes]] = set()
         self._stopped = False
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """Render a scene's text in a work folder of its own; returns the picture in it, which is whole.
+        """Render a scene's text in a work folder and return the path of the picture there.
 
-        Tries again where POV-Ray was killed, hung or did not get going: the fault may not be the scene's. Raises
-        PovrayError if POV-Ray is missing, refuses the scene, fails so each time, or was stopped.
+        If POV-Ray is killed or hangs, try once more: the scene may not be the reason. Raises PovrayError if POV-Ray is
+        missing, refuses the scene or was stopped, and TransientError if both tries fail.
         """
         for attempt in range(1, TRIES + 1):
             try:
@@ -139,7 +142,7 @@ class Runner:
         raise AssertionError("no tries")
 
     def stop(self) -> None:
-        """End every POV-Ray that runs; none is started from now on."""
+        """Kill every POV-Ray that runs, and start no more."""
         with stopping.lock:
             self._stopped = True
             for process in self._running:
@@ -148,10 +151,10 @@ class Runner:
     def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         config = folder / ".povray" / "3.7" / "povray.conf"
         for part in (folder, folder / ".povray", config.parent):
-            part.mkdir(exist_ok=True)  # one by one: a work folder that has been removed is not made again
+            part.mkdir(exist_ok=True)  # not parents=True: a work folder that has been removed must not be made again
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source)
-        # POV-Ray writes every block of pixels there, 20 bytes a pixel, for a render that is to be continued
+        # POV-Ray writes its progress there, 20 bytes a pixel, so that a render can be continued. povgen never does.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         limits = _limits()
         programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
@@ -166,7 +169,7 @@ class Runner:
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
-        """POV-Ray's exit status, below 0 the signal that killed it, and its messages."""
+        """Run POV-Ray. Return its exit status, or minus the number of the signal that killed it, and its messages."""
         # POV-Ray looks for its configuration in HOME
         environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
         with stopping.lock:
@@ -198,12 +201,12 @@ class Runner:
 
 
 def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
-    """Why POV-Ray made no picture: its own message with its line."""
+    """Return the error for a POV-Ray that made no picture, with POV-Ray's message, file and line."""
     log = folder / FATAL
     fatal = log.read_text(errors="replace") if log.is_file() else ""
     place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
     said = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else ""
-    out_of_memory = f"out of memory: it may take {_mebibytes(memory())}"
+    out_of_memory = f"out of memory: it may take {_mebibytes(max_memory())}"
 
     def refused(message: str) -> PovrayError:
         error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")
@@ -213,19 +216,19 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
     if NO_MEMORY.search(said + messages):
         return refused(out_of_memory)
     if status == -signal.SIGXFSZ:
-        return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(largest())} to a file, and wanted more")
+        return PovrayError(f"POV-Ray was stopped: it may write {_mebibytes(max_file())} to a file, and wanted more")
     if status < 0:
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
-    # POV-Ray does not say so; other frames that failed may have left room since, for a picture at the most
+    # POV-Ray does not report a full disk. Another frame that failed may have freed the room of one picture since.
     if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")
-    if UNCLEAR.search(messages):  # which has a place but where there is no memory to tell it
+    if UNCLEAR.search(messages):  # without a line: there was no memory to state it
         return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
     last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
     failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")
-    # said on a machine that is overloaded
+    # POV-Ray's message on an overloaded machine
     return (TransientError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)

@@ -1,7 +1,7 @@
-"""What a process that povgen starts may do: a sandbox made with Landlock, which is part of the Linux kernel.
+"""The sandbox: it enforces what POV-Ray may read, write and run. povray.py decides that (READ, RUN, its work folder).
 
-A thread in a sandbox, and every process that it starts, can read, write and run only what is named. povgen
-makes one in a thread of its own for each POV-Ray.
+The sandbox is made with Landlock, a part of the Linux kernel. A thread in a sandbox can use only the files and folders
+that are named, and so can every process that it starts. povgen starts each POV-Ray from a thread in its own sandbox.
 """
 
 import ctypes
@@ -13,10 +13,15 @@ from typing import TypeVar
 
 Result = TypeVar("Result")
 
-# linux/landlock.h, and the numbers of its system calls, which are the same on every architecture
+# From linux/landlock.h. The numbers of these system calls are the same on every architecture.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
-RIGHTS = {1: (1 << 13) - 1, 2: (1 << 14) - 1, 3: (1 << 15) - 1, 5: (1 << 16) - 1}  # on files, since each version
+RIGHTS = {
+    1: (1 << 13) - 1,
+    2: (1 << 14) - 1,
+    3: (1 << 15) - 1,
+    5: (1 << 16) - 1,
+}  # on files, from each version of Landlock on
 ABSTRACT_SOCKETS_AND_SIGNALS, NETWORK = 3, 3
 PR_SET_NO_NEW_PRIVS = 38
 
@@ -33,37 +38,39 @@ class _PathBeneath(ctypes.Structure):
 
 
 def version() -> int:
-    """Landlock's version in this kernel; 0 where it has none."""
-    return max(0, _libc.syscall(CREATE_RULESET, None, 0, 1))
+    """Return Landlock's version in this kernel, or 0 if the kernel has none."""
+    return max(0, int(_libc.syscall(CREATE_RULESET, None, 0, 1)))
 
 
 def within(
     work: Callable[[], Result], *, read: Iterable[Path] = (), run: Iterable[Path] = (), write: Iterable[Path] = ()
 ) -> Result:
-    """Call `work` in a sandbox, in a thread of its own.
+    """Call `work` in a sandbox, in a new thread, and return its result.
 
-    It may read, run or write only these files, or what is in these folders. What may be run may be read; what may be
-    written may be all but run. There is no TCP. Without Landlock there is no sandbox. Raises what `work` raises, and
-    OSError where the kernel refuses.
+    `work` may read, run and write only these files and what is in these folders. A file that may be run may also be
+    read. A file that may be written may also be read and removed, but not run. There is no TCP. Without Landlock there
+    is no sandbox. Raises what `work` raises, and OSError if the kernel refuses.
     """
-    outcome: dict = {}
+    results: list[Result] = []
+    errors: list[BaseException] = []
 
     def confined() -> None:
         try:
             _confine(read, run, write)
-            outcome["result"] = work()
+            results.append(work())
         except BaseException as error:
-            outcome["error"] = error
+            errors.append(error)
 
     thread = Thread(target=confined)
     thread.start()
     thread.join()
-    if "error" in outcome:
-        raise outcome["error"]
-    return outcome["result"]
+    for error in errors:
+        raise error
+    return results[0]
 
 
 def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -> None:
+    """Put this thread into a sandbox for the rest of its life."""
     abi = version()
     if not abi:
         return
@@ -83,17 +90,18 @@ def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -
 
 
 def _allow(ruleset: int, path: Path, rights: int) -> None:
+    """Add a rule: these rights on a file, or on all that is in a folder. A path that does not exist gets none."""
     try:
-        place = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    except FileNotFoundError:  # not on this system
+        opened = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    except FileNotFoundError:
         return
     try:
         if not path.is_dir():
-            rights &= EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE  # the others are a folder's
-        rule = _PathBeneath(rights, place)
+            rights &= EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE  # a file has only these
+        rule = _PathBeneath(rights, opened)
         _checked(_libc.syscall(ADD_RULE, ruleset, 1, ctypes.byref(rule), 0))
     finally:
-        os.close(place)
+        os.close(opened)
 
 
 def _checked(status: int) -> int:

@@ -1,32 +1,32 @@
-"""Where methods fail, as the stability maps found it (docs/accuracy.md): limits for scenes to keep, or to be warned of.
+"""Limits of the methods, from the stability maps (docs/accuracy.md). A scene must keep them, or povgen warns.
 
-`povgen verify --stability` measures each anew and fails where one no longer holds.
+`povgen verify --stability` measures each limit again, and fails if one no longer holds.
 """
 
-# (a) Largest condition number of the apparent position at which eq. 7 is right to 1 pixel of 1280x960; and the largest
-# correction of it by the paraxial prediction, in such pixels, at which the latter is right to 3.
+# (a) Up to this condition number of the apparent position, eq. 7 is right to 1 pixel of 1280x960.
 MAX_CONDITION = 150
+# Up to this difference from eq. 7, in pixels of 1280x960, the paraxial prediction is right to 3 pixels.
 MAX_CORRECTION = 8
-# (b) Most prisms at which no more than 1 in 10,000 rays on the designed path goes astray.
+# (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
-# (c) Widths of the air gap, in units of the pitch, between which it matters little: narrower POV-Ray misses it.
+# (c) Between these widths, in units of the pitch, the air gap's width hardly matters. POV-Ray misses narrower gaps.
 GAP_RANGE = (1e-4, 0.09)
-# (d) The fraction of the window's pixels that may stay black, for want of trace level, though light comes through.
+# (d) This fraction of the window's pixels may be black because of the trace level, although light comes through there.
 MAX_LOST_FRACTION = 0.05
-# The most faces that rays are traced through to find that level. A max_trace_level of 240 can crash POV-Ray.
+# To find that trace level, rays are followed through at most this number of faces. A level of 240 can crash POV-Ray.
 MAX_FACES = 180
-# (e) The least fraction of them on the prisms' designed path.
+# (e) At least this fraction of the window's rays should take the prisms' designed path.
 MIN_DESIGNED_FRACTION = 0.25
-# (f) The error that the ideal sheet's camera may have off the axis, pixels of 1280x960, and the most cells a side to
-# keep it: POV-Ray takes some 1.3 CPU s to read these.
+# (f) The error, in pixels of 1280x960, that the ideal sheet's camera may have for an eye off the axis; and the greatest
+# number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse these.
 MAX_CAMERA_ERROR = 0.03
 MAX_CELLS = 100
-# (g) Pixels per prism below which a picture without antialiasing is as far from right as pixels taken at random.
+# (g) With fewer pixels per prism, a picture without antialiasing is as wrong as one whose pixels are taken at random.
 MIN_PIXELS_PER_PRISM = 1.2
-# (h) alpha, degrees, below which parallel prisms make dark bands.
+# (h) For a smaller alpha, degrees, the prisms of the two sheets are nearly parallel and make dark bands (moire).
 MIN_ALPHA = 3
 
 
 def units_per_tile(prisms: int) -> int:
-    """POV-Ray's tolerances are fixed in its own units: the finer the prisms, the larger the scene."""
+    """Return the size of a tile in POV-Ray's units. POV-Ray's tolerances are fixed in them: finer prisms need more."""
     return max(1000, prisms // 2)

@@ -1,36 +1,43 @@
-"""What a scene is made of: parameters with their units and ranges. A scene never changes; variants are copies.
+"""Scenes: their parameters, with units and ranges. A scene never changes. Variants are copies.
 
-Lengths are in tiles (the side of a floor tile), angles in degrees. Points of the sheets' plane z = 0 are complex,
-x + iy from the window's centre, x to the right and y up for the eye.
+Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets. Points
+in it are complex numbers x + iy, from the window's centre: x points right and y up, as the eye sees them.
 """
 
 from math import radians, remainder
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from povgen.optics import prism
 from povgen.scene import limits
 
-# Radius of each piece's foot, tiles: it must stand clear of the sheets.
+if TYPE_CHECKING:  # numpy is slow to load
+    from numpy.typing import ArrayLike
+
+    from povgen.optics.rotation import Booleans, Complexes, Floats
+
+# Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-Piece = Literal[*PIECES]  # type: ignore[valid-type]
-Sheet = Literal["detailed", "ideal", "single", "none"]
-FARTHEST = 5e6  # POV-Ray sees 10 million of its units far
+PieceName = Literal[*PIECES]  # type: ignore[valid-type]
+SheetModel = Literal["detailed", "ideal", "single", "none"]
+MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Offset = Annotated[float, Field(ge=-10, le=10)]
 
 
-def _pair(value: Any) -> Any:
+def _pair(value: object) -> object:
+    """Split text such as 'X,Y'."""
     return value.split(",") if isinstance(value, str) else value
 
 
-def _listed(value: Any) -> Any:
+def _as_tuple(value: object) -> object:
+    """Accept a single value in place of a list."""
     return (value,) if isinstance(value, (int, float, str)) else value
 
 
 class Scene(BaseModel):
-    """What every scene has: the eye, the window and the sheets in it."""
+    """What all scenes share: the eye, the window and the sheets in it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -40,20 +47,21 @@ class Scene(BaseModel):
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
         6, description="distance from the sheets to the eye, up to 150 tiles"
     )
-    sheet: Sheet = Field(
-        "detailed", description="model of the sheets: detailed, ideal, single (one sheet of prisms) or none"
+    sheet: SheetModel = Field(
+        "detailed",
+        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet) or none",
     )
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
-        100, description=f"Dove prisms to the window's side, in each sheet, 1 to {limits.MAX_PRISMS}"
+        100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
 
     name: ClassVar[str]
     subject: ClassVar[str]
-    window: ClassVar[float] = 2.4  # side of the square aperture
-    rim: ClassVar[float] = 0.13  # width of its frame
-    view_height: ClassVar[float] = 3.85  # of the picture, in the plane z = 0
+    window: ClassVar[float] = 2.4  # side of the square window, tiles
+    rim: ClassVar[float] = 0.13  # width of the window frame's sides, tiles
+    view_height: ClassVar[float] = 3.85  # height of the picture in the plane z = 0, tiles
 
-    if TYPE_CHECKING:  # what each scene has in its own way: the object L and the eye E in the plane z = 0, and every z1
+    if TYPE_CHECKING:  # each scene defines the points L (object) and E (eye), projected onto z = 0, and every z1
 
         @property
         def L(self) -> complex: ...
@@ -66,62 +74,65 @@ class Scene(BaseModel):
 
     @property
     def sheets_depth(self) -> float:
-        """Extent of the sheets along z; they are centred on z = 0."""
+        """Extent of the sheets along z, tiles. They are centred on z = 0."""
         sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
         return prism.thickness(self.pitch, sheets) if sheets else 0.0
 
     @property
     def pitch(self) -> float:
-        """Of the prisms, tiles."""
+        """Pitch of the prisms, tiles."""
         return self.window / self.prisms
 
     @property
     def depth(self) -> float:
-        """Extent of the frame along z: at least that of two sheets of 100 prisms, so that all models share a frame."""
+        """Extent of the window frame along z, tiles: at least that of two sheets of 100 prisms, whatever the model."""
         return max(0.24, 1.02 * self.sheets_depth)
 
-    def apparent_position(self, L, z1, alpha=None):
-        """Where a point is seen, in the plane z = 0: eq. 7, and for prisms the paraxial prediction. Arrays broadcast.
+    def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
+        """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
-        L complex and z1 in tiles; alpha, degrees, takes the place of the scene's own.
+        L (complex) and z1 are in tiles. alpha, in degrees, replaces the scene's own. Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import paraxial, rotation
 
-        alpha = numpy.radians(self.alpha if alpha is None else alpha)
+        turn = numpy.radians(self.alpha if alpha is None else alpha)
         match self.sheet:
             case "detailed":
-                return paraxial.apparent_position(L, self.E, z1, self.z2, alpha, self.pitch)
+                return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.pitch)
             case "single":
                 return paraxial.mirrored_position(L, self.E, z1, self.z2, self.pitch)
+            case "ideal":
+                return rotation.apparent_position(L, self.E, z1, self.z2, turn)
             case "none":
-                alpha = 0
-        return rotation.apparent_position(L, self.E, z1, self.z2, alpha)
+                return rotation.apparent_position(L, self.E, z1, self.z2, 0)
 
-    def visible(self, L, z1, alpha=None):
-        """Whether light from a point reaches the eye through the window, as predicted; see `apparent_position`.
+    def visible(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Booleans":
+        """Return whether light from a point reaches the eye through the window, by the prediction.
 
-        It must pass the frame's front and back and, between them, the middle planes of the sheets, which turn it.
+        The light must pass inside the window frame's front and back, and inside the window at the middle planes of the
+        sheets, where the prediction turns it. Arguments as for `apparent_position`.
         """
         import numpy
 
         turn = numpy.exp(-1j * numpy.radians(self.alpha if alpha is None else alpha))
         with numpy.errstate(invalid="ignore"):
-            # of the ray before the sheets, and behind them
+            # between eye and sheets; `behind` is between sheets and object
             slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
             behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
-            middle = max(0, self.sheets_depth - prism.thickness(self.pitch, 1)) / 2  # of a sheet, from z = 0
+            middle = max(0, self.sheets_depth - prism.thickness(self.pitch, 1)) / 2  # |z| of a sheet's middle plane
             crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
-            crossed += [L - behind * (z1 - z) for z in (self.depth / 2, middle)]
+            crossed += [L - behind * numpy.subtract(z1, z) for z in (self.depth / 2, middle)]
         half = self.window / 2
-        return numpy.all([(abs(place.real) < half) & (abs(place.imag) < half) for place in crossed], axis=0)
+        return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
-    def nu_and_M(self, z1):
-        """The angle nu, degrees, through which two sheets show an object turned, and its magnification M.
+    def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
+        """Return the angle nu, degrees, through which two sheets show an object turned, and its magnification M.
 
-        Eqs. 8 and 9, corrected; for prisms of finite size as in `paraxial.nu_and_M`. nu lies within 180 degrees of
-        the middle of 0 and alpha, NaN where there is none. z1 in tiles; arrays broadcast.
+        They are eqs. 8 and 9, corrected, or for prisms of finite size those of `paraxial.nu_and_M`. Of all equivalent
+        angles, nu is the one within 180 degrees of alpha/2. It is NaN at the pole, and for a mirrored object. z1 is in
+        tiles; arrays broadcast.
         """
         import numpy
 
@@ -142,56 +153,59 @@ class Scene(BaseModel):
 
     @property
     def tile(self) -> int:
-        """POV-Ray's units in a tile."""
+        """POV-Ray's units per tile."""
         return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:
             raise ValueError(
-                f"z1 = {z1:g}: {what} would stand in the sheets, whose frame ends {self.depth / 2:.4g} tiles behind "
-                f"z = 0; allowed: z1 > {nearest:.4g}"
+                f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
+                f"z = {self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
             )
         if z1 > self.farthest:
             raise ValueError(
-                f"z1 = {z1:g}: with {self.prisms} prisms POV-Ray does not see so far; "
-                f"allowed: z1 <= {self.farthest:.4g}"
+                f"z1 = {z1:g}: beyond POV-Ray's range with {self.prisms} prisms; allowed: z1 <= {self.farthest:.4g}"
             )
 
     @property
     def farthest(self) -> float:
         """The greatest z1, tiles."""
-        return FARTHEST / self.tile
+        return MAX_DISTANCE / self.tile
 
     @model_validator(mode="after")
-    def _check_eye(self):
+    def _check_eye(self) -> Self:
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
-            raise ValueError(f"z2 = {self.z2:g}: the eye would be in the sheets' frame; allowed: z2 > {nearest:.4g}")
+            raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
         return self
 
 
 class Chess(Scene):
-    """A chess piece on a chessboard floor, seen through the window (figures 3 and 4). L is where the piece stands."""
+    """A chess piece on a chessboard floor, seen through the window (figures 3 and 4). L is the centre of its foot."""
 
     name: ClassVar[str] = "chess"
     subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
-    floor: ClassVar[float] = -(Scene.window / 2 + Scene.rim)  # the window's frame stands on it
+    floor: ClassVar[float] = -(Scene.window / 2 + Scene.rim)  # the window frame stands on it
 
     z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, up to 5000 tiles")
     offset: Annotated[tuple[Offset, Annotated[float, Field(ge=-10, lt=0)]], BeforeValidator(_pair)] = Field(
-        (0, floor), description="L - E, X,Y from the eye to where the piece stands, -10 to 10 tiles, Y below 0"
+        (0, floor),
+        description="L - E as X,Y: X moves the piece to the right, -Y is the eye's height above the floor; "
+        "-10 to 10 tiles, Y below 0",
     )
-    piece: Piece = Field("knight", description=", ".join(PIECES))
-    predicted_image: bool = Field(False, description="show the predicted piece in the plane of the sheets as well")
+    piece: PieceName = Field("knight", description=f"the chess piece: {', '.join(PIECES)}")
+    predicted_image: bool = Field(
+        False, description="show also the predicted image of the piece, in the plane of the sheets"
+    )
 
     @property
     def L(self) -> complex:
-        """Where the piece stands: X to the right of the window's middle."""
+        """Centre of the piece's foot: on the floor, X to the right of the window's centre."""
         return complex(self.offset[0], self.floor)
 
     @property
     def E(self) -> complex:
-        """The eye: -Y above the floor, before the window's middle."""
+        """The eye: -Y above the floor, opposite the middle of the window's width."""
         return complex(0, self.floor - self.offset[1])
 
     @property
@@ -200,50 +214,53 @@ class Chess(Scene):
         return (self.z1,)
 
     @property
-    def steps_seen(self) -> tuple[complex, complex]:
-        """Where a step of one tile to the right is seen, and one up, at the piece's distance, in the plane z = 0."""
-        right, up = (self.apparent_position(self.E + step, self.z1) - self.E for step in (1, 1j))
+    def apparent_steps(self) -> tuple[complex, complex]:
+        """The predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at the piece."""
+        right, up = (complex(self.apparent_position(self.E + step, self.z1)) - self.E for step in (1, 1j))
         return right, up
 
     @model_validator(mode="after")
-    def _check_piece(self):
+    def _check_piece(self) -> Self:
         self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
-                f"predicted_image = true: it predicts what two sheets show, and sheet is {self.sheet!r}; "
-                "allowed with sheet 'detailed' or 'ideal'"
+                f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
+                "allowed: sheet = 'detailed' or 'ideal'"
             )
         if self.predicted_image and self.z1 == self.z2 and abs(self.alpha) == 180:
             raise ValueError(
-                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece is seen at "
+                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece appears at "
                 "infinity (the pole of eq. 7); allowed: any other alpha or z1"
             )
         return self
 
 
 class Spheres(Scene):
-    """Green spheres on one normal of the sheets, seen through the window (figure 6). L is where that normal is."""
+    """Green spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
 
     name: ClassVar[str] = "spheres"
-    subject: ClassVar[str] = "spheres on one normal of ray-rotating Dove-prism sheets, seen through them"
+    subject: ClassVar[str] = (
+        "spheres on a line perpendicular to ray-rotating Dove-prism sheets, seen through the sheets"
+    )
 
-    z1: Annotated[tuple[Z1, ...], BeforeValidator(_listed), Field(min_length=1, max_length=50)] | None = Field(
+    z1: Annotated[tuple[Z1, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)] | None = Field(
         None,
-        description="distance from the sheets to a sphere, up to 5000 tiles, once for each sphere "
-        "(default 2^n z2, n = -5..5, where clear of the sheets)",
+        description="distance from the sheets to a sphere, up to 5000 tiles; one for each sphere "
+        "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
     offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
-        (-0.55, 0), description="L - E, X,Y from the eye to the spheres' normal, -10 to 10 tiles"
+        (-0.55, 0),
+        description="L - E as X,Y: moves the line of the spheres X to the right of the eye and Y up, -10 to 10 tiles",
     )
 
     @property
     def L(self) -> complex:
-        """The spheres' normal."""
+        """Where the line of the spheres crosses the plane z = 0."""
         return complex(*self.offset)
 
     @property
     def E(self) -> complex:
-        """The eye, before the window's centre."""
+        """The eye, opposite the window's centre."""
         return 0j
 
     @property
@@ -255,19 +272,20 @@ class Spheres(Scene):
         return tuple(z1 for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
 
     def radius(self, z1: float) -> float:
-        """Radius of the sphere at z1, tiles: at alpha = 0 the farther looks larger, so that none hides another."""
-        return min(0.062 * (z1 / self.z2) ** 0.1 * (1 + z1 / self.z2), z1 / 4)
+        """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
+        growth: float = (z1 / self.z2) ** 0.1
+        return min(0.062 * growth * (1 + z1 / self.z2), z1 / 4)
 
     @property
     def nearest(self) -> float:
-        """The least z1 at which a sphere is clear of the sheets and their frame, tiles."""
+        """The least z1 at which a sphere does not touch the window frame, tiles."""
         z1 = back = self.depth / 2
-        for _ in range(30):  # converges: a radius grows by at most a quarter of z1
+        for _ in range(30):  # converges, because a radius is at most a quarter of z1
             z1 = back + self.radius(z1)
         return z1
 
     @model_validator(mode="after")
-    def _check_spheres(self):
+    def _check_spheres(self) -> Self:
         nearest = self.nearest
         for z1 in self.distances:
             self._check_clear("the sphere", z1, nearest)

@@ -1,6 +1,6 @@
-"""From a scene to the text that POV-Ray reads, from movies to a page: the one place where templates are rendered."""
+"""Templates: a scene becomes the text that POV-Ray reads, movies become a page. Only this module uses Jinja2."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,16 +28,21 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     options = " ".join(Rendering.model_validate({}).picture_options)
-    environment.globals.update(version=__version__, prism=prism, options=options)
+    environment.globals.update(version=__version__, prism=prism, options=options, raw=_raw)
     return environment
 
 
-class Mosaic(NamedTuple):
-    """Blocks of a picture's pixels, to be rendered side by side in place of the whole picture."""
+def _raw(name: str) -> str:
+    """Return the text of a file in templates/ unchanged: braces in a script are not Jinja's."""
+    return (TEMPLATES / name).read_text("utf-8")
 
-    size: tuple[int, int]  # of the whole picture, pixels
-    side: int  # of a block, pixels
-    blocks: Sequence[Sequence[tuple[int, int]]]  # in rows: column and row of each block's upper left pixel
+
+class Mosaic(NamedTuple):
+    """Blocks of a picture's pixels. They are rendered side by side, instead of the whole picture."""
+
+    size: tuple[int, int]  # width and height of the whole picture, pixels
+    side: int  # width and height of a block, pixels
+    blocks: Sequence[Sequence[tuple[int, int]]]  # rows of blocks: column and row of each block's upper left pixel
 
 
 def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None) -> str:
@@ -60,13 +65,18 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     )
 
 
-def to_html(page: dict[str, Any]) -> str:
-    """The teaching page, which holds its own styles and script. `page` is what the script reads (`demo`)."""
+def to_html(page: Mapping[str, object]) -> str:
+    """Return the teaching page, with its styles and script. The script reads `page` (`teach.page`)."""
     return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
+def to_caption(number: int, data: dict[str, Any]) -> str:
+    """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
+    return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
+
+
 def template_of(source: str, line: int) -> str:
-    """The template that a line (counted from 1) of `to_pov`'s text came from; each part begins with its name."""
+    """Return the template of a line, counted from 1, of `to_pov`'s text. Each template's text begins with its name."""
     name = "header.pov.j2"
     for text in source.splitlines()[:line]:
         if text.startswith("// ---- ") and text.endswith(") ----"):

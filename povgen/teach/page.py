@@ -1,4 +1,4 @@
-"""The teaching page: movies, frame by frame, beside the diagram of figure 5, in a folder that needs no network."""
+"""Make the teaching page: movies, frame by frame, beside the diagram of figure 5. The page needs no network."""
 
 import fcntl
 import os
@@ -25,7 +25,7 @@ OWN = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
 SHEETS = ("detailed", "ideal")
 SWEPT = {"alpha": "α from {} to {}°", "z1": "z₁ from {} to {}", "z2": "z₂ from {} to {}"}
 GENERATOR = b'<meta name="generator" content="povgen'
-# How a page names its frames; the last part is the digest of the file.
+# The names of a page's frames. The last part is the digest of the file.
 FRAME = re.compile(rb'"frames/([0-9]+-[a-z]+-[a-z]+-[0-9]+-([0-9a-f]{8})\.webp)"')
 
 
@@ -35,15 +35,17 @@ def demo(
     *,
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
-    **options,
+    **options: object,
 ) -> Path:
     """Render movies through prisms and through the ideal sheet, and write a page of them into a folder.
 
-    Returns the page, index.html. Frames that differ have names that differ, and the page is written after them: it
-    always shows its own frames, all of them. Then the frames of the page that was there before are removed, as far as
-    they are unchanged and the new page does not show them. What else is in the folder stays.
-    Options: those of `Rendering`. `done` is called after each frame.
-    Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
+    Returns the path of the page, index.html. Options are the fields of `Rendering`. `done` is called after each frame.
+    Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
+    fails.
+
+    A page always shows its own frames, and all of them: different frames have different names, and the page is written
+    after its frames. The frames of an earlier page are then removed, unless the user changed them or the new page
+    shows them. All other files in the folder stay.
     """
     rendering = validated(Rendering, options)
     loaded = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
@@ -51,26 +53,26 @@ def demo(
     if not movies:
         raise InputError("no movies; allowed: one or more")
     page, frames = checked_page(Path(folder))
-    told = [_told(spec, movie, rendering) for spec, movie in zip(loaded, movies, strict=True)]
+    shown = [_movie_data(spec, movie, rendering) for spec, movie in zip(loaded, movies, strict=True)]
     wanted = [
-        (f"{number}-{scene.name}-{sheet}-{n:03}", scene, told[number - 1]["frames"][sheet][n])
+        (f"{number}-{scene.name}-{sheet}-{n:03}", scene, shown[number - 1]["frames"][sheet][n])
         for number, movie in enumerate(movies, 1)
         for sheet in SHEETS
         for n, scene in enumerate(movie[sheet])
     ]
     rendered = render_all([scene for _, scene, _ in wanted], rendering, workers, done)
     with work_folder(frames) as made, closing(rendered):
-        for (name, scene, told_frame), frame in zip(wanted, rendered, strict=True):
+        for (name, scene, frame_data), frame in zip(wanted, rendered, strict=True):
             data = encode.webp(picture(frame, scene, rendering))
             file = f"{name}-{_digest(data)}.webp"
             (made / file).write_bytes(data)
-            told_frame["file"] = f"{frames.name}/{file}"
-        _replace(page, frames, to_html(_data(told)).encode(), made)
+            frame_data["file"] = f"{frames.name}/{file}"
+        _replace(page, frames, to_html(_page_data(shown)).encode(), made)
     return page
 
 
 def _replace(page: Path, frames: Path, html: bytes, made: Path) -> None:
-    """Put the frames made and then the page in their places, and remove the frames that only the old page shows."""
+    """Move the new frames and then the page to their folder, and remove the frames that only the old page shows."""
     with _locked(page.parent):
         for file in made.glob("*.webp"):
             file.replace(frames / file.name)
@@ -84,10 +86,10 @@ def _replace(page: Path, frames: Path, html: bytes, made: Path) -> None:
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Wait until no other povgen replaces the page in the folder."""
+    """Wait until no other povgen replaces the page in the folder, and keep others waiting."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        with suppress(OSError):  # some network file systems have no locks of folders
+        with suppress(OSError):  # some network file systems cannot lock folders
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:
@@ -99,7 +101,7 @@ def _digest(data: bytes) -> str:
 
 
 def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
-    """The scenes of all frames, for each model of the sheets that the page shows. Raises InputError."""
+    """Return the scenes of all frames, for each model of the sheets that the page shows. Raises InputError."""
     try:
         return {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
     except InputError as error:
@@ -107,15 +109,17 @@ def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
 
 
 def checked_page(folder: Path) -> tuple[Path, Path]:
-    """The page's path in a folder and that of its frames, if povgen may write both. Raises InputError."""
+    """Return the path of the page and of its frames' folder. Raises InputError unless povgen may write both."""
     page = checked_output(checked_folder(folder) / "index.html", [".html"])
     if page.exists() and GENERATOR not in page.read_bytes():
-        raise InputError(f"output = {str(folder)!r}: index.html there is not povgen's; allowed: a folder without one")
+        raise InputError(
+            f"output = {str(folder)!r}: povgen did not write the index.html there; allowed: a folder without one"
+        )
     return page, checked_folder(folder / "frames")
 
 
-def _data(movies: list[dict[str, Any]]) -> dict[str, Any]:
-    """What the page's equations need beside the movies; lengths in tiles."""
+def _page_data(movies: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the data that the page's script reads. Lengths are in tiles."""
     return {
         "movies": movies,
         "view_height": Scene.view_height,
@@ -124,8 +128,8 @@ def _data(movies: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _told(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) -> dict[str, Any]:
-    """A movie as the page has it: angles in degrees, lengths in tiles, complex numbers as pairs."""
+def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) -> dict[str, Any]:
+    """Return a movie's data for the page: angles in degrees, lengths in tiles, complex numbers as pairs."""
     scene, sweep = movie["detailed"][0], spec.sweep
     thing = getattr(scene, "piece", scene.name.removesuffix("s"))
     things = thing + "s" * (len(scene.distances) > 1)
@@ -145,10 +149,10 @@ def _told(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) 
         "L": [scene.L.real, scene.L.imag],
         "E": [scene.E.real, scene.E.imag],
         "powers": getattr(scene, "z1", ()) is None,  # every z1 is 2^n z2
-        "frames": {sheet: [_told_frame(scene) for scene in movie[sheet]] for sheet in SHEETS},
+        "frames": {sheet: [_frame_data(scene) for scene in movie[sheet]] for sheet in SHEETS},
     }
 
 
-def _told_frame(scene: Scene) -> dict[str, Any]:
+def _frame_data(scene: Scene) -> dict[str, Any]:
     radii = [scene.radius(z1) for z1 in scene.distances] if hasattr(scene, "radius") else None
     return {"alpha": scene.alpha, "z2": scene.z2, "z1": scene.distances, "radius": radii}

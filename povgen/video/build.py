@@ -1,4 +1,4 @@
-"""From a spec to its movie."""
+"""Make a movie from its spec."""
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -22,13 +22,14 @@ def movie(
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
     scheduler: str | None = None,
-    **options,
+    **options: object,
 ) -> Path:
-    """Render a movie to .mp4, .webm or .gif; returns its path, which names it only when it is whole.
+    """Render a movie to .mp4, .webm or .gif and return its path. The file is written atomically.
 
-    Options: those of `Rendering`. `done` is called after each frame. `scheduler` is the address of a Dask
-    scheduler, whose workers render in place of this machine.
-    Raises InputError for what cannot be before anything is rendered, PovrayError where POV-Ray fails.
+    Options are the fields of `Rendering`. `done` is called after each frame. `scheduler` is the address of a Dask
+    scheduler, whose workers then render instead of this machine.
+    Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
+    fails.
     """
     if not isinstance(spec, MovieSpec):
         spec = MovieSpec.load(spec)
@@ -50,7 +51,7 @@ def movie(
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
         frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(cache.work())  # whose size is counted if povgen is killed
+        folder = opened.enter_context(cache.work_folder())  # counts towards the cache's size if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
@@ -60,7 +61,7 @@ def movie(
 
 
 def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
-    """The path, if the movie can be written there in the format that its suffix tells. Raises InputError."""
+    """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError."""
     if output.suffix.lower() == ".gif":
         encode.check_gif(len(spec.sweep.values(quality)), spec.rate(quality))
     return checked_output(output, encode.FORMATS)

@@ -1,4 +1,4 @@
-"""The one place where frames are encoded."""
+"""Encode frames as movies and pictures. No other module encodes."""
 
 import logging
 from collections.abc import Iterable
@@ -11,20 +11,21 @@ import imageio.v2
 import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import InputError
 
-logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen says what went wrong
-# Untagged video is shown with the wrong colours by some players.
+logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen reports errors itself
+# Some players show untagged video in wrong colours.
 BT709 = (
     "-vf scale=out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
-FASTEST_GIF = 50  # frames a second; faster ones are shown slower
-# Seconds. A GIF holds a pause in 16 bits, as hundredths of a second, and equal pictures in succession are written once,
-# with the sum of their pauses: at worst that is the whole movie.
+FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
+# Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
+# written once, with the sum of their durations. If all are equal, this sum is the whole movie.
 LONGEST_GIF = 655.35
-# A keyframe every 6 frames: players seek to any frame at once, as a slider needs.
+# A keyframe every 6 frames lets players seek to any frame at once.
 FORMATS = {
     ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
@@ -32,18 +33,15 @@ FORMATS = {
 }
 
 
-def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict[str, str]) -> None:
-    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, `rate` of them a second.
+def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tags: dict[str, str]) -> None:
+    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, at `rate` frames a second.
 
-    Raises OSError where the file does not come out whole.
+    Raises OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         pictures = list(pictures)
-        # times in a GIF are whole hundredths of a second
-        times = [round(100 * n / rate) for n in range(len(pictures) + 1)]
-        pauses = [10 * (end - start) for start, end in pairwise(times)]
-        comment = " ".join(tags.values()).encode()
-        options: dict[str, Any] = {"extension": ".gif", "duration": pauses, "loop": 0, "comment": comment}
+        durations, comment = gif_durations(len(pictures), rate), " ".join(tags.values()).encode()
+        options: dict[str, Any] = {"extension": ".gif", "duration": durations, "loop": 0, "comment": comment}
         output.write_bytes(iio.imwrite("<bytes>", pictures, plugin="pillow", **options))
         return
     codec, settings = FORMATS[output.suffix]
@@ -64,18 +62,28 @@ def encode(pictures: Iterable[np.ndarray], output: Path, rate: float, tags: dict
             written += 1
             try:
                 writer.append_data(picture)
-            except OSError:  # the encoder has gone
+            except OSError:  # the encoder has stopped
                 break
     finally:
-        writer.close()  # which waits for ffmpeg, as its `with` does not after an error
-    with suppress(RuntimeError):  # ffmpeg's exit status is not to be had; this is raised for what is no movie
+        writer.close()  # waits for ffmpeg; the writer's `with` does not wait after an error
+    with suppress(RuntimeError):  # raised if the file is no movie; ffmpeg's exit status is not available
         found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
     if found != written or not written:
         raise OSError(f"the encoder wrote {found} of {written} frames (is the disk full?)")
 
 
+def gif_durations(frames: int, rate: float) -> list[int]:
+    """Return each frame's duration in milliseconds, at `rate` frames a second.
+
+    A GIF's times are whole hundredths of a second. Every frame starts at its own time rounded to one, so rounding
+    errors do not add up.
+    """
+    times = [round(100 * n / rate) for n in range(frames + 1)]
+    return [10 * (end - start) for start, end in pairwise(times)]
+
+
 def check_gif(frames: int, rate: float) -> None:
-    """Raises InputError for what a GIF cannot show at the right times: so many frames, `rate` of them a second."""
+    """Raise InputError if a GIF cannot show so many frames at the right times, at `rate` frames a second."""
     if rate > FASTEST_GIF or frames / rate > LONGEST_GIF:
         raise InputError(
             f"a GIF of {frames} frames, {rate:.4g} a second, {frames / rate:.5g} s long: "
@@ -83,11 +91,11 @@ def check_gif(frames: int, rate: float) -> None:
         )
 
 
-def png(picture: np.ndarray) -> bytes:
-    """A picture, (height, width, 3) bytes, as a PNG file's."""
+def png(picture: NDArray[np.uint8]) -> bytes:
+    """Return a picture, (height, width, 3) bytes, as the bytes of a PNG file."""
     return iio.imwrite("<bytes>", picture, extension=".png")
 
 
-def webp(picture: np.ndarray) -> bytes:
-    """A picture, (height, width, 3) bytes, as a WebP file's: a fraction of a PNG's size, and as it is to the eye."""
+def webp(picture: NDArray[np.uint8]) -> bytes:
+    """Return a picture, (height, width, 3) bytes, as the bytes of a WebP file, which is smaller than a PNG file."""
     return iio.imwrite("<bytes>", picture, plugin="pillow", extension=".webp", quality=90)

@@ -1,26 +1,28 @@
-"""From a scene to its picture, with what is drawn over it."""
+"""Render one picture of a scene, with its caption and overlay if they are asked for."""
 
 from contextlib import closing
 
 import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import validated
-from povgen.rendering.frames import read, render_all
+from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
 
-def render(scene: Scene, **options) -> np.ndarray:
-    """The scene's picture, (height, width, 3) bytes of red, green and blue.
+def render(scene: Scene, **options: object) -> NDArray[np.uint8]:
+    """Return the scene's picture: (height, width, 3) bytes of red, green and blue.
 
-    Options: those of `Rendering`. Raises InputError for options that cannot be, PovrayError where POV-Ray fails.
+    Options are the fields of `Rendering`. Raises InputError if an option is not allowed, and PovrayError if POV-Ray
+    fails.
     """
     rendering = validated(Rendering, options)
-    return picture(_frame(scene, rendering), scene, rendering).copy()  # to be written to
+    return picture(_frame(scene, rendering), scene, rendering).copy()  # the caller may write to it
 
 
 def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
-    """The scene's picture as a PNG file's bytes. Raises PovrayError where POV-Ray fails."""
+    """Return the scene's picture as the bytes of a PNG file. Raises PovrayError if POV-Ray fails."""
     rendering = rendering or validated(Rendering, {})
     plain = _frame(scene, rendering)
     if not rendering.annotated:
@@ -30,9 +32,9 @@ def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
     return encode.png(picture(plain, scene, rendering))
 
 
-def picture(frame: bytes, scene: Scene, rendering: Rendering) -> np.ndarray:
-    """The scene's frame as an array, with the caption and overlay that the rendering asks for."""
-    plain = read(frame)
+def picture(frame: bytes, scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
+    """Return a rendered frame of the scene as an array, with the caption and overlay that `rendering` asks for."""
+    plain = read_png(frame)
     if not rendering.annotated:
         return plain
     from povgen.video.overlay import annotated

@@ -1,4 +1,4 @@
-"""What cannot be is refused: exit status 2, one or two lines that name it, no file touched."""
+"""A value that is not allowed is refused: exit status 2, one or two lines that name it, and no file is touched."""
 
 import re
 
@@ -162,7 +162,7 @@ def test_the_ends_of_what_is_allowed(scene):
 
 
 def test_a_window_that_its_frame_hides(tmp_path):
-    """POV-Ray does not get through an ideal sheet's camera that is inside out. Few cells, for it takes long else."""
+    """POV-Ray hangs if the camera of the ideal sheet is inside out. The camera has few cells here, to be fast."""
     few, count = re.subn("(Cells +=) [0-9]+", r"\1 10", to_pov(Chess(z2=0.2, offset=(0, -10), sheet="ideal")))
     assert count == 1 and povray.run(few, Rendering(size=(32, 32), antialias="off"), tmp_path).is_file()
 
@@ -179,7 +179,7 @@ def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
 
 
 def test_a_flag_in_a_spec_is_taken_back(tmp_path):
-    """By --no-predicted-image; without it the spec decides. The shard has no frames, so nothing is rendered."""
+    """--no-predicted-image overrides the spec. The shard has no frames, so nothing is rendered."""
     (tmp_path / "spec.toml").write_text(SPEC.replace("z1 = 2", "z1 = 2\npredicted_image = true"))
     single = ["movie", "spec.toml", "--sheet", "single", "--shard", "9/9"]
     assert "predicted_image = true" in refused(single, tmp_path)

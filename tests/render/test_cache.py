@@ -1,4 +1,4 @@
-"""What is kept to be used again: what counts as kept, what is removed, and whose folder it is."""
+"""The cache: which folder it may use, which files count as a frame, and what is removed."""
 
 import io
 import json
@@ -8,7 +8,6 @@ import pwd
 import stat
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 import zlib
@@ -17,15 +16,14 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 import pytest
-from conftest import refused, tree
+from conftest import POVGEN, refused, tree
 from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
-from povgen.rendering import cache, frames
+from povgen.rendering import cache, frames, surveys
 from povgen.scene import prediction
 from povgen.video import encode, still
 
-POVGEN = Path(sys.executable).with_name("povgen")
 SCENE = Chess(sheet="none")
 SMALL = Rendering(size=(32, 34), antialias="off")
 COLOURS = np.random.default_rng(3).integers(0, 256, (34, 32, 3), np.uint8)
@@ -45,7 +43,7 @@ def file(colours, mode=None):
 
 
 class StandIn:
-    """In place of POV-Ray, whose work it is not that is tested."""
+    """Replaces POV-Ray, because these tests are about the cache."""
 
     ran = 0
 
@@ -59,10 +57,10 @@ class StandIn:
 
 
 def rendered(scene=SCENE):
-    """The frame, and whether it had to be rendered."""
+    """Return the frame, and whether it had to be rendered."""
     runner = StandIn()
     (png,) = frames.render_all([scene], SMALL, runner=runner)
-    return frames.read(png), bool(runner.ran)
+    return frames.read_png(png), bool(runner.ran)
 
 
 # ---- whose folder
@@ -70,11 +68,17 @@ def rendered(scene=SCENE):
 
 @pytest.mark.parametrize("content", ["uk/holiday.png", "a", "CACHEDIR.TAG", f"ab/{'ab' * 32}.png"])
 def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
-    """Whatever is done; and nothing in it is touched."""
+    """By every command, and no file in it is touched."""
     (place / content).parent.mkdir(parents=True)
     (place / content).write_bytes(b"Signature: 8a477f597d28d172789f06886806bc55\n")
     before = tree(tmp_path)
-    for work in (rendered, cache.check, cache.work, lambda: still.render(SCENE), lambda: movie("spheres", "a.gif")):
+    for work in (
+        rendered,
+        cache.check,
+        cache.work_folder,
+        lambda: still.render(SCENE),
+        lambda: movie("spheres", "a.gif"),
+    ):
         with pytest.raises(InputError, match=r"POVGEN_CACHE = '.*': a folder that holds other things.*; allowed: "):
             work()
     for arguments in (["frame", "chess"], ["demo"], ["figure", "1"], ["cache", "info"], ["cache", "clear"]):
@@ -84,13 +88,13 @@ def test_a_folder_that_is_not_a_cache_is_refused(content, tmp_path, place):
 
 @pytest.mark.parametrize("begun", [None, b""])
 def test_a_cache_is_marked(begun, place):
-    """Also where povgen was killed as it did so; then it may hold anything else, which stays."""
+    """Also if povgen was killed while it marked it. A marked cache may hold other files, which stay."""
     place.mkdir()
     if begun is not None:
         (place / cache.TAG).write_bytes(begun)
     assert rendered()[1]
     assert (place / cache.TAG).read_text().startswith("Signature: 8a477f597d28d172789f06886806bc55\n")
-    name = frames.kept_at(to_pov(SCENE), SMALL).name
+    name = cache.frame_path(to_pov(SCENE), SMALL).name
     others = "uk/holiday.png", "ab/holiday.png", f"cd/{name}", "note", f"{name[:2]}/{name}.txt"
     for other in map(place.joinpath, others):
         other.parent.mkdir(exist_ok=True)
@@ -106,28 +110,28 @@ def test_a_cache_is_marked(begun, place):
 
 
 def test_several_make_a_cache_at_once(place):
-    def work(ready, told):
+    def work(ready, outcomes):
         try:
             for number in range(30):
                 os.environ["POVGEN_CACHE"] = f"{place}/{number}"
                 ready.wait(10)
                 rendered()
-            told.put("done")
+            outcomes.put("done")
         except BaseException as error:
-            told.put(repr(error))
+            outcomes.put(repr(error))
 
     fork = multiprocessing.get_context("fork")
-    ready, told = fork.Barrier(3), fork.Queue()
-    workers = [fork.Process(target=work, args=(ready, told)) for _ in range(3)]
+    ready, outcomes = fork.Barrier(3), fork.Queue()
+    workers = [fork.Process(target=work, args=(ready, outcomes)) for _ in range(3)]
     for worker in workers:
         worker.start()
-    assert [told.get(timeout=60) for _ in workers] == ["done"] * 3
+    assert [outcomes.get(timeout=60) for _ in workers] == ["done"] * 3
     for worker in workers:
         worker.join()
 
 
 def test_a_user_without_a_home(monkeypatch, tmp_path):
-    """Nor an entry in the system's list of users: a folder among temporary files, which is the user's alone."""
+    """Nor an entry in the list of users: the cache is among temporary files, for this user alone."""
 
     def nobody(number):
         raise KeyError(number)
@@ -172,7 +176,7 @@ WRONG = {
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_frame_that_cannot_be_this_one_is_rendered_again(wrong):
     rendered()
-    kept = frames.kept_at(to_pov(SCENE), SMALL)
+    kept = cache.frame_path(to_pov(SCENE), SMALL)
     kept.write_bytes(WRONG[wrong])
     for again in (True, False):
         picture, ran = rendered()
@@ -181,7 +185,7 @@ def test_a_frame_that_cannot_be_this_one_is_rendered_again(wrong):
 
 def test_a_file_larger_than_any_frame_is_not_read():
     rendered()
-    kept = frames.kept_at(to_pov(SCENE), SMALL)
+    kept = cache.frame_path(to_pov(SCENE), SMALL)
     with kept.open("ab") as opened:
         opened.truncate(2**40)
     picture, ran = rendered()
@@ -190,9 +194,9 @@ def test_a_file_larger_than_any_frame_is_not_read():
 
 @pytest.mark.parametrize("what", ["a folder", "a FIFO", "a link", "a shelf that is a file", "a shelf that is a link"])
 def test_what_is_in_a_frames_place_stays(what, tmp_path):
-    """The frame is delivered and not kept: what is there is not povgen's."""
-    with cache.work():
-        kept = frames.kept_at(to_pov(SCENE), SMALL)
+    """The frame is returned and not stored: what is there is not povgen's."""
+    with cache.work_folder():
+        kept = cache.frame_path(to_pov(SCENE), SMALL)
     if "shelf" not in what:
         kept.parent.mkdir()
     (tmp_path / "other").mkdir()
@@ -226,31 +230,31 @@ def test_another_users_frame_is_used(monkeypatch):
 def test_a_time_of_use_that_is_to_come_protects_nothing():
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
     list(frames.render_all(scenes, SMALL, runner=StandIn()))
-    places = [frames.kept_at(to_pov(scene), SMALL) for scene in scenes]
+    places = [cache.frame_path(to_pov(scene), SMALL) for scene in scenes]
     for path, hours in zip(places, (-2, 1000, -1), strict=True):
         os.utime(path, (time.time() + 3600 * hours, path.stat().st_mtime))
-    assert [path for _, _, path in cache.entries()] == [places[1], places[0], places[2]]
+    assert [path for _, _, path in cache.by_last_use()] == [places[1], places[0], places[2]]
     assert cache.trim(2 * len(file(COLOURS))) == [places[1]]
 
 
 def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
-    """In Python, too; and the cache keeps to its size."""
+    """Frames are rendered, from Python as well, and none is kept."""
     monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
     done = subprocess.run(
         [POVGEN, "frame", "chess", "--prisms", "9", "--size", "32x34", "--quiet", "-o", "z.png"], cwd=tmp_path
     )
     picture = still.render(Chess(prisms=9), size=(32, 34))
-    assert done.returncode == 0 and np.array_equal(frames.read(tmp_path / "z.png"), picture)
+    assert done.returncode == 0 and np.array_equal(frames.read_png(tmp_path / "z.png"), picture)
     assert still.png(Chess(sheet="none"))
-    assert not cache.entries()
+    assert not cache.by_last_use()
 
 
 def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
-    """Frames are read before another povgen can reach them, or rendered again."""
-    keep = cache.keep
-    monkeypatch.setattr(cache, "keep", lambda *given: keep(*given) and bool(cache.trim(-1)))
+    """A frame that another povgen has removed is rendered again."""
+    keep = cache.store
+    monkeypatch.setattr(cache, "store", lambda *given: keep(*given) and bool(cache.trim(-1)))
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
-    found = [frames.read(png) for png in frames.render_all(scenes, SMALL, runner=StandIn())]
+    found = [frames.read_png(png) for png in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
 
 
@@ -258,11 +262,11 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
 
 
 def test_rays_are_traced_once(monkeypatch):
-    """They are kept, too, until what traces them is another."""
+    """Surveys are kept until the code that makes them changes."""
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
     survey = prediction.survey(scene)
-    (kept,) = (path for _, _, path in cache.entries() if path.suffix == ".json")
+    (kept,) = (path for _, _, path in cache.by_last_use() if path.suffix == ".json")
 
     def again():
         traced = []
@@ -289,7 +293,7 @@ def test_rays_are_traced_once(monkeypatch):
     ):
         kept.write_text(damaged)
         assert again() == 1 and kept.read_text() == text and again() == 0
-    monkeypatch.setattr(frames, "_tracing", lambda: "another")
+    monkeypatch.setattr(surveys, "_code_of_trace", lambda: "another")
     assert again() == 1
 
 
@@ -327,7 +331,7 @@ def test_an_output_keeps_its_mode(made, tmp_path):
 
 
 def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
-    """Where it is counted if povgen is killed; and then takes its place, with the mode of what was there."""
+    """A killed povgen's unfinished movie is counted there. The finished movie gets the mode of the file it replaces."""
     seen, own = [], encode.encode
     monkeypatch.setattr(encode, "encode", lambda *given: seen.append(given[1]) or own(*given))
     (tmp_path / "out").mkdir()
@@ -336,4 +340,4 @@ def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
     movie("spheres", target, size=(32, 32), antialias="off", quality="draft")
     assert seen[0].parent.parent == place and stat.S_IMODE(target.stat().st_mode) == 0o600
     assert target.read_bytes().startswith(b"GIF89a") and os.listdir(tmp_path / "out") == ["a.gif"]
-    assert not list(place.glob(f"{files.WORK}*"))
+    assert not list(place.glob(f"{files.WORK_PREFIX}*"))

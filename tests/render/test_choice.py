@@ -1,37 +1,38 @@
-"""`--sheet auto`: the choice is within the tolerance, and the next cheaper is not, both rendered and measured."""
+"""`--sheet auto`: the choice keeps the tolerance, and the next cheaper candidate does not. Both are rendered."""
 
 import csv
-import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PROJECT
+from conftest import PROJECT, povgen, refused
 
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.measure import speed
-from povgen.measure.auto import MOSAIC, PRISMS, SHARE, STAND_IN, Tolerance, choose, mosaic
+from povgen.measure.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
 from povgen.measure.probes import Positions, window
 from povgen.measure.verify import located
 from povgen.optics import rotation
 from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
 
-pytestmark = pytest.mark.xdist_group("choice")  # what is costly is made once
-POVGEN = Path(sys.executable).with_name("povgen")
+pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once
 CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 PAPER = Rendering(size=SIZE)
 SMALL = Rendering(size=(160, 120))
-LADDER = [*(("ideal", sampling) for sampling in STAND_IN), *(("detailed", sampling) for sampling in PRISMS)]
+LADDER = [
+    *(("ideal", sampling) for sampling in IDEAL_SAMPLINGS),
+    *(("detailed", sampling) for sampling in PRISM_SAMPLINGS),
+]
 
 
 @cache
 def converged(scene):
-    return speed.sample(to_pov(scene), speed.CONVERGED, SMALL.size)[1]
+    """The picture to judge by: 25 rays a pixel, whose error is a small part of the tolerances."""
+    return speed.sample(to_pov(scene), "1,0.001,5", SMALL.size)[1]
 
 
 def picture_error(scene, sheet, antialias):
@@ -40,17 +41,22 @@ def picture_error(scene, sheet, antialias):
     return speed.picture_error(speed.sample(text, antialias, SMALL.size)[1], converged(scene), scene)[1]
 
 
+@cache
+def apparent(sheet, prisms, **values):
+    ((_, seen),) = located([Positions(sheet=sheet, prisms=prisms, **values)], SIZE)
+    return seen.position
+
+
 def position_error(scene, sheet):
-    """How far a sheet shows what is at the scene's distances, and far off, from where the prisms do, pixels."""
+    """How far a sheet shows what is at the scene's distances, and far away, from where the prisms show it, pixels."""
     worst = 0.0
-    for place in (0.7 + 0.7j, 0.1 - 0.8j):
+    for position in (0.7 + 0.7j, 0.1 - 0.8j):
         for z1 in (*scene.distances, 30.0):
             alpha = np.radians(scene.alpha)
-            L = rotation.object_position(place, scene.E, z1, scene.z2, alpha)
+            L = rotation.object_position(position, scene.E, z1, scene.z2, alpha)
             shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / rotation.M(scene.z2 / z1, alpha))
-            shown = [Positions(sheet=kind, prisms=scene.prisms, **shared) for kind in ("detailed", sheet)]
-            (_, right), (_, seen) = located(shown, SIZE)
-            worst = max(worst, abs(seen.place - right.place))
+            right, shown = (apparent(kind, scene.prisms, **shared) for kind in ("detailed", sheet))
+            worst = max(worst, abs(shown - right))
     return worst * SIZE[1] / scene.view_height
 
 
@@ -67,16 +73,17 @@ def position_error(scene, sheet):
 def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
     chosen, _ = choose([scene], PAPER, Tolerance(px=tolerance))
     assert chosen.sheet == sheet
-    assert position_error(scene, sheet) <= tolerance
     if sheet == "detailed":
         assert position_error(scene, "ideal") > tolerance
+    else:
+        assert position_error(scene, sheet) <= tolerance
 
 
 @pytest.mark.parametrize(
     ("scene", "tolerance"),
     [
         (Chess(), 0.105),
-        (Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28),  # prisms that beat with the pixels
+        (Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28),  # prisms and pixels make moire
         (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
     ],
     ids=str,
@@ -116,26 +123,6 @@ def test_a_mosaic_is_parts_of_the_picture(scene):
     assert (abs(parts.astype(int) - right).max(-1) < 8).mean() > 0.9
 
 
-@pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
-def test_a_trial_renders_little_and_all_over_the_window(size):
-    scene = Chess(offset=(0.3, -1.6))
-    part = mosaic(scene, size)
-    rows, columns = window(scene, size)
-    y, x = np.array(part.blocks)[..., 1], np.array(part.blocks)[..., 0]
-    assert rows.start <= y.min() and y.max() + part.side <= rows.stop
-    assert columns.start <= x.min() and x.max() + part.side <= columns.stop
-    height, width = rows.stop - rows.start, columns.stop - columns.start
-    assert y.size * part.side**2 <= max(SHARE * height * width, MOSAIC[0] ** 2)
-    assert y.size * part.side**2 <= MOSAIC[1] ** 2 and y.max() - y.min() > height / 4 and x.max() - x.min() > width / 4
-    assert mosaic(scene, size) == part
-
-
-def test_nothing_is_tried_where_nothing_is_seen():
-    hidden = Chess(offset=(0, -9), z2=0.3)
-    assert mosaic(hidden, SIZE) is None
-    assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
-
-
 def test_flip_is_needed_for_pictures_alone(monkeypatch):
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
     with pytest.raises(InputError, match=r"povgen\[charts\]"):
@@ -143,38 +130,22 @@ def test_flip_is_needed_for_pictures_alone(monkeypatch):
     assert choose([Chess()], SMALL, Tolerance(px=0.1))[0].sheet == "detailed"
 
 
-@pytest.mark.parametrize(
-    "text", ["1", "px", "-1px", "0px", "1px,2px", "1 mm", "nanpx", "1e3px", "", "1px,", "1px;rm", "٣px"]
-)
-def test_tolerances_that_are_none(text):
-    with pytest.raises(InputError, match="1px,0.2flip"):
-        Tolerance.parse(text)
-
-
-def test_tolerances():
-    assert Tolerance.parse("0.5px") == Tolerance(px=0.5)
-    assert Tolerance.parse("2px, .1flip") == Tolerance(px=2, flip=0.1)
-
-
 def test_the_command(tmp_path):
-    def povgen(*arguments):
-        return subprocess.run([POVGEN, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=100)
-
-    done = povgen("frame", "chess", "--sheet", "auto", "--tolerance", "9px", "--size", "64x48")
-    assert done.returncode == 0 and done.stderr.startswith("povgen: sheet ideal, antialias ")
-    assert len(done.stderr.splitlines()) == 1 and (tmp_path / "frame.png").is_file()
+    arguments = ["frame", "chess", "--sheet", "auto", "--tolerance", "9px", "--size", "64x48"]
+    status, _, errors = povgen(arguments, tmp_path)
+    assert status == 0 and errors.startswith("povgen: sheet ideal, antialias ")
+    assert len(errors.splitlines()) == 1 and (tmp_path / "frame.png").is_file()
     for arguments, word in (
         (["frame", "chess", "--sheet", "auto"], "--tolerance"),
         (["frame", "chess", "--tolerance", "1px"], "--sheet auto"),
         (["frame", "chess", "--sheet", "auto", "--tolerance", "0.0001flip", "--size", "32x32"], "nearest"),
         (["frame", "chess", "--sheet", "auto", "--tolerance", "1px", "--antialias", "3,0.77,1"], "antialias"),
     ):
-        done = povgen(*arguments)
-        assert done.returncode == 2 and word in done.stderr and len(done.stderr.splitlines()) <= 2, done
+        assert word in refused(arguments, tmp_path)
 
 
-def test_qualities_lie_on_the_front():
-    """No sampling that was measured costs less and is nearer to right, by RMS or by FLIP."""
+def test_qualities_lie_on_the_pareto_front():
+    """No sampling that was measured costs less and has a smaller error, by RMS or by FLIP."""
     rows = [row for row in csv.DictReader(CHART.open()) if row["method"] == "detailed" and row["height"] == "240"]
     for quality in ("draft", "paper", "high"):
         sampling = QUALITIES[quality]["antialias"]

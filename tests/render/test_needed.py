@@ -46,7 +46,7 @@ def objects(text):
 
 def picture(text):
     with tempfile.TemporaryDirectory() as folder:
-        return frames.read(povray.run(text, RENDERING, Path(folder)))
+        return frames.read_png(povray.run(text, RENDERING, Path(folder)))
 
 
 def unneeded(scene):

@@ -33,10 +33,12 @@ def place(image, mask):
 
 
 def brown(image):
+    # without the piece, no pixel is redder than blue by more than 26
     return INSIDE & (image[..., 0] > image[..., 2] + 50)
 
 
 def green(image):
+    # without the spheres, no pixel is greener than red and blue by more than 5; pixels of a sphere are so by 39 or more
     return INSIDE & (image[..., 1] > image[..., 0] + 25) & (image[..., 1] > image[..., 2] + 25)
 
 
@@ -74,7 +76,7 @@ def angle_between(a, b):
 def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
     scene = Chess(alpha=0, sheet="ideal", offset=offset)
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
-    differ = (abs(ideal - none).max(axis=-1) > 2).mean()
+    differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
     assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
 
 
@@ -147,7 +149,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 #macro Sheet(Angle, Centre) #if (Centre < 0) OwnSheet(Angle, Centre) #else Nothing #end #end
 """
     text = to_pov(scene, sheet_macro=macro.replace("Sheet", "OwnSheet", 1) + only_near)
-    image = frames.read(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
+    image = frames.read_png(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
     red = image[..., 0] > 100 + image[..., 1]
     inside = (abs(X) < HALF) & (abs(Y) < HALF)
     corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)
@@ -163,6 +165,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, offset=(0.2, -1.33))
     without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))
+    # the predicted image changes each of its pixels by 39 or more, and no other pixel
     changed = INSIDE & (abs(predicted - without).max(axis=-1) > 12)
     piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
     overlap = (changed & piece).sum() / (changed | piece).sum()

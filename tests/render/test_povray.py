@@ -5,14 +5,13 @@ import os
 import signal
 import stat
 import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from conftest import wait_for
+from conftest import POVGEN, wait_for
 
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure import probes
@@ -34,7 +33,7 @@ def test_command():
 def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
     """POV-Ray would swap a picture above 128 MB to a file outside the sandbox."""
     large = Rendering(size=(3200, 2400), antialias="off")
-    assert frames.read(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
+    assert frames.read_png(povray.run(to_pov(Spheres(sheet="none", z1=2)), large, tmp_path)).shape == (2400, 3200, 3)
 
 
 def test_qualities():
@@ -44,7 +43,7 @@ def test_qualities():
 
 
 def test_a_frame_is_rendered_once(monkeypatch):
-    first, kept = still.png(EMPTY, TINY), frames.kept_at(to_pov(EMPTY), TINY)
+    first, kept = still.png(EMPTY, TINY), cache.frame_path(to_pov(EMPTY), TINY)
     written = kept.stat().st_mtime_ns
     monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered again"))
     # no sheet, no alpha: the same text
@@ -58,7 +57,7 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     still.png(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
-    assert files and set(files) == {path for _, _, path in cache.entries()}
+    assert files and set(files) == {path for _, _, path in cache.by_last_use()}
     assert not list(cache.folder().glob(".povgen-*"))
 
 
@@ -116,7 +115,7 @@ def test_killed(kills, tmp_path):
     killer = threading.Thread(target=kill)
     killer.start()
     if kills < povray.TRIES:
-        assert frames.read(runner.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
+        assert frames.read_png(runner.run(to_pov(Chess()), Rendering(quality="draft"), tmp_path)).shape == (240, 320, 3)
     else:
         with pytest.raises(PovrayError, match="killed by signal 9, 2 times"):
             runner.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
@@ -151,7 +150,7 @@ def test_one_render_does_not_stop_another(tmp_path):
         (process,) = wait_for(lambda: set(runner._running))
         process.send_signal(signal.SIGSTOP)
         still.png(Chess(sheet="none", z1=7), TINY)
-        next(probes.frames([probes.Directions(sheet="none")], TINY.size))
+        next(probes.decoded([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
         process.send_signal(signal.SIGCONT)
         assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try
@@ -218,14 +217,13 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
 
 def test_an_interrupted_movie_goes_on(tmp_path):
     """SIGINT ends it without a child process or a partial file. The next run renders only the missing frames."""
-    povgen = Path(sys.executable).with_name("povgen")
     cache = tmp_path / "cache"
     spec = tmp_path / "z2.toml"
     spec.write_text(
         'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
         '[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = 12\n'
     )
-    arguments = [povgen, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
+    arguments = [POVGEN, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
     environment = {**os.environ, "POVGEN_CACHE": str(cache)}
     process = subprocess.Popen(
         arguments,

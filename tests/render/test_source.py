@@ -1,138 +1,10 @@
-"""The .pov text: legible, only what the scene shows, frames that differ only in their parameters."""
+"""The command that a .pov names makes the picture that povgen makes."""
 
 import re
 import subprocess
-from pathlib import Path
 
-import pytest
-
-from povgen import Chess, Spheres, render, to_pov
-from povgen.measure.probes import Directions, Piece, Positions
+from povgen import Chess, render, to_pov
 from povgen.rendering import frames
-from povgen.scene.models import PIECES
-from povgen.scene.sdl import TEMPLATES, Mosaic, template_of
-
-SHEETS = ("detailed", "ideal", "single", "none")
-
-
-def scenes():
-    for sheet in SHEETS:
-        yield Spheres(sheet=sheet)
-        for piece in PIECES:
-            yield Chess(sheet=sheet, piece=piece)
-        yield Directions(sheet=sheet)
-        yield Positions(sheet=sheet, z1=3)
-        yield Piece(sheet=sheet)
-    yield Chess(predicted_image=True)
-    yield Chess(predicted_image=True, sheet="ideal", offset=(0.5, -1))
-
-
-def body(text):
-    """Return the text without its parameter block."""
-    return re.sub(r"^#declare \w+ += .*;  // .*$", "", text, flags=re.M)
-
-
-def code_of(scene, mosaic=None):
-    return re.sub(r"//.*", "", to_pov(scene, mosaic))
-
-
-@pytest.mark.parametrize("scene", list(scenes()), ids=lambda s: f"{s.name}-{s.sheet}-{getattr(s, 'piece', '')}")
-def test_everything_declared_is_used(scene):
-    code = code_of(scene)
-    for kind, name in re.findall(r"#(declare|macro|local)\s+(\w+)", code):
-        uses = len(re.findall(rf"\b{name}\b", code))
-        assert uses > 1, f"{kind} {name} is not used"
-    assert "#include" not in code
-
-
-# For a system without POV-Ray's include files: names that they declare, and words that others are likely to declare
-SOME_NAMES = set(
-    "Axes Black Blue Cube Dark Edge Far Glass Gray Green Height Index Length Light Lower Orange Past Points Ray Red "
-    "Shiny Sphere Start Texture Up Upper Violet White".split()
-)
-
-
-def names_in(files):
-    """Return the global names of POV-Ray's include files, and the names of their local variables."""
-    text = "\n".join(file.read_text("latin-1") for file in files)
-    declared = set(re.findall(r"#\s*(?:declare|macro)\s+(\w+)", text))
-    local = set(re.findall(r"#\s*local\s+(\w+)", text))
-    for arguments in re.findall(r"#\s*macro\s+\w+\s*\(([^)]*)\)", text):
-        local |= set(re.findall(r"\w+", arguments))
-    return declared, local
-
-
-def test_no_name_is_also_one_of_povrays_include_files():
-    """A name of ours that they declare would change its meaning. A macro's name would break their local variables."""
-    mosaic = Mosaic((320, 240), 16, [[(0, 0)]])
-    code = "".join(code_of(scene, part) for scene in scenes() for part in (None, mosaic))
-    values, macros = (set(re.findall(rf"#{kind}\s+(\w+)", code)) for kind in ("declare", "macro"))
-    assert len(values) > 40 and len(macros) > 10
-    assert not (values | macros) & SOME_NAMES
-    folders = [Path(base) for base in ("/usr/share", "/usr/local/share")]
-    if files := [file for folder in folders for file in folder.glob("povray*/include/*.inc")]:
-        declared, local = names_in(files)
-        assert {"Red", "Reorient_Trans"} <= declared and "Up" in local
-        assert not (values | macros) & declared
-        assert not macros & local
-
-
-def test_another_macro_for_the_sheets():
-    macro = "#macro Sheet(Angle, Centre) sphere { Tile*Centre*z, Tile*Pitch rotate Angle*z } #end"
-    own, other = to_pov(Chess()), to_pov(Chess(), sheet_macro=macro)
-    assert macro in other and "mesh {" in own and "mesh {" not in other
-    assert own.startswith(other[: other.index(macro)])
-    assert own.endswith(other[other.index(macro) + len(macro) :].lstrip())
-
-
-def test_no_sheet_where_there_is_none():
-    assert "ior" not in to_pov(Chess(sheet="none"))
-    assert "ior" not in to_pov(Chess(sheet="ideal"))
-    assert "mesh_camera" not in to_pov(Chess(sheet="detailed"))
-    assert "Alpha" not in to_pov(Chess(sheet="none"))
-
-
-@pytest.mark.parametrize("sheet", SHEETS)
-def test_frames_differ_only_in_their_parameters(sheet):
-    first, second = to_pov(Chess(alpha=10, z1=2, sheet=sheet, offset=(1, -2))), to_pov(Chess(z1=3, sheet=sheet))
-    assert first != second and body(first) == body(second)
-    first, second = to_pov(Spheres(alpha=10, z1=(2, 3), sheet=sheet)), to_pov(Spheres(z1=(2, 3), z2=5, sheet=sheet))
-    spheres = re.compile(r"^  \{ .* \},?$", re.M)
-    assert first != second and spheres.sub("", body(first)) == spheres.sub("", body(second))
-
-
-def test_parameters_name_their_unit():
-    for scene in scenes():
-        for line in to_pov(scene).splitlines():
-            if re.match(
-                r"#declare (Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|SeenUp)\b", line
-            ):
-                assert line.endswith("tiles")
-            if re.match(r"#declare (Alpha|BaseAngle)\b", line):
-                assert "degrees" in line
-
-
-def test_the_template_of_a_line():
-    text = to_pov(Chess(piece="king"))
-    lines = text.splitlines()
-    for part, template in (
-        ("mesh {", "sheets.pov.j2"),
-        ("// the cross", "pieces/king.pov.j2"),
-        ("checker", "floor.pov.j2"),
-    ):
-        number = next(n for n, line in enumerate(lines, 1) if part in line)
-        assert template_of(text, number) == template
-
-
-def test_every_part_begins_with_its_name():
-    for path in TEMPLATES.rglob("*.pov.j2"):
-        name = path.relative_to(TEMPLATES).as_posix()
-        if name != "header.pov.j2":
-            assert re.search(rf"^// ---- .* \({re.escape(name)}\) ----$", path.read_text(), flags=re.M), name
-
-
-def test_pieces_are_those_that_have_a_template():
-    assert {path.name.removesuffix(".pov.j2") for path in (TEMPLATES / "pieces").glob("*.j2")} == {*PIECES, "turned"}
 
 
 def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
@@ -140,4 +12,4 @@ def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
     (tmp_path / "scene.pov").write_text(to_pov(scene))
     (command,) = re.findall(r"^//   (povray .*)$", to_pov(scene), flags=re.M)
     subprocess.run([*command.split(), "-D", "+Oown.png"], cwd=tmp_path, check=True, capture_output=True)
-    assert (frames.read(tmp_path / "own.png") == render(scene)).all()
+    assert (frames.read_png(tmp_path / "own.png") == render(scene)).all()

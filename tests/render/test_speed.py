@@ -1,13 +1,14 @@
-"""What `povgen chart` measures, in small."""
+"""`povgen chart` with few and small pictures."""
 
 import csv
+import os
 
 import numpy as np
 import pytest
 from conftest import PROJECT
 from typer.testing import CliRunner
 
-from povgen import Chess, to_pov
+from povgen import Chess, MovieSpec, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
@@ -16,15 +17,17 @@ BASELINES = PROJECT / "benchmarks"
 
 
 def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
+    spec = MovieSpec.load("vary-alpha")
     small = {
         "SIZES": ((64, 48), (80, 60)),
-        "MAIN": (80, 60),
-        "SMALL": (320, 240),
-        "SAMPLINGS": ("off", "2,0.9,1", "box 2"),
-        "BY_HAND": ("off",),
+        "MAIN_SIZE": (80, 60),
+        "SMALL": (200, 150),
+        "SAMPLINGS": ("off", "box 2"),
+        "BASELINE_SAMPLINGS": ("off",),
         "CONVERGED": "1,0.001,5",
-        "COUNTS": (50, 200),
-        "WORKERS": (16,),
+        "PRISM_COUNTS": (50, 200),
+        "WORKER_COUNTS": (16,),
+        "MOVIE": spec.model_copy(update={"sweep": spec.sweep.model_copy(update={"frames": 3})}),
         "ROUNDS": 1,
     }
     for name, value in small.items():
@@ -37,7 +40,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         *("frames.csv", "prisms.csv", "workers.csv", "machine.txt")
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
-    assert len(rows) == 2 * 2 * 3 + 2
+    assert len(rows) == 2 * 2 * 2 + 2
     error = {(r["method"], r["antialias"], r["height"]): float(r["RMS"]) for r in rows}
     assert error["detailed", "box 2", "60"] < error["detailed", "off", "60"]
     assert error["intersections", "off", "60"] == pytest.approx(error["detailed", "off", "60"], abs=0.02)
@@ -56,21 +59,31 @@ def test_picture_error():
     rms, flip = speed.picture_error(white, white // 255 * 0, scene)
     assert rms == 1 and flip > 0.9
     outside = white.copy()
-    outside[:5] = 0  # beside the window
+    outside[:5] = 0  # not in the window
     assert speed.picture_error(outside, white, scene) == (0, 0)
 
 
-def test_the_front():
+def test_the_pareto_front():
     points = [speed.Point("m", name, (1, 1), "", [cpu], rms) for name, cpu, rms in
               (("a", 1, 0.5), ("b", 2, 0.6), ("c", 3, 0.1), ("d", 0.5, 0.9), ("e", 3.5, 0.1))]  # fmt: skip
-    assert [point.sampling for point in speed.front(points, "rms")] == ["d", "a", "c"]
+    assert [point.sampling for point in speed.pareto_front(points, "rms")] == ["d", "a", "c"]
 
 
-def test_peers_are_the_same_prisms(tmp_path):
-    text = to_pov(Chess())
-    ours = speed.sample(text, "off", (160, 120))[1]
-    for name, by_hand in speed.rewrites(BASELINES).items():
-        theirs = speed.sample(by_hand(text), "off", (160, 120))[1]
+def test_baselines_are_the_same_prisms(tmp_path):
+    ours = speed.sample(to_pov(Chess()), "off", (160, 120))[1]
+    for name, macro in speed.baselines(BASELINES).items():
+        theirs = speed.sample(to_pov(Chess(), sheet_macro=macro), "off", (160, 120))[1]
         assert speed.picture_error(theirs, ours, Chess())[0] < 0.02, name
     with pytest.raises(InputError, match="no .inc file"):
-        speed.rewrites(tmp_path)
+        speed.baselines(tmp_path)
+
+
+def test_nothing_of_the_environment_changes_when_the_cache_is_empty(tmp_path, monkeypatch):
+    for own in ("own", None):
+        monkeypatch.setenv("POVGEN_CACHE", "own")
+        if own is None:
+            monkeypatch.delenv("POVGEN_CACHE")
+        with pytest.raises(ZeroDivisionError), speed.empty_cache(tmp_path):
+            assert os.environ["POVGEN_CACHE"] == str(tmp_path)
+            1 / 0  # noqa: B018
+        assert os.environ.get("POVGEN_CACHE") == own

@@ -1,13 +1,12 @@
-"""The teaching page, driven in a real Chromium: equations, frame, diagram, read-outs, controls."""
+"""The teaching page in a real Chromium: equations, frame, diagram, numbers, controls."""
 
 import re
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import POVGEN, PROJECT, refused
 from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
@@ -17,15 +16,15 @@ from povgen.scene.models import Scene
 from povgen.teach.page import SHEETS, demo, scenes
 from povgen.video import still
 
-pytestmark = pytest.mark.xdist_group("demo")  # what is costly is made once
-SIZE = (160, 120)
+pytestmark = pytest.mark.xdist_group("demo")  # one process makes the page
+SIZE = (96, 72)
 HOSTILE = 'The <b>knight\'s</b> & "ride" </script><script>window.broken = 1</script> {{ 7 * 7 }}'
 # alpha = 180 degrees with z1 = z2 is the pole, in the last frame of SPHERES and the middle one of POLE
 ALPHA, Z1, SPHERES, POLE, Z2 = 1, 2, 3, 4, 5
 MOVIES = {
-    ALPHA: ("chess", {"z1": 2}, "alpha", 0, 180, 7),
-    Z1: ("chess", {"alpha": 90, "piece": "king"}, "z1", 0.6, 60, 5),
-    SPHERES: ("spheres", {}, "alpha", 0, 180, 7),
+    ALPHA: ("chess", {"z1": 2}, "alpha", 0, 180, 5),
+    Z1: ("chess", {"alpha": 90, "piece": "king"}, "z1", 0.6, 60, 3),
+    SPHERES: ("spheres", {}, "alpha", 0, 180, 3),
     POLE: ("chess", {"alpha": 180}, "z1", 3, 9, 3),
     Z2: ("spheres", {"alpha": -50}, "z2", 3, 9, 3),
 }
@@ -45,7 +44,7 @@ SPECS = {number: spec(*movie) for number, movie in MOVIES.items()}
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """The page of all movies, in a folder whose name has to be quoted in a URL."""
+    """Make the page of all movies, in a folder whose name has to be quoted in a URL."""
     count = []
     folder = tmp_path_factory.mktemp("demo") / "a démo #1"
     page = demo(SPECS.values(), folder, size=SIZE, antialias="off", done=lambda: count.append(1))
@@ -59,9 +58,9 @@ def browser():
         yield playwright.chromium.launch(executable_path=shutil.which("chromium"), args=CHROMIUM)
 
 
-@pytest.fixture
-def page(browser, made):
-    """The page, whose frames are loaded. Fails the test for any error, and for any request beyond the folder."""
+@pytest.fixture(scope="module")
+def shared(browser, made):
+    """The page, and a list of its errors and of its requests outside of its folder."""
     faults = []
     page = browser.new_page(viewport={"width": 1280, "height": 720})
     page.set_default_timeout(10_000)
@@ -70,9 +69,28 @@ def page(browser, made):
     page.on("requestfailed", lambda request: faults.append(request.url))
     page.on("request", lambda request: request.url.startswith(made.parent.as_uri()) or faults.append(request.url))
     page.goto(made.as_uri())
+    yield page, faults
+    page.close()
+
+
+@pytest.fixture
+def page(shared):
+    """The shared page, as it is when it has just been opened. The test fails if the page has an error."""
+    page, faults = shared
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.evaluate(
+        """() => {
+          for (const movie of data.movies) Object.assign(movie, { at: 0, chosen: "z₁ = z₂" });
+          state.movie = null;
+          openTab(0);
+          through("detailed");
+          predict(true);
+          document.activeElement.blur();
+          scrollTo(0, 0);
+        }"""
+    )
     loaded(page)
     yield page
-    page.close()
     assert not faults
 
 
@@ -85,7 +103,7 @@ def opened(page, number):
     loaded(page)
 
 
-# All that a frame's number decides, read in one go: nothing is left for later.
+# Everything that depends on the frame, read at once: nothing may change later.
 READ = """() => {
   const text = (name) => document.getElementById(`value-${name}`).textContent;
   const middle = (id) => {
@@ -97,7 +115,7 @@ READ = """() => {
     ...Object.fromEntries(["alpha", "z1", "z2", "r", "P", "nu", "M"].map((name) => [name, text(name)])),
     file: document.getElementById("shown").getAttribute("src"),
     alt: document.getElementById("shown").alt,
-    told: document.getElementById("told").textContent,
+    explanation: document.getElementById("explanation").textContent,
     diagram: document.getElementById("diagram").getAttribute("aria-label"),
     spoken: document.getElementById("slider").getAttribute("aria-valuetext"),
     corners: ["L", "E", "P"].map(middle),
@@ -112,7 +130,7 @@ MOVE = f"(n) => {{ slider.value = n; slider.dispatchEvent(new Event('input')); r
 
 
 def number(text):
-    """The number, real or complex, that a read-out shows."""
+    """Return the real or complex number that the page shows as text."""
     text = text.replace("−", "-").replace(" tiles", "").strip("° ").replace("∞", "inf").replace("undefined", "nan")
     text = re.sub(
         r" × 10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda m: "e" + m[1].translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")), text
@@ -121,7 +139,7 @@ def number(text):
 
 
 def check(shown, movie, scene: Scene, n, chosen=0):
-    """Hold everything that is shown against the scene and the equations in Python."""
+    """Compare everything that the page shows with the scene and with the equations in Python."""
     z1 = scene.distances[chosen]
     r, alpha = scene.z2 / z1, np.radians(scene.alpha)
     P, nu, M = rotation.P(r, alpha), np.degrees(rotation.nu(r, alpha)), rotation.M(r, alpha)
@@ -132,16 +150,16 @@ def check(shown, movie, scene: Scene, n, chosen=0):
     assert number(shown["nu"]) == pytest.approx(nu, abs=0.0501, nan_ok=True)
     if np.isinf(P):
         assert shown["P"] == shown["M"] == "∞" and shown["nu"] == "undefined"
-        assert shown["corners"][2] is None and "infinitely far" in shown["alt"]
+        assert shown["corners"][2] is None and "infinitely far away" in shown["alt"]
     else:
         assert abs(number(shown["P"]) - P) <= 1e-3 * max(1, abs(P))
         # what is seen: of prisms as large as these
         nu, M = scene.nu_and_M(z1)
-        said = re.search(r"turned by ν = (\S+) and M = (\S+( × \S+)?) times", shown["alt"])
+        said = re.search(r"rotated by ν = (\S+) and M = (\S+( × \S+)?) times", shown["alt"])
         assert number(said[1]) == pytest.approx(nu, abs=0.0501, nan_ok=True)
         assert number(said[2]) == pytest.approx(M, rel=5.01e-4)
         if scene.sheet == "detailed":
-            assert shown["told"].endswith(f"Through these prisms: ν = {said[1]}, M = {said[2]}.")
+            assert shown["explanation"].endswith(f"Through these prisms: ν = {said[1]}, M = {said[2]}.")
     assert shown["spoken"].endswith(f": P = {shown['P']}, ν = {shown['nu']}, M = {shown['M']}")
     assert f"r = {shown['r']}" in shown["diagram"] and f"ν = {shown['nu']}" in shown["diagram"]
     assert ("infinitely fine" in shown["alt"]) == (scene.sheet == "ideal")
@@ -164,13 +182,13 @@ def check(shown, movie, scene: Scene, n, chosen=0):
 
 # ---- The equations ----
 
-ALPHAS = np.radians(np.linspace(-360, 360, 97))
+ALPHAS = np.radians(np.linspace(-360, 360, 49))
 ALPHAS = np.unique([*ALPHAS, *(np.nextafter(s * np.pi, d) for s in (-1, 1) for d in (-9, 9)), np.pi - 1e-6, 1 - np.pi])
-RATIOS = np.unique([*np.geomspace(1e-3, 1e3, 31), 1, np.nextafter(1, 0), np.nextafter(1, 2), 1 + 1e-9])
+RATIOS = np.unique([*np.geomspace(1e-3, 1e3, 7), 1, np.nextafter(1, 0), np.nextafter(1, 2), 1 + 1e-9])
 
 
 def compare(given, wanted):
-    """Hold complex numbers from the page, as pairs, or real ones to 1e-12 of Python's, and infinite ones exactly."""
+    """Compare numbers from the page, complex ones as pairs, with Python's to 1e-12, and infinite ones exactly."""
     given = np.array(given, float)
     given = given[:, 0] + 1j * given[:, 1] if given.ndim == 2 else given
     finite = np.isfinite(wanted)
@@ -195,9 +213,9 @@ def test_equations_are_those_of_rotation(page):
 
 def test_positions_are_those_of_rotation_and_paraxial(page):
     rng = np.random.default_rng(3)
-    L, E = (rng.uniform(-2, 2, 2000) + 1j * rng.uniform(-2, 2, 2000) for _ in range(2))
-    z1, z2 = (rng.choice([0.5, 2, 6, *np.geomspace(0.3, 3000, 9)], 2000) for _ in range(2))
-    alpha, pitch = rng.choice(ALPHAS, 2000), rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 2000)
+    L, E = (rng.uniform(-2, 2, 500) + 1j * rng.uniform(-2, 2, 500) for _ in range(2))
+    z1, z2 = (rng.choice([0.5, 2, 6, *np.geomspace(0.3, 3000, 9)], 500) for _ in range(2))
+    alpha, pitch = rng.choice(ALPHAS, 500), rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500)
     grid = [
         ([L.real, L.imag], [E.real, E.imag], *map(float, rest))
         for L, E, *rest in zip(L, E, z1, z2, alpha, pitch, strict=True)
@@ -222,7 +240,7 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
 
 @pytest.mark.parametrize("offset", [(0.1, 0.05), (0.004, 0.003)])
 def test_paths_are_parted_at_infinity(page, offset):
-    """And where they are seen, smooth: no point of a path is far from where the prisms show the object."""
+    """Paths are interrupted at infinity. Every other point of a path is close to a predicted position."""
     path = """([movie, offset, prisms]) => {
       state.movie = { ...state.movie, L: plus(state.movie.E, offset), pitch: 2.4 / prisms };
       const now = { ...moment(), alpha: Math.PI };
@@ -272,11 +290,11 @@ def test_the_slider_moves_all_at_once_and_both_ways(page, movie, sheet):
 def test_keys_step(page):
     wanted = scenes(SPECS[ALPHA], "paper")["detailed"]
     n = 0
-    for key, n in (("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 6), ("ArrowRight", 6), ("Home", 0)):
+    for key, n in (("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 4), ("ArrowRight", 4), ("Home", 0)):
         page.keyboard.press(key)
         check(page.evaluate(f"({READ})()"), ALPHA, wanted[n], n)
     page.locator("#slider").focus()
-    for key, n in (("ArrowRight", 1), ("ArrowUp", 2), ("ArrowLeft", 1), ("End", 6), ("Home", 0)):
+    for key, n in (("ArrowRight", 1), ("ArrowUp", 2), ("ArrowLeft", 1), ("End", 4), ("Home", 0)):
         page.keyboard.press(key)
         check(page.evaluate(f"({READ})()"), ALPHA, wanted[n], n)
 
@@ -287,11 +305,11 @@ def test_the_slider_is_dragged(page):
     page.mouse.down()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, steps=5)
     page.mouse.up()
-    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "paper")["detailed"][3], 3)
+    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "paper")["detailed"][2], 2)
 
 
 def test_the_frame_is_the_one_that_is_rendered(page):
-    page.add_style_tag(
+    style = page.add_style_tag(
         content=f"#frame {{ position: fixed !important; left: 0; top: 0; width: {SIZE[0]}px !important }}"
     )
     page.keyboard.press("o")  # no prediction over it
@@ -300,12 +318,13 @@ def test_the_frame_is_the_one_that_is_rendered(page):
         for sheet, wanted in scenes(SPECS[movie], "paper").items():
             page.locator(f"#{sheet}").click()
             rendered = [still.render(scene, size=SIZE, antialias="off").astype(float) for scene in wanted]
-            for n in (0, 3, 5):
+            for n in range(1, len(wanted)):
                 page.evaluate(MOVE, n)
                 shown = picture(page.locator("#frame").screenshot())
                 errors = [np.sqrt(((shown - other) ** 2).mean()) for other in rendered]
                 assert errors[n] < 12 and np.argmin(errors) == n  # of 255: lossy, with halved chroma
-                assert sorted(errors)[1] > 4 * errors[n]
+                assert sorted(errors)[1] > 2 * errors[n]
+    style.evaluate("(tag) => tag.remove()")
 
 
 def picture(png):
@@ -348,41 +367,55 @@ def test_prediction_on_and_off(page):
 
 
 def test_the_path_and_the_rings_of_a_prediction(page):
-    """As alpha changes P keeps to its circle; the spheres lie on the arc of their alpha."""
-    near = """(id) => {
-      const path = document.querySelector(`#overlay path.${id}`);
-      const rings = [...document.querySelectorAll("#overlay .mark")];
-      const steps = Array.from({ length: 4001 }, (_, n) => path.getPointAtLength((n / 4000) * path.getTotalLength()));
-      return rings.map((ring) => Math.min(
-        ...steps.map((point) => Math.hypot(point.x - ring.cx.baseVal.value, point.y - ring.cy.baseVal.value))));
-    }"""
+    """P lies on its path as alpha changes. The spheres lie on the curve of their alpha."""
+    read = """(id) => [
+      document.querySelector(`#overlay path.${id}`).getAttribute("d"),
+      [...document.querySelectorAll("#overlay .mark")].map((ring) => [ring.cx.baseVal.value, ring.cy.baseVal.value]),
+    ]"""
+
+    def distances(kind):
+        """The distance of each ring from the path, in hundredths of a tile."""
+        path, rings = page.evaluate(read, kind)
+        starts, steps = [], []
+        for line in path.split("M")[1:]:
+            x, y = np.transpose([[float(x) for x in point.split()] for point in line.split("L")])
+            starts.append((x + 1j * y)[:-1])
+            steps.append(np.diff(x + 1j * y))
+        start, step = np.concatenate(starts), np.concatenate(steps)
+        found = []
+        for x, y in rings:
+            with np.errstate(invalid="ignore"):
+                part = np.nan_to_num((((x + 1j * y) - start) * step.conj()).real / abs(step) ** 2).clip(0, 1)
+            found.append(abs(start + part * step - (x + 1j * y)).min())
+        return found
+
     for sheet in SHEETS:
         opened(page, ALPHA)
         page.locator(f"#{sheet}").click()
-        for n in range(5):
+        for n in range(4):
             page.evaluate(MOVE, n)
-            assert max(page.evaluate(near, "of-r")) < 0.5  # hundredths of a tile
+            assert max(distances("of-r")) < 0.5
         opened(page, SPHERES)
-        for n in range(5):
+        for n in range(2):
             page.evaluate(MOVE, n)
-            distances = page.evaluate(near, "of-alpha")
-            assert len(distances) == 11 and max(distances) < 1
+            found = distances("of-alpha")
+            assert len(found) == 11 and max(found) < 1
 
 
 def test_spheres_are_chosen(page):
     opened(page, SPHERES)
     wanted = scenes(SPECS[SPHERES], "paper")["detailed"]
-    page.evaluate(MOVE, 4)
+    page.evaluate(MOVE, 1)
     assert page.locator("#diagram .other").count() == 11
     names = page.locator("#sphere option").all_text_contents()
     assert names[0] == "z₁ = 2⁻⁵ z₂" and names[5:7] == ["z₁ = z₂", "z₁ = 2¹ z₂"]
     for n, name in ((3, names[3]), (9, names[9])):
         page.get_by_label("sphere at").select_option(name)
-        check(page.evaluate(f"({READ})()"), SPHERES, wanted[4], 4, n)
+        check(page.evaluate(f"({READ})()"), SPHERES, wanted[1], 1, n)
     opened(page, ALPHA)
     expect(page.locator("#sphere")).to_be_hidden()
-    opened(page, SPHERES)  # where it was left
-    check(page.evaluate(f"({READ})()"), SPHERES, wanted[4], 4, 9)
+    opened(page, SPHERES)  # the page remembers the frame and the sphere
+    check(page.evaluate(f"({READ})()"), SPHERES, wanted[1], 1, 9)
 
 
 # ---- Play ----
@@ -411,7 +444,7 @@ def test_play_and_pause(page, press):
     page.wait_for_function("slider.value === slider.max && !state.playing")
     expect(page.get_by_role("button", name="Play")).to_be_visible()
     toggle()  # from the start again
-    page.wait_for_function("slider.valueAsNumber > 0 && slider.valueAsNumber < 4")
+    page.wait_for_function("slider.valueAsNumber > 0 && slider.value !== slider.max")
 
 
 def test_it_plays_at_the_movies_rate(page):
@@ -427,15 +460,17 @@ def test_it_plays_at_the_movies_rate(page):
             requestAnimationFrame(wait);
         })"""
     )
-    assert 1.9 < seconds < 8  # five steps at 2.5 frames a second, on a machine that may be busy
+    # Three steps take 0.4 s each. The first may have been late by a step, for which the page makes up. A busy machine
+    # takes longer.
+    assert seconds > 0.75
 
 
 def test_scrubbing_stops_it(page):
     page.keyboard.press("Space")
     page.wait_for_function("slider.valueAsNumber >= 1")
-    page.evaluate(MOVE, 5)
+    page.evaluate(MOVE, 3)
     expect(page.get_by_role("button", name="Play")).to_be_visible()
-    assert page.evaluate("slider.value") == "5"
+    assert page.evaluate("slider.value") == "3"
 
 
 # ---- Tabs ----
@@ -469,7 +504,7 @@ def test_tabs(page):
 # ---- The pole ----
 
 
-@pytest.mark.parametrize(("movie", "n"), [(SPHERES, 6), (POLE, 1)])
+@pytest.mark.parametrize(("movie", "n"), [(SPHERES, 2), (POLE, 1)])
 @pytest.mark.parametrize("sheet", SHEETS)
 def test_the_pole(page, movie, n, sheet):
     opened(page, movie)
@@ -477,9 +512,9 @@ def test_the_pole(page, movie, n, sheet):
     shown = page.evaluate(MOVE, n)
     assert (shown["P"], shown["M"], shown["nu"]) == ("∞", "∞", "undefined")
     assert "P is infinitely far" in page.locator("#diagram").text_content()
-    expect(page.locator("#told")).to_have_text("P is infinitely far: no light from L reaches E.")
+    expect(page.locator("#explanation")).to_have_text("P is infinitely far away: no light from L reaches E.")
     page.evaluate(MOVE, n - 1)
-    assert "infinitely" not in page.locator("#diagram").text_content() + page.locator("#told").text_content()
+    assert "infinitely" not in page.locator("#diagram").text_content() + page.locator("#explanation").text_content()
 
 
 def test_nothing_is_nan(page):
@@ -503,6 +538,15 @@ def test_a_title_is_text(page, made):
     assert page.locator("b").count() == 0
     assert page.evaluate("window.broken") is None
     assert page.locator("script").count() == 2
+
+
+def test_the_scripts_and_styles_are_included_raw(made):
+    """Jinja changes nothing in them, whatever braces they contain."""
+    html, folder = made.read_text(), PROJECT / "templates" / "demo"
+    files = [*folder.glob("*.js"), folder / "page.css"]
+    assert len(files) > 5 and any("{{" in path.read_text() for path in files)
+    for path in files:
+        assert html.count(path.read_text()) == 1, path
 
 
 def test_every_control_has_a_name(page):
@@ -540,7 +584,7 @@ def test_on_a_phone_the_slider_stays_in_sight(page):
 
 
 def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
-    """Where povgen warns of it as well."""
+    """The page says so for exactly the scenes for which povgen prints a warning."""
     unsure = "(z1) => { const now = moment(); return unsure({ ...now, z1, r: now.z2 / z1 }); }"
     for movie in (ALPHA, POLE):
         opened(page, movie)
@@ -556,14 +600,14 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
                         warned = "predicted_image" in dict(prediction.warnings(predicted))
                         assert page.evaluate(unsure, z1) == warned
                         if z1 == scene.z1:
-                            assert ("off by pixels" in page.locator("#told").text_content()) == warned
+                            assert ("off by pixels" in page.locator("#explanation").text_content()) == warned
 
 
 # ---- The folder ----
 
 
 def test_a_page_takes_the_place_of_another(tmp_path):
-    """The frames that only the other showed go; the user's files stay."""
+    """Frames that only the old page showed are removed. The user's files stay."""
     (tmp_path / "mine.txt").write_text("mine")
     short = spec("spheres", {"prisms": 30, "z1": [1, 3]}, "alpha", 10, 20, 2, title="Short")
     page = demo([short], tmp_path, size=(64, 48), antialias="off")
@@ -596,7 +640,7 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
         demo(["vary-alpha"], folder, quality="best")
     folder.mkdir()
     (folder / "index.html").write_text("<p>My homepage</p>")
-    with pytest.raises(InputError, match="index.html there is not povgen's"):
+    with pytest.raises(InputError, match="povgen did not write the index.html there"):
         demo(["vary-alpha"], folder)
     assert [(path.name, path.read_text()) for path in folder.iterdir()] == [("index.html", "<p>My homepage</p>")]
     with pytest.raises(InputError, match="File exists"):
@@ -604,19 +648,21 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
 
 
 def test_the_command(tmp_path):
-    povgen = Path(sys.executable).with_name("povgen")
-    arguments = ["demo", "vary-z1", "--quality", "draft", "--size", "64x48", "-o", "a page"]
-    done = subprocess.run([povgen, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    (tmp_path / "short.toml").write_text(
+        'title = "Short"\nscene = "chess"\nframe_rate = 10\n'
+        '[sweep]\nparameter = "alpha"\nstart = 10\nstop = 20\nframes = 2\n'
+    )
+    arguments = ["demo", "short.toml", "--quality", "draft", "--size", "64x48", "-o", "a page"]
+    done = subprocess.run([POVGEN, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and "wrote a page/index.html" in done.stdout
-    assert "32/32 frames" in done.stderr
-    assert len(list((tmp_path / "a page" / "frames").glob("1-chess-*.webp"))) == 32
+    assert "4/4 frames" in done.stderr
+    assert len(list((tmp_path / "a page" / "frames").glob("1-chess-*.webp"))) == 4
     for wrong in (["nowhere"], ["--quality", "best"], ["--workers", "0"], ["-o", "a page/index.html"]):
-        done = subprocess.run([povgen, "demo", *wrong], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-        assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+        assert len(refused(["demo", *wrong], tmp_path).splitlines()) == 1
 
 
 def test_a_page_that_fails_leaves_the_other_whole(tmp_path, monkeypatch):
-    """A fault while frames are made, and one when all are there."""
+    """The old page survives an error while frames are made, and an error after that."""
     short = spec("spheres", {"prisms": 30, "z1": [1, 3]}, "alpha", 10, 20, 2, title="Short")
     page = demo([short], tmp_path, size=(64, 48), antialias="off")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}

@@ -1,4 +1,4 @@
-"""The user's way: make's own targets in a copy of the project, and the wheel in an empty environment."""
+"""What a user runs: make in a copy of the project, and a wheel in an empty environment."""
 
 import os
 import shutil
@@ -27,16 +27,16 @@ def make(project, *arguments):
     return done.stdout
 
 
-def left_by_an_interrupted_make(project):
-    """An environment that was being made by another Python when make was stopped: it has neither pip nor povgen."""
-    bin = project / ".venv" / "bin"
-    bin.mkdir(parents=True)
-    (bin / "python").symlink_to("/nowhere/python3.9")
-    (bin / "python3").symlink_to("python")
+def interrupted(project):
+    """Leave what make leaves if it is stopped: an environment of another Python, without pip and povgen."""
+    programs = project / ".venv" / "bin"
+    programs.mkdir(parents=True)
+    (programs / "python").symlink_to("/nowhere/python3.9")
+    (programs / "python3").symlink_to("python")
     (project / ".venv-made-by-make").touch()
 
 
-def test_an_environment_that_is_not_make_s_is_left_alone(project):
+def test_make_keeps_an_environment_that_it_did_not_create(project):
     own = project / ".venv" / "own"
     own.mkdir(parents=True)
     for target in ("frame", "clean"):
@@ -46,43 +46,45 @@ def test_an_environment_that_is_not_make_s_is_left_alone(project):
     shutil.rmtree(project / ".venv")
 
 
-def test_targets_at_draft_quality(project):
-    left_by_an_interrupted_make(project)
-    make(project, "movies", "QUALITY=draft")
+def test_targets(project):
+    small = ["QUALITY=draft", "OPTIONS=--size 64x48"]
+    interrupted(project)
+    make(project, "movies", *small)
     assert "-m venv" not in make(project, "--dry-run", "frame")
     movies = sorted((project / "movies").glob("*.mp4"))
     assert [path.stem for path in movies] == ["spheres", "vary-alpha", "vary-z1"]
     for path in movies:
-        frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
-        assert frames == 16 and seconds == pytest.approx(6.4, abs=0.1)
+        assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (16, pytest.approx(6.4, abs=0.1))
     made = {path: path.stat().st_mtime_ns for path in movies}
-
-    make(project, "movies", "QUALITY=draft")
+    make(project, "movies", *small)
     assert made == {path: path.stat().st_mtime_ns for path in movies}
 
-    # each of these makes a movie again, from the frames that it can keep
+    # a changed spec, template, quality or option makes a movie again
     spec = project / "movies" / "spheres.toml"
     spec.write_text(spec.read_text().replace("frame_rate = 10", "frame_rate = 20"))
-    make(project, "movies/spheres.mp4", "QUALITY=draft")
+    make(project, "movies/spheres.mp4", *small)
     assert imageio_ffmpeg.count_frames_and_secs(str(movies[0])) == (16, pytest.approx(3.2, abs=0.1))
     os.utime(project / "templates" / "floor.pov.j2")
-    assert "vary-z1" in make(project, "movies/vary-z1.mp4", "QUALITY=draft")
-    assert "vary-z1" in make(project, "--dry-run", "movies/vary-z1.mp4", "QUALITY=high")
+    z1 = "movies/vary-z1.mp4"
+    for options in (small, ["QUALITY=draft", "OPTIONS=--size 64x48 --sheet none"]):
+        assert f"wrote {z1}" in make(project, z1, *options)
+        assert f"wrote {z1}" not in make(project, z1, *options)
 
-    assert "wrote build/demo/index.html" in make(project, "demo", "QUALITY=draft")
+    assert "wrote build/demo/index.html" in make(project, "demo", *small)
     assert len(list((project / "build" / "demo" / "frames").glob("*.webp"))) == 96
 
-    make(project, "frame", "QUALITY=draft")
+    make(project, "frame", *small)
     assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
-    assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test", "clean", "QUALITY"))
-    # the environment is made anew where an installation was interrupted, for another Python, and in a copied checkout
+    assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test-fast", "clean", "QUALITY"))
+
+    # make creates a new environment after an interruption, for another Python, and in a copy of the checkout
     ready = project / ".venv" / "ready"
     whole = ready.read_text()
     for stale in ("", whole.replace("Python 3", "Python 2"), whole.replace(" in ", " in /elsewhere"), None):
         ready.unlink() if stale is None else ready.write_text(stale)
         (project / ".venv" / "charts-ready").touch()
         assert "python3 -m venv .venv" in make(project, "--dry-run", "bench")
-        assert "[charts]" in make(project, "--dry-run", "bench")  # with all that had been installed
+        assert "[charts]" in make(project, "--dry-run", "bench")  # and installs again what it had
         ready.write_text(whole)
     make(project, "clean")
     assert not list(project.rglob("*.mp4")) and not (project / ".venv").exists()
@@ -90,7 +92,7 @@ def test_targets_at_draft_quality(project):
 
 def test_the_wheel_works_from_any_folder(project, tmp_path):
     uv = find_uv_bin()
-    # by way of the source distribution, as a packager would
+    # from the source distribution, as a packager does
     subprocess.run([uv, "build", "--quiet", "--sdist", "-o", tmp_path], cwd=project, check=True, timeout=200)
     (source,) = tmp_path.glob("povgen-*.tar.gz")
     python = tmp_path / "venv" / "bin" / "python"

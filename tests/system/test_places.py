@@ -1,4 +1,4 @@
-"""Odd places to work in: names, links, folders that cannot be written to, users and machines that lack something."""
+"""Unusual names, links, read-only folders, users without a home, missing settings and closed standard files."""
 
 import os
 import pty
@@ -10,8 +10,8 @@ from pathlib import Path
 
 import imageio_ffmpeg
 import pytest
+from conftest import POVGEN, run_povgen
 
-POVGEN = Path(sys.executable).with_name("povgen")
 TINY = ["--size", "64x48", "--sheet", "none"]
 SPEC = """
 title = "A film"
@@ -25,28 +25,21 @@ frames = 3
 """
 
 
-def povgen(*arguments, cwd, status=0, **options):
-    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
-    assert done.returncode == status, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    return done
-
-
 @pytest.mark.parametrize(
     "name", ["with a space", 'o\'clock "quoted" `$HOME`', "-dash", "--help", "Größe-回転-🎬", "a%03d\n"]
 )
 def test_names(name, tmp_path):
-    """As the folder, the cache, the spec and the output."""
+    """The folder, the cache, the spec and the output have the same unusual name."""
     folder = tmp_path / name
     folder.mkdir()
     (folder / f"{name}.toml").write_text(SPEC)
     own = {**os.environ, "POVGEN_CACHE": f"{name}/{name}"}
     for kind in (".mp4", ".webm", ".gif"):
         arguments = ["movie", "-o", f"{name}/{name}{kind}", *TINY, "--", f"{name}/{name}.toml"]
-        told = povgen(*arguments, cwd=tmp_path, env=own).stdout
-        assert told == f"wrote {name}/{name}{kind}\n"
-    povgen("frame", "chess", *TINY, "-o", f"{name}/{name}.png", cwd=tmp_path, env=own)
-    povgen("pov", "chess", "-o", f"{name}/{name}.pov", cwd=tmp_path, env=own)
+        printed = run_povgen(*arguments, cwd=tmp_path, env=own).stdout
+        assert printed == f"wrote {name}/{name}{kind}\n"
+    run_povgen("frame", "chess", *TINY, "-o", f"{name}/{name}.png", cwd=tmp_path, env=own)
+    run_povgen("pov", "chess", "-o", f"{name}/{name}.pov", cwd=tmp_path, env=own)
     assert imageio_ffmpeg.count_frames_and_secs(str(folder / f"{name}.mp4"))[0] == 3
     kinds = (".gif", ".mp4", ".png", ".pov", ".toml", ".webm", "")
     assert {path.name for path in folder.iterdir()} == {f"{name}{kind}" for kind in kinds}
@@ -54,29 +47,31 @@ def test_names(name, tmp_path):
 
 
 def test_a_link_as_output(tmp_path):
-    """What it leads to is written; the link stays. One that leads nowhere is refused."""
+    """The file that it points to is written, and the link stays. A broken link is refused."""
     (tmp_path / "there").mkdir()
     (tmp_path / "link.png").symlink_to("there/frame.png")
     (tmp_path / "movie.gif").symlink_to(tmp_path / "there" / "real.gif")
-    povgen("frame", "chess", *TINY, "-o", "link.png", cwd=tmp_path)
-    povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
+    run_povgen("frame", "chess", *TINY, "-o", "link.png", cwd=tmp_path)
+    run_povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
     assert (tmp_path / "link.png").is_symlink() and (tmp_path / "movie.gif").is_symlink()
     assert (tmp_path / "there" / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "there" / "real.gif").read_bytes().startswith(b"GIF89a")
     for name, target in (("lost.png", "nowhere/frame.png"), ("circle.png", "circle.png")):
         (tmp_path / name).symlink_to(target)
-        told = povgen("frame", "chess", *TINY, "-o", name, cwd=tmp_path, status=2).stderr
-        assert f"output = '{name}'" in told and "allowed" in told
+        printed = run_povgen("frame", "chess", *TINY, "-o", name, cwd=tmp_path, status=2).stderr
+        assert f"output = '{name}'" in printed and "allowed" in printed
     assert sorted(os.listdir(tmp_path / "there")) == ["frame.png", "real.gif"]
 
 
 def test_a_spec_from_standard_input(tmp_path):
-    povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
+    run_povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
     for text, word in (("title = 1", "standard input"), ("[", "not TOML"), ("\udc80".join("ab"), "TOML")):
-        told = povgen("movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape").stderr
-        assert told.startswith("povgen: standard input: ") and word in told
-    povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
+        printed = run_povgen(
+            "movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape"
+        ).stderr
+        assert printed.startswith("povgen: standard input: ") and word in printed
+    run_povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
     assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
 
 
@@ -96,17 +91,17 @@ def test_surroundings_that_lack_something(change, tmp_path):
     environment = {key: value for key, value in environment.items() if value is not None}
     for path in ("é.toml", "ä.mp4"):
         (tmp_path / path).write_text(SPEC)
-    told = povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
-    assert "wrote ä.mp4" in told.stdout
+    printed = run_povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
+    assert "wrote ä.mp4" in printed.stdout
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "ä.mp4"))[0] == 3
-    assert "wrong.toml" in povgen("movie", "wrong.toml", cwd=tmp_path, env=environment, status=2).stderr
+    assert "wrong.toml" in run_povgen("movie", "wrong.toml", cwd=tmp_path, env=environment, status=2).stderr
 
 
 @cache
 def ordinary():
-    """What runs a command as a user who owns nothing, if the tests run as root; else as themselves.
+    """Return the start of a command line that runs a command without root's rights, if the tests run as root.
 
-    Where such a user may not even start Python: as a root without root's rights.
+    It runs as the user nobody or, if nobody may not start Python, as a root without its rights.
     """
     if os.getuid():
         return []
@@ -127,7 +122,7 @@ def as_nobody(folder, *arguments, status=0, **environment):
 
 @pytest.fixture
 def open_folder():
-    """A folder where anybody may reach and write."""
+    """A folder that every user can reach and write to."""
     folder = Path("/var/tmp" if os.access("/var/tmp", os.W_OK) else "/tmp") / f"povgen-test-{os.getpid()}"
     folder.mkdir()
     folder.chmod(0o777)
@@ -140,8 +135,8 @@ def test_an_ordinary_user(open_folder):
     as_nobody(open_folder, "frame", "chess", *TINY, HOME="/nonexistent", POVGEN_CACHE=own)
     as_nobody(open_folder, "movie", "vary-z1", *TINY, "--quality", "draft", "-o", "a.mp4", POVGEN_CACHE=own)
     assert {"a.mp4", "frame.png"} <= set(os.listdir(open_folder))
-    told = as_nobody(open_folder, "check", POVGEN_CACHE=own).stdout
-    assert told.count("ok ") == len(told.splitlines())
+    printed = as_nobody(open_folder, "check", POVGEN_CACHE=own).stdout
+    assert printed.count("ok ") == len(printed.splitlines())
 
 
 def test_folders_that_cannot_be_written_to(open_folder):
@@ -157,24 +152,24 @@ def test_folders_that_cannot_be_written_to(open_folder):
         ["figure", "1", "-o", "shut/figures"],
         ["pov", "chess", "-o", "shut/a.pov"],
     ):
-        told = as_nobody(open_folder, *arguments, status=2, **own).stderr
-        assert "shut/" in told and "allowed" in told and len(told.splitlines()) <= 2
+        printed = as_nobody(open_folder, *arguments, status=2, **own).stderr
+        assert "shut/" in printed and "allowed" in printed and len(printed.splitlines()) <= 2
     (open_folder / "a.toml").write_text(SPEC)
     as_nobody(open_folder / "shut", "movie", "../a.toml", *TINY, "--shard", "1/3", **own)
-    told = as_nobody(
+    printed = as_nobody(
         open_folder, "frame", "chess", *TINY, status=1, POVGEN_CACHE=str(open_folder / "shut" / "c")
     ).stderr
-    assert "Permission denied" in told and "shut/c" in told and "POVGEN_CACHE" in told
+    assert "Permission denied" in printed and "shut/c" in printed and "POVGEN_CACHE" in printed
     assert os.listdir(open_folder / "shut") == ["there.png"]
     assert not (open_folder / "frame.png").exists()
 
 
 def test_on_a_terminal_and_without(tmp_path):
-    """A bar on a terminal, a line now and then elsewhere, nothing but errors with --quiet."""
+    """Progress is a bar on a terminal and lines elsewhere. With --quiet there are only errors."""
     (tmp_path / "a.toml").write_text(SPEC)
     arguments = ["movie", "a.toml", *TINY, "-o", "a.mp4"]
-    assert "a.mp4: 3/3 frames" in povgen(*arguments, cwd=tmp_path).stderr
-    assert povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
+    assert "a.mp4: 3/3 frames" in run_povgen(*arguments, cwd=tmp_path).stderr
+    assert run_povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
     ours, theirs = pty.openpty()
     able = {**os.environ, "TERM": "xterm"}
     process = subprocess.Popen([POVGEN, *arguments], cwd=tmp_path, env=able, stderr=theirs, stdout=theirs, stdin=theirs)
@@ -194,7 +189,7 @@ def test_on_a_terminal_and_without(tmp_path):
 
 @pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>/dev/full"])
 def test_standard_files_that_are_closed(closed, tmp_path):
-    """Exit status and files as with them; what would be told there gets into nothing else."""
+    """Exit status and files are the same as with open ones. No message gets into another file."""
     (tmp_path / "a.toml").write_text(SPEC)
     script = f'"$0" "$@" {closed}'
     run = ["sh", "-c", script, POVGEN, "movie", "a.toml", *TINY, "-o", "a.mp4"]
@@ -207,7 +202,7 @@ def test_standard_files_that_are_closed(closed, tmp_path):
 
 
 def test_the_current_folder_removed(tmp_path):
-    """What needs it is refused in a line that names it; all else works."""
+    """A value that depends on it is refused in one line that names the value. Everything else works."""
     (tmp_path / "a.toml").write_text(SPEC)
     script = 'mkdir gone; cd gone; rmdir ../gone; exec "$0" "$@"'
 

@@ -1,4 +1,4 @@
-"""The architecture: which module may import which, and which one alone uses an external library."""
+"""The architecture: what each module may import, and which module uses which external library."""
 
 import ast
 import math
@@ -13,7 +13,7 @@ PACKAGE = Path(povgen.__file__).parent
 MODULES = {
     path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in PACKAGE.rglob("*.py")
 }
-# Each package, and those that it may import; any may import the modules beside them, which import nothing of theirs.
+# The packages that each package may import. Each may also import the modules in BASE, which import no package.
 LAYERS = {
     "optics": set(),
     "scene": {"optics"},
@@ -24,17 +24,17 @@ LAYERS = {
     "cli": {"optics", "scene", "rendering", "video", "measure", "teach"},
 }
 BASE = {"errors", "files", "settings", "stopping"}
-TOP = {"__init__", "__main__"}  # where everything is reached from
+TOP = {"__init__", "__main__"}  # they may import everything
 
 
 def imports(path):
-    """Everything that a module imports, at any depth of its code: modules, and names in them."""
+    """Return what a module imports, also within its functions: modules, and names from modules."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert not node.level, f"{path}: imports say where they lead"
+            assert not node.level, f"{path}: a relative import; allowed: the full name"
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
@@ -44,7 +44,7 @@ def within(name, package):
 
 
 def own(name):
-    """povgen's own modules that a module imports."""
+    """Return the modules of povgen that a module imports."""
     found = {imported.removeprefix("povgen.") for imported in imports(MODULES[name])}
     return {module for module in found if module in MODULES and not module.endswith("__init__")}
 
@@ -56,7 +56,7 @@ def test_the_folders_are_the_layers():
 
 
 @pytest.mark.parametrize("name", sorted(MODULES.keys() - TOP))
-def test_imports_lead_downwards(name):
+def test_a_module_imports_only_from_layers_below(name):
     package, inside, _ = name.partition(".")
     allowed = LAYERS[package] | {package} if inside else set()
     for module in own(name):
@@ -64,7 +64,7 @@ def test_imports_lead_downwards(name):
         assert above in allowed if deeper else module in BASE, f"{name} imports {module}"
 
 
-def test_no_module_imports_itself_by_way_of_others():
+def test_there_is_no_circle_of_imports():
     done, under_way = set(), []
 
     def visit(name):
@@ -86,7 +86,7 @@ def test_no_module_imports_itself_by_way_of_others():
         ("subprocess", {"rendering.povray"}),
         ("imageio", {"video.encode"}),
         ("matplotlib", {"measure.plotting"}),
-        ("PIL", {"video.overlay", "rendering.frames"}),  # which only reads back the PNG that it hands out
+        ("PIL", {"video.overlay", "rendering.frames"}),  # frames decodes the PNGs in the cache
         ("flip_evaluator", {"measure.speed"}),
         ("typer", {"cli"}),
         ("rich", {"cli"}),
@@ -104,22 +104,22 @@ def test_one_module_uses_an_external_library(library, users):
     assert bool(found) == bool(users)
 
 
-def test_the_public_names_are_listed_and_are_there():
+def test_public_names_are_listed_and_exist():
     assert set(povgen.__all__) == set(povgen._MODULES) <= set(dir(povgen))
     assert all(getattr(povgen, name).__name__ == name for name in povgen.__all__)
     with pytest.raises(AttributeError, match="no attribute 'colour'"):
         povgen.__getattr__("colour")
 
 
-def test_the_mathematics_is_numpy_alone():
-    assert {module.split(".")[0] for module in imports(MODULES["optics.rotation"])} == {"numpy"}
+def test_the_mathematics_needs_numpy_only():
+    assert {module.split(".")[0] for module in imports(MODULES["optics.rotation"])} == {"numpy", "typing"}
     assert imports(MODULES["optics.prism"]) <= {"math"} | {f"math.{name}" for name in vars(math)}
     for name in ("paraxial", "trace"):
         external = {module.split(".")[0] for module in imports(MODULES[f"optics.{name}"])} - {"povgen"}
         assert external <= {"numpy", "dataclasses", "enum"}
 
 
-def test_the_ray_trace_shares_nothing_with_what_builds_the_mesh():
+def test_the_ray_trace_and_the_mesh_share_no_code():
     assert not imports(MODULES["scene.sdl"]) & {"povgen.optics.trace", "povgen.optics.paraxial"}
     mesh = (PACKAGE / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))

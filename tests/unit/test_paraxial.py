@@ -34,7 +34,7 @@ def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
 @pytest.mark.parametrize("alpha", [0.2, 1.15, -2.0, np.pi])
 @pytest.mark.parametrize(("prisms", "shape"), [(50, SHAPES[0]), *((200, shape) for shape in SHAPES)])
 def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
-    """Rays on the designed path from the eye to all places of the window, as few degrees wide as they are paraxial."""
+    """Rays on the designed path run from the eye to points all over the window, at small angles."""
     z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
     index, base_angle, aspect = shape
     prism = Prism(window / prisms, index, base_angle, aspect=aspect)
@@ -46,7 +46,7 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
     steps = (z1 - rays.position[:, 2]) / rays.direction[:, 2]
     end = rays.position[:, :2] + steps[:, None] * rays.direction[:, :2]
     D = (end[:, 0] + 1j * end[:, 1] - E)[rays.designed]
-    # what is seen at P - E is, on average over the prisms, L - E = A s + B conj(s); image() has its inverse
+    # on average over the prisms L - E = A s + B conj(s); image() is the inverse of this
     s = ((P - E) / z2)[rays.designed]
     (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
     size = abs(A) ** 2 - abs(B) ** 2
@@ -58,7 +58,7 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_slab_shift_is_that_of_glass_along_the_prism(shape, rng):
-    """Rays a little aside along the prisms leave aside of where the thin mirror would have them."""
+    """Rays with a small slope along the ridges leave at a shift from their straight continuation."""
     index, base_angle, aspect = shape
     window = 2.4
     prism = Prism(window / 20, index, base_angle, aspect=aspect)

@@ -9,11 +9,13 @@ from povgen.errors import InputError
 
 
 def command(
-    what: Annotated[str, typer.Argument(metavar="info|clear", help="tell of the frames that are kept, or remove them")],
+    what: Annotated[str, typer.Argument(metavar="info|clear", help="print what the cache holds, or empty it")],
 ) -> None:
-    """The frames that are kept, up to POVGEN_CACHE_SIZE GiB (2) in POVGEN_CACHE: the least recently used go first.
+    """Print what the cache holds, or empty it. It keeps frames and ray traces that later runs may need.
 
-    And what povgens that were killed left, in that folder and among temporary files.
+    The folder is POVGEN_CACHE. It takes up to POVGEN_CACHE_SIZE GiB (default 2): the least recently used files are
+    removed first. Also counted, and removed, are unfinished files that killed povgens left there and among temporary
+    files.
     """
     from povgen.rendering import cache
 
@@ -21,18 +23,18 @@ def command(
         raise InputError(f"{what!r}: allowed: info or clear")
     cache.check()
     if what == "clear":
-        print(f"removed {_kinds(cache.trim(-1))} from {cache.folder()}")
-        if swept := cache.sweep():
-            print(f"removed {swept} folders that killed povgens left")
+        print(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
+        if removed := cache.remove_leftovers():
+            print(f"removed {removed} folders that killed povgens left")
     else:
-        files = cache.entries()
+        files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30
-        kinds = _kinds([path for _, _, path in files])
-        print(f"{kinds}, {size:.3f} of {cache.limit() / 2**30:g} GiB, in {cache.folder()}")
-        if left := cache.left():
-            print(f"{len(left)} folders that killed povgens left, {sum(left) / 2**30:.3f} GiB")
+        counts = _counts([path for _, _, path in files])
+        print(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
+        if sizes := cache.leftover_sizes():
+            print(f"{len(sizes)} folders that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
 
 
-def _kinds(files: list[Path]) -> str:
+def _counts(files: list[Path]) -> str:
     frames = sum(path.suffix == ".png" for path in files)
     return f"{frames} frames and {len(files) - frames} ray traces"

@@ -10,20 +10,20 @@ from povgen.cli.report import say
 
 
 def command(
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="for charts and tables")] = Path(
-        "chart"
-    ),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="write charts and tables there")
+    ] = Path("chart"),
     baselines: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="of other ways to write the prisms, as .inc files")
+        Path | None, typer.Option(metavar="FOLDER", help="compare with the macros Sheet in this folder's .inc files")
     ] = None,
 ) -> None:
-    """Measure CPU seconds against error, for every model and sampling; charts and tables, in some 20 minutes."""
+    """Measure CPU seconds against error, for every model of the sheets and every sampling, in some 20 minutes."""
     from povgen.files import save
     from povgen.measure import charts, speed
 
-    by_hand = speed.rewrites(baselines) if baselines else {}
+    sheet_macros = speed.baselines(baselines) if baselines else {}
     folder = made_folder(output)
-    charts.save_frames(speed.frames(by_hand, say), folder)
-    charts.save_counts(list(speed.prism_counts(say)), folder)
-    charts.save_movies(list(speed.movies(speed.WORKERS, say)), folder)
+    charts.save_frames(speed.measure_samplings(sheet_macros, say), folder)
+    charts.save_prism_counts(list(speed.measure_prism_counts(say)), folder)
+    charts.save_workers(list(speed.measure_workers(say)), folder)
     save(f"{speed.machine()}\n".encode(), folder / "machine.txt")

@@ -4,7 +4,7 @@ import typer
 
 
 def command() -> None:
-    """See whether POV-Ray and the encoder work, with a small frame and movie; say what to do where they do not."""
+    """Test POV-Ray, cache, sandbox and encoder with a small frame and movie, and say how to mend what does not work."""
     from povgen.cli.checkup import faults
 
     if list(faults(print)):

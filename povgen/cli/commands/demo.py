@@ -1,4 +1,4 @@
-"""povgen demo."""
+"""The command povgen demo."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,17 +15,19 @@ def command(
     specs: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SPEC]...", help="movies' TOML files, or names of povgen's own", show_default="the paper's three"
+            metavar="[SPEC]...",
+            help="a movie's TOML file, or the name of one of povgen's own movies",
+            show_default="the paper's three",
         ),
     ] = None,
     output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FOLDER", help="for index.html and its frames")
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="the folder for index.html and its frames")
     ] = Path("demo"),
     workers: Workers = None,
     quiet: Quiet = False,
-    **options,
+    **options: object,
 ) -> None:
-    """Make a page to teach with: each movie through prisms and the ideal sheet, beside figure 5's diagram."""
+    """Make a page to teach with: movies, seen through prisms or the ideal sheet, beside the diagram of figure 5."""
     from povgen.rendering import cache
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
@@ -35,7 +37,7 @@ def command(
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
     rendering = validated(Rendering, options)
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
-    cache.check()  # would be asked for when the folder is there
+    cache.check()  # before the page's folder is made
     checked_page(output)
     if not quiet:
         warn(shown, rendering)

@@ -1,4 +1,4 @@
-"""povgen figure."""
+"""The command povgen figure."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,21 +10,23 @@ from povgen.errors import InputError, validated
 
 
 def command(
-    numbers: Annotated[list[str], typer.Argument(metavar="NUMBER...", help="of figures in the paper, 1 to 6")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="for pictures and captions")] = Path(
-        "figures"
-    ),
-    quality: Annotated[str, typer.Option(metavar="QUALITY", help="of frames: draft, paper or high")] = "high",
+    numbers: Annotated[list[str], typer.Argument(metavar="NUMBER...", help="numbers of figures in the paper, 1 to 6")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="the folder for pictures and captions")
+    ] = Path("figures"),
+    quality: Annotated[
+        str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, paper or high")
+    ] = "high",
 ) -> None:
-    """Make figures of the paper: PNG, drawings also as SVG, and a caption with the measured agreement."""
+    """Make figures of the paper as PNG, line drawings also as SVG, and captions with the measured agreement."""
     from povgen.settings import Rendering
 
     rendering = validated(Rendering, {"quality": quality})
     for number in numbers:
         if number not in list("123456"):
-            raise InputError(f"number = {number!r}: no figure of the paper; allowed: 1 to 6")
+            raise InputError(f"number = {number!r}: the paper has no such figure; allowed: 1 to 6")
     folder = made_folder(output)
-    from povgen.teach.figures import save_figure  # after what can be refused, for matplotlib is slow to load
+    from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
 
     for number in numbers:
         for path in save_figure(int(number), folder, rendering):

@@ -1,11 +1,11 @@
-"""povgen frame."""
+"""The command povgen frame."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, SceneName, Tolerance, chosen_sheet, scene_of, split, takes
+from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
 from povgen.cli.report import warn
 from povgen.errors import validated
 
@@ -18,9 +18,9 @@ def command(
     ),
     tolerance: Tolerance = None,
     quiet: Quiet = False,
-    **values,
+    **values: object,
 ) -> None:
-    """Render a scene to a PNG file. With --sheet auto and --tolerance through the cheapest sheets that will do."""
+    """Render a scene to a PNG file. --sheet auto chooses the cheapest sheet model within --tolerance."""
     from povgen.files import checked_output, save
     from povgen.rendering import cache
     from povgen.settings import Rendering
@@ -28,8 +28,10 @@ def command(
 
     values, options = split(values)
     output = checked_output(output, [".png"])
-    chosen = chosen_sheet(values, options, tolerance, quiet, lambda values, quality: [scene_of(scene, values)])
-    made = scene_of(scene, values | chosen)
+    if (limit := auto_tolerance(values, tolerance)) is not None:
+        prisms = scene_of(scene, values | {"sheet": "detailed"})
+        values["sheet"], options["antialias"] = chosen([prisms], options, limit, quiet)
+    made = scene_of(scene, values)
     rendering = validated(Rendering, options)
     cache.check()
     if not quiet:

@@ -1,8 +1,8 @@
-"""povgen list."""
+"""The command povgen list."""
 
 
 def command() -> None:
-    """List scenes with their parameters, chess pieces, and the movies that come with povgen."""
+    """List the scenes with their parameters, the chess pieces, and povgen's own movies."""
     from povgen.scene.models import PIECES, SCENES
     from povgen.scene.spec import MOVIES, MovieSpec
 

@@ -1,20 +1,24 @@
-"""povgen movie."""
+"""The command povgen movie."""
 
 import logging
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, chosen_sheet, split, takes, worker_count
+from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
 from povgen.cli.report import progress, warn
 from povgen.errors import InputError, validated
+
+if TYPE_CHECKING:
+    from povgen.scene.models import Scene
+    from povgen.settings import Rendering
 
 
 @takes("scenes", "rendering")
 def command(
     spec: Annotated[
-        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own")
+        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own movies")
     ],
     output: Annotated[
         Path | None,
@@ -22,25 +26,27 @@ def command(
             "-o",
             "--output",
             metavar="FILE",
-            help=".mp4, .webm or .gif (default SPEC's name with .mp4, in the current folder)",
+            help=".mp4, .webm or .gif (default: SPEC's name with .mp4, in the current folder)",
         ),
     ] = None,
     workers: Workers = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
+        typer.Option(metavar="ADDRESS", help="address of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
     ] = None,
     part: Annotated[
         str | None,
-        typer.Option("--shard", metavar="I/N", help="render every N-th frame, from the I-th on, and no movie yet"),
+        typer.Option(
+            "--shard", metavar="I/N", help="only render every N-th frame, starting with the I-th; make no movie"
+        ),
     ] = None,
     tolerance: Tolerance = None,
     quiet: Quiet = False,
-    **values,
+    **values: object,
 ) -> None:
-    """Render a movie. Options for the scene take the place of what the spec fixes. Finished frames are kept."""
+    """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
-    from povgen.rendering.frames import render_all, shard
+    from povgen.rendering.frames import shard
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
     from povgen.video.build import checked_movie
@@ -53,25 +59,32 @@ def command(
         checked_movie(output, loaded, validated(Rendering, options).quality)
     elif scheduler is not None:
         raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
-    chosen = chosen_sheet(values, options, tolerance, quiet, lambda values, q: loaded.with_fixed(values).scenes(q))
-    made = loaded.with_fixed(values | chosen)
+    if (limit := auto_tolerance(values, tolerance)) is not None:
+        prisms = loaded.with_fixed(values | {"sheet": "detailed"})
+        through_prisms = prisms.scenes(validated(Rendering, options).quality)
+        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
+    made = loaded.with_fixed(values)
     rendering = validated(Rendering, options)
-    scenes = made.scenes(rendering.quality)
-    if part is not None:
-        scenes = shard(scenes, part)
+    scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
     cache.check()
     if not quiet:
         warn(scenes, rendering)
     if part is not None:
-        with progress(f"shard {part}", len(scenes), quiet) as done:
-            for _ in render_all(scenes, rendering, count, done):
-                pass
-        if not quiet:
-            print(f"rendered shard {part}: {len(scenes)} frames")
-        return
+        return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
     with progress(output.name, len(scenes), quiet) as done:
         make(made, output, workers=count, done=done, scheduler=scheduler, **options)
     if not quiet:
         print(f"wrote {output}")
+
+
+def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:
+    """Render the frames of a shard into the cache."""
+    from povgen.rendering.frames import render_all
+
+    with progress(f"shard {part}", len(scenes), quiet) as done:
+        for _ in render_all(scenes, rendering, count, done):
+            pass
+    if not quiet:
+        print(f"rendered shard {part}: {len(scenes)} frames")

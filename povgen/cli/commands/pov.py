@@ -1,4 +1,4 @@
-"""povgen pov."""
+"""The command povgen pov."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,9 +13,9 @@ from povgen.cli.report import warn
 def command(
     scene: SceneName,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = None,
-    **values,
+    **values: object,
 ) -> None:
-    """Write a scene's POV-Ray source, to standard output unless -o says where."""
+    """Write a scene's POV-Ray source to standard output, or to the file of -o."""
     from povgen.files import checked_output, save
     from povgen.scene.sdl import to_pov
 

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,18 +10,25 @@ from povgen import __version__
 from povgen.cli.options import made_folder
 from povgen.errors import InputError
 
+if TYPE_CHECKING:  # slow to import
+    from povgen.measure.verify import Measured
+
 
 def command(
-    sheet: Annotated[str | None, typer.Option(metavar="ideal|detailed", help="one sheet model (default both)")] = None,
-    json: Annotated[Path | None, typer.Option(metavar="FILE", help="write the figures to a .json file as well")] = None,
+    sheet: Annotated[
+        str | None, typer.Option(metavar="ideal|detailed", help="one model of the sheets (default both)")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="also write the values to a .json file")
+    ] = None,
     stability: Annotated[
         bool, typer.Option("--stability", help="map where methods fail, and measure the limits")
     ] = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="for the maps (default stability)")
+        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="write the maps there (default stability)")
     ] = None,
 ) -> None:
-    """Measure what POV-Ray renders against the equations and the exact ray trace; exit status 1 where a bound fails."""
+    """Measure what POV-Ray renders against the equations and the exact ray trace. Exit status 1: a bound fails."""
     from dataclasses import asdict
     from json import dumps
     from math import isfinite
@@ -37,32 +44,33 @@ def command(
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
     if output and not stability:
         raise InputError(f"output = {str(output)!r}: it is for the maps; allowed with --stability")
-    if json:
-        json = checked_output(json, [".json"])
+    if json_file:
+        json_file = checked_output(json_file, [".json"])
+    folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
     figures = []
     with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as live:
 
-        def add(figure) -> None:
-            bound = f"{'≥' if figure.least else '≤'} {figure.bound:.5g} {figure.unit}"
-            holds = "ok" if figure.holds else "[red]FAILS[/red]"
-            table.add_row(figure.sheet, figure.what, f"{figure.value:.5g} {figure.unit}", bound, holds)
-            value = figure.value if isfinite(figure.value) else None
-            figures.append(asdict(figure) | {"value": value, "holds": figure.holds})
+        def add(measured: "Measured") -> None:
+            bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
+            holds = "ok" if measured.holds else "[red]FAILS[/red]"
+            table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
+            value = measured.value if isfinite(measured.value) else None
+            figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
             live.refresh()
 
-        if stability:
+        if folder:
             from povgen.measure.charts import save_maps
             from povgen.measure.stability import maps
 
-            save_maps(maps(sheet), made_folder(output or Path("stability")), add)
+            save_maps(maps(sheet), folder, add)
         else:
             from povgen.measure.verify import checks
 
-            for figure in checks(sheet):
-                add(figure)
-    if json:
-        save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json)
+            for measured in checks(sheet):
+                add(measured)
+    if json_file:
+        save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json_file)
     if not all(figure["holds"] for figure in figures):
         raise typer.Exit(1)

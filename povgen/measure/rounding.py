@@ -1,0 +1,47 @@
+"""Rays whose path POV-Ray's rounding decides: where they end says nothing about whether the scene is right."""
+
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+
+from povgen.measure import probes
+from povgen.measure.probes import Directions, Floats, Mask
+from povgen.scene import prediction
+
+# POV-Ray ignores a face that is nearer than this, tiles, to the ray's last one.
+MIN_DISTANCE = 1e-6
+# Radians. POV-Ray stores vertices to 1e-7 tiles, which tilts the faces of N prisms, each 2.4/N tiles wide, by N times
+# this angle.
+TILT_PER_PRISM = 1e-7
+
+
+def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
+    """Return which of the eye's rays POV-Ray's rounding can send elsewhere. `direction` and the result: (n, 3), (n,).
+
+    A ray counts if a neighbouring ray takes another path or leaves in a direction 5e-4 rad away. The neighbours reach
+    the sheets MIN_DISTANCE aside and are turned by TILT_PER_PRISM times N. A ray also counts if two faces that it meets
+    are within MIN_DISTANCE of each other, as at an edge.
+    """
+    max_faces = prediction.max_trace_level(scene)
+    path = probes.traced(scene, direction, max_faces)
+    sensitive = np.zeros(len(direction), bool)
+    eye = np.array([scene.E.real, scene.E.imag, -scene.z2])
+    front = eye + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
+    across = np.cross(direction, (0, 1, 0))
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    other = np.cross(direction, across)
+    for n in range(16):
+        angle = n * pi / 8
+        # five times the angle, so that all combinations of displacement and turn occur
+        turn = scene.prisms * TILT_PER_PRISM * np.exp(5j * angle)
+        turned = direction + turn.real * across + turn.imag * other
+        displaced = front + MIN_DISTANCE * np.array([np.cos(angle), np.sin(angle), 0])
+        neighbour = probes.traced(scene, turned, max_faces, displaced)
+        sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
+        sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
+    # where each ray meets its first face, its second ...; its last face again after it has left
+    positions = [probes.traced(scene, direction, met).position for met in range(1, path.count.max(initial=0) + 1)]
+    for met, (position, after) in enumerate(pairwise(positions), 1):
+        sensitive |= (np.linalg.norm(after - position, axis=1) < MIN_DISTANCE) & (path.count > met)
+    return sensitive

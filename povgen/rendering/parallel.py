@@ -1,0 +1,40 @@
+"""How many POV-Rays run at once, and the threads that wait for them."""
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol
+
+from povgen.settings import Rendering
+
+# POV-Ray sleeps about 0.65 s during each frame, even if the frame costs nothing. This many keep a core busy.
+POVRAYS_PER_CORE = 8
+
+
+class Runner(Protocol):
+    """What renders scenes' texts: `povray.Runner` on this machine, `cluster.Cluster` on others."""
+
+    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+        """Render a scene's text in a work folder and return the picture's path. Raises PovrayError."""
+
+    def stop(self) -> None:
+        """End at once all that it runs, and start nothing more."""
+
+
+def default_workers() -> int:
+    """Return how many POV-Rays run at once if --workers does not say."""
+    return POVRAYS_PER_CORE * len(os.sched_getaffinity(0))
+
+
+@contextmanager
+def thread_pool(runner: Runner, workers: int | None = None) -> Iterator[ThreadPoolExecutor]:
+    """Yield a pool of threads that call `runner.run`. At the end, cancel what waits and stop what runs."""
+    pool = ThreadPoolExecutor(workers or default_workers())
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        runner.stop()
+        pool.shutdown()

@@ -1,0 +1,51 @@
+"""Ray traces in the cache: they take long, and many frames need the same one.
+
+What a ray trace finds is a `prediction.Survey`.
+"""
+
+import functools
+import inspect
+import json
+from contextlib import suppress
+from hashlib import sha256
+
+from povgen.optics import prism, trace
+from povgen.rendering import cache
+from povgen.scene import limits, prediction
+from povgen.scene.models import Scene
+
+
+def load(scene: Scene, store: bool = False) -> None:
+    """Have `prediction.survey` know this scene's survey: from the cache, or from a ray trace now.
+
+    With `store`, a survey from a ray trace is put into the cache, if that can be written to.
+    """
+    if not scene.sheets_depth:
+        return
+    rays = prediction.surveyed(scene)
+    path = cache.path_for(f"{_code_of_trace()}\0{rays}", ".json")
+    data = cache.read(path, most=300)
+    with suppress(ValueError, TypeError, KeyError):  # missing or damaged
+        survey = prediction.Survey(**json.loads(data or b"")["survey"])
+        if data == _text(survey):
+            prediction.surveys[rays] = survey
+            return
+    survey = prediction.survey(scene)
+    if store:
+        with suppress(OSError), cache.work_folder() as folder:
+            made = folder / "survey"
+            made.write_bytes(_text(survey))
+            cache.store(made, path)
+
+
+def _text(survey: prediction.Survey) -> bytes:
+    """Return a survey as JSON, with a checksum."""
+    values = survey._asdict()
+    return json.dumps({"survey": values, "sha256": sha256(repr(values).encode()).hexdigest()}).encode()
+
+
+@functools.cache
+def _code_of_trace() -> str:
+    """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
+    texts = [inspect.getsource(module) for module in (limits, prediction, prism, trace)]
+    return sha256("\0".join(texts).encode()).hexdigest()

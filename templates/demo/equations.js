@@ -1,0 +1,117 @@
+// Complex numbers and the paper's equations. The page includes scripts raw: {{ }} has no meaning here.
+
+"use strict";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+
+// ---- Complex numbers, [re, im] ----
+
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
+const plus = (a, b) => [a[0] + b[0], a[1] + b[1]];
+const times = (a, b) => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+const scaled = (k, a) => [k * a[0], k * a[1]];
+const conj = (a) => [a[0], -a[1]];
+const abs = (a) => Math.hypot(a[0], a[1]);
+const arg = (a) => Math.atan2(a[1], a[0]);
+const turn = (angle) => [Math.cos(angle), Math.sin(angle)];
+const finite = (a) => Number.isFinite(a[0]) && Number.isFinite(a[1]);
+
+// a/b for a other than 0. If b is 0, the result is infinite.
+function quotient(a, b) {
+  const size = b[0] ** 2 + b[1] ** 2;
+  return size === 0 ? [Infinity, 0] : scaled(1 / size, times(a, conj(b)));
+}
+
+// ---- The equations ----
+// Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are those of
+// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with those modules.
+
+// Angles in radians, lengths in tiles, r above 0 and finite. Signs and units as in povgen/optics/rotation.py and
+// povgen/optics/paraxial.py, which the tests compare these with.
+
+const equations = (() => {
+  // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
+  function sum(a, b, alpha) {
+    const half = alpha / 2;
+    const cosine = Math.cos(half);
+    // pi is not a double: for a = b, its nearest double is treated as pi
+    const atPi = a === b && Math.abs(cosine) <= spacing(Math.abs(half)) / 2;
+    const product = atPi ? 0 : 2 * b * cosine;
+    return [a - b + product * Math.cos(half), product * Math.sin(half)];
+  }
+
+  // The distance from x >= 0 to the next greater double.
+  function spacing(x) {
+    const number = new Float64Array([x]);
+    new BigUint64Array(number.buffer)[0] += 1n;
+    return number[0] - x;
+  }
+
+  // The point where light from L = 0 crosses the sheet on its way to E = 1: eq. 7.
+  const P = (r, alpha) => quotient([1, 0], sum(1, r, alpha));
+
+  // E - P for L = 0, E = 1.
+  const oneMinusP = (r, alpha) => quotient([r, 0], sum(r, 1, -alpha));
+
+  // The angle by which an object appears rotated about E: arg(1 - P), eq. 8 corrected.
+  // It is NaN at the pole, where P is infinite.
+  function nu(r, alpha) {
+    const inverse = sum(r, 1, -alpha);
+    return abs(inverse) === 0 ? NaN : -arg(inverse);
+  }
+
+  // The magnification of an object, compared with the object in the plane of the sheet: |1 - P|, eq. 9 corrected.
+  const M = (r, alpha) => abs(oneMinusP(r, alpha));
+
+  // The point where light from L crosses an infinitely fine sheet on its way to E: eq. 7. L and E must differ.
+  function ideal(L, E, z1, z2, alpha) {
+    return plus(E, quotient(scaled(z2, minus(L, E)), sum(z2, z1, -alpha)));
+  }
+
+  // The same for two sheets of prisms with the given pitch, by the paraxial prediction (docs/sheets.md).
+  function prisms(L, E, z1, z2, alpha, pitch) {
+    const { A, B } = depths(z1, z2, alpha, pitch);
+    const D = minus(L, E);
+    const place = minus(times(conj(A), D), times(B, conj(D)));
+    return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
+  }
+
+  // The angle by which such sheets show an object rotated, and its magnification: paraxial.nu_and_M.
+  function turned(z1, z2, alpha, pitch) {
+    const { A, B } = depths(z1, z2, alpha, pitch);
+    const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
+    return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
+  }
+
+  function depths(z1, z2, alpha, pitch) {
+    const { b, h } = sheet(pitch);
+    return { A: plus([z2 - h, 0], scaled(z1 - h, turn(-alpha))), B: scaled(b, turn(alpha)) };
+  }
+
+  function sheet(pitch) {
+    const height = pitch * (1 - data.prism.air_gap);
+    const g = data.prism.slab_shift * height;
+    const apart = height * data.prism.aspect + pitch * data.prism.air_gap;
+    return { b: apart - g, h: (apart + g) / 2 };
+  }
+
+  // The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
+  // For the values of z2, pass z1 in place of z2.
+  function infiniteZ1(z2, alpha, pitch) {
+    const { b, h } = sheet(pitch);
+    const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
+    return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
+  }
+
+  // The values of alpha at which a curve of constant r does so.
+  function infiniteAlpha(z1, z2, pitch) {
+    const { b, h } = sheet(pitch);
+    const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
+    const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
+    return [-alpha, alpha];
+  }
+
+  return { P, oneMinusP, nu, M, ideal, prisms, turned, infiniteZ1, infiniteAlpha };
+})();
+
+const radians = (degrees) => degrees * (Math.PI / 180);

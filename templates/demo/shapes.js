@@ -1,0 +1,83 @@
+// Shapes in SVG. Points are [x, y] with y down. Angles are as the eye sees them: counter-clockwise.
+
+function svg(tag, attributes, text = "") {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  node.textContent = text;
+  return node;
+}
+const dot = (kind, [cx, cy], r, id = "") => svg("circle", { class: kind, cx, cy, r, ...(id && { id }) });
+const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2, y2 });
+const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, text);
+const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle))));
+
+// The distance from a point to the line between two others.
+function distanceToLine(place, a, b) {
+  const [along, to] = [minus(b, a), minus(place, a)];
+  const part = (along[0] * to[0] + along[1] * to[1]) / (abs(along) ** 2 || 1);
+  return abs(minus(to, scaled(Math.min(1, Math.max(0, part)), along)));
+}
+
+// A curve through points. It is interrupted at null, and outside of every drawing.
+function curve(kind, points) {
+  let d = "";
+  let joined = false;
+  for (const point of points) {
+    const near = point && finite(point) && abs(point) < 4000;
+    if (near) d += `${joined ? "L" : "M"}${point.map((x) => x.toFixed(1)).join(" ")}`;
+    joined = near;
+  }
+  return svg("path", { class: kind, d });
+}
+
+// Points of a curve between two parameters. Where the curve may pass through infinity it is interrupted, and the points
+// near there are closer together.
+function branches(place, first, last, infinite) {
+  const within = infinite.filter((at) => first < at && at < last).sort((a, b) => a - b);
+  const ends = [first, ...within, last];
+  return within.concat(last).flatMap((end, n) => {
+    const start = ends[n];
+    return [...SHARES.map((share) => place(start + (end - start) * share)), null];
+  });
+}
+
+// An arc that begins at the angle `start` and extends by the angle `through`.
+function arc(kind, centre, radius, start, through) {
+  const steps = Array.from({ length: 41 }, (_, n) => step(centre, start + (through * n) / 40, radius));
+  return curve(kind, steps);
+}
+
+function arrowhead(kind, tip, angle, length) {
+  const corners = [tip, step(tip, angle + 2.7, length), step(tip, angle - 2.7, length)];
+  return svg("polygon", { class: kind, points: corners.map((corner) => corner.join(",")).join(" ") });
+}
+
+// A line that stops before the dot at its end. It has an arrowhead unless it is too short.
+function vector(kind, from, to, rem) {
+  const [x, y] = minus(to, from);
+  const length = Math.hypot(x, y) - 0.4 * rem;
+  if (length < 0.8 * rem) return [line(kind, from, to)];
+  const angle = Math.atan2(-y, x);
+  return [
+    line(kind, from, step(from, angle, length - 0.5 * rem)),
+    arrowhead(`head ${kind}`, step(from, angle, length), angle, 0.75 * rem),
+  ];
+}
+
+// For a point outside a picture: the place at the edge for an arrow that points there, and its angle. Otherwise null.
+function edge(place, width, height, margin) {
+  const excess = Math.max(Math.abs(place[0]) / (width / 2 - margin), Math.abs(place[1]) / (height / 2 - margin));
+  return excess > 1 ? { tip: scaled(1 / excess, place), angle: Math.atan2(-place[1], place[0]) } : null;
+}
+
+// Positions along a branch of a curve: 0 is one end, 1 the other.
+const SHARES = Array.from({ length: 301 }, (_, n) => n / 300);
+for (let near = 1e-8; near < 0.5; near *= 1.04) SHARES.push(near, 1 - near);
+SHARES.sort((a, b) => a - b);
+
+// Values of r along curves of constant alpha, and of alpha along curves of constant r. They are dense near the pole.
+const RATIOS = Array.from({ length: 361 }, (_, n) => Math.exp(8 * (n / 180 - 1) ** 3));
+const TURNS = Array.from({ length: 361 }, (_, n) => {
+  const part = n / 180 - 1;
+  return Math.PI * part * (2 - Math.abs(part));
+});

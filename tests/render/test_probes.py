@@ -1,0 +1,129 @@
+"""Probes: the decoded numbers are those of the scene, and stray light does not move what is located."""
+
+import numpy as np
+import pytest
+
+from povgen import Rendering, to_pov
+from povgen.measure import probes
+from povgen.measure.probes import Directions, PiecePositions, Positions, locate
+from povgen.optics import prism, rotation
+from povgen.optics.trace import End
+from povgen.rendering import povray
+from povgen.scene import prediction
+
+SIZE = (320, 240)
+
+
+def test_directions_to_16_bits():
+    scene = Directions(sheet="none", E=0.4 - 0.2j)
+    (decoded,) = probes.decoded([scene], SIZE)
+    inside, direction = probes.rays(scene, SIZE)
+    decoded = decoded[inside]
+    free = ~np.isnan(decoded[:, 0])  # the window frame hides some
+    assert free.mean() > 0.95
+    assert np.linalg.norm(decoded - direction, axis=1)[free].max() < 1e-4
+
+
+def test_positions_to_16_bits():
+    scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
+    (decoded,) = probes.decoded([scene], SIZE)
+    pixels = probes.pixels(SIZE)
+    on = ~np.isnan(decoded[..., 0])
+    there = pixels[on] * 9 / 6 - scene.L
+    assert abs(decoded[on][:, 0] + 1j * decoded[on][:, 1] - there).max() < 1e-4
+    expected = (abs((pixels * 1.5 - scene.L).real) < 0.4) & (abs((pixels * 1.5 - scene.L).imag) < 0.4)
+    assert (on == expected).mean() > 0.999
+
+
+def test_a_piece_shows_positions_on_it():
+    scene = PiecePositions(sheet="none", piece="king", z1=3)
+    (decoded,) = probes.decoded([scene], SIZE)
+    on = ~np.isnan(decoded[..., 0])
+    x, y, z = decoded[on].T
+    seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
+    assert abs(seen - probes.pixels(SIZE)[on]).max() < 1e-3
+    assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
+
+
+def test_apparent_position_through_prisms():
+    """Eq. 7, which is for infinitely small prisms, is three pixels of 1280x960 off. Stray light does not matter."""
+    scene = Positions(sheet="detailed", alpha=120, z1=2, L=0.5 + 0.2j, extent=0.4)
+    (decoded,) = probes.decoded([scene], SIZE)
+    inside, _ = probes.rays(scene, SIZE)
+    decoded = decoded[inside][:, 0] + 1j * decoded[inside][:, 1]
+    seen = locate(probes.pixels(SIZE)[inside], decoded, scene.extent)
+    pixel = 3.85 / 960
+    assert abs(seen.position - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
+    ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
+    assert 2.5 * pixel < abs(seen.position - ideal) < 4 * pixel
+
+
+def test_a_ray_that_misses_an_edge_does_not_end_povray():
+    """If both sheets had exactly the same index, POV-Ray would count no face of such a ray and overflow its stack."""
+    scene = Directions(sheet="detailed", prisms=1600, alpha=164.25621174099547, z2=6.242736035399125)
+    next(probes.decoded([scene], (640, 480)))
+
+
+def test_a_failing_povray_is_reported(monkeypatch):
+    """Nothing is measured then."""
+    monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
+    with pytest.raises(povray.PovrayError):
+        next(probes.decoded([Directions(sheet="none")], SIZE))
+
+
+@pytest.mark.parametrize("sheet", ["detailed", "single"])
+def test_few_prisms_agree_with_the_ray_trace(sheet):
+    """Sheets of few prisms are deep: up to 20 tiles, eight times the width of the window."""
+    alphas = (66, 0, -120, 180, 35)
+    scenes = []
+    for prisms in range(1, 13):
+        deep = prism.thickness(Directions.window / prisms, 2 if sheet == "detailed" else 1)
+        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
+        scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
+    stray = []
+    for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
+        inside, direction = probes.rays(scene, (160, 120))
+        found = probes.traced(scene, direction)
+        off = np.linalg.norm(decoded[inside] - found.direction, axis=1)
+        shown = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+        assert found.designed.sum() > 500 and (off[found.designed] < 1e-3).all(), scene
+        stray.extend(off[shown & ~found.designed] < 1e-3)
+        ended = found.end == End.FRAME
+        assert ended.sum() > 100 and np.isnan(off[ended]).mean() > 0.99, scene
+    assert len(stray) > 1000 and np.mean(stray) > 0.998
+
+
+@pytest.mark.parametrize(
+    ("size", "E"),
+    [((124, 240), 0), ((96, 240), 0), ((96, 240), 8j), ((32, 400), -3 + 2j), ((32, 7680), 0)]
+    + [((400, 32), 8j), ((7680, 32), 0), ((7680, 32), 0.5 - 0.5j)],
+)
+def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
+    """Narrower than the window, or much wider. POV-Ray's camera is wrong in the first row and the last column."""
+    scenes = [Directions(sheet=sheet, alpha=alpha, E=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
+    none, ideal, turned = (decoded[1:, :-1] for decoded in probes.decoded(scenes, size))
+    pixel = Directions.view_height / size[1]
+    seen = ~np.isnan(none[..., 0])
+    assert (np.isnan(ideal[..., 0]) == seen).mean() < 2e-3  # hidden by the window frame
+    off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
+    assert off.max() < 0.15 * pixel / 6 + 5e-5  # interpolation, and 16 bits
+
+    inside, direction = probes.rays(scenes[2], size)
+    expected = np.full((*inside.shape, 3), np.nan)
+    expected[inside] = rotation.rotate(direction, np.radians(66))
+    off = np.linalg.norm(turned - expected[1:, :-1], axis=-1)
+    assert np.nanmax(off) < 1e-4
+    assert (~np.isnan(off)).sum() > 0.8 * inside.sum()  # the window frame hides the rest
+
+
+@pytest.mark.parametrize("size", [(32, 32), (32, 7680), (7680, 32), (96, 240)])
+def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
+    """POV-Ray keeps a table of triangles for each tenth of U and of V. It uses int(10 U) as an index, unchecked."""
+    check = """
+    #macro Check(UV)
+      #if (min(UV.u, UV.v) <= -0.1 | max(UV.u, UV.v) >= 1.1) #error "a UV outside" #end
+    #end
+    Check(Pixel(-ViewCorner)) Check(Pixel(ViewCorner)) Check(Pixel(WindowLower)) Check(Pixel(WindowUpper))
+    """
+    scene = to_pov(Directions(sheet="ideal", E=3 + 8j))
+    povray.run(scene + check, Rendering(size=size, antialias="off"), tmp_path)

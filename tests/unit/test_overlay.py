@@ -1,0 +1,221 @@
+"""Captions and overlays on blank pictures: the marks are where the equations say, and they cover nothing else."""
+
+import subprocess
+import sys
+from math import radians
+
+import numpy as np
+import pytest
+
+from povgen import Chess, Spheres
+from povgen.measure import probes
+from povgen.optics import rotation
+from povgen.settings import Rendering
+from povgen.video import overlay
+
+BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
+
+
+def drawn(scene, size=(640, 480), **options):
+    return overlay.annotated(BLANK[size], scene, Rendering(size=size, **options)).astype(int)
+
+
+def yellow(picture):
+    """Return the points of the plane z = 0 at which marks are drawn."""
+    red, green, blue = np.moveaxis(picture, -1, 0)
+    place = probes.pixels(picture.shape[1::-1])
+    return place[(red > 200) & (green > 190) & (blue < 110)]
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "single", "none"])
+@pytest.mark.parametrize("alpha, z1", [(66, 20), (-120, 9)])
+def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
+    scene = Chess(sheet=sheet, alpha=alpha, z1=z1, offset=(0.4, -0.73))
+    marks = yellow(drawn(scene, overlay=True))
+    pixel = scene.view_height / 480
+    assert len(marks) > 20 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
+
+
+def test_every_sphere_has_its_mark_on_the_circle():
+    scene = Spheres(alpha=90, z1=[1.5, 6, 24])
+    marks = yellow(drawn(scene, overlay=True))
+    ((line,), _), *others = overlay.loci(scene)
+    assert not others  # no circle of constant r for each
+    assert len(overlay.positions(scene)) == 3
+    for place in overlay.positions(scene):
+        assert abs(marks - place).min() < scene.view_height / 480 * 4
+        assert abs(line - place).min() < 0.01
+    ideal = Spheres(alpha=60, sheet="ideal", z1=[6])
+    ((line,), _), (turned, _) = overlay.loci(ideal)
+    # constant alpha: L and E are seen at one angle from everywhere; constant r: distances to them are in one ratio
+    assert np.allclose(np.angle((line - ideal.E) / (ideal.L - line)), radians(60), atol=1e-9)
+    turned = np.concatenate(turned)
+    assert np.allclose(abs(turned - ideal.E) / abs(turned - ideal.L), 1)
+
+
+def near(places, reach, size=(640, 480)):
+    """Return a mask of the pixels that are within a reach (pixels) of one of the places."""
+    mask = np.zeros(size[::-1], bool)
+    tile = size[1] / Chess.view_height
+    x, y = size[0] / 2 + places.real * tile, size[1] / 2 - places.imag * tile
+    mask[y.astype(int), x.astype(int)] = True
+    grown = np.zeros_like(mask)
+    steps = np.arange(-int(reach), int(reach) + 1)
+    for dy, dx in ((dy, dx) for dy in steps for dx in steps if np.hypot(dx, dy) <= reach):
+        grown |= np.roll(mask, (dy, dx), (0, 1))
+    return grown
+
+
+def dense(first, last, *about):
+    """Return parameters between two ends. They are denser near values at which a curve may pass through infinity."""
+    steps = np.geomspace(1e-12, 1, 60_000) * (last - first)
+    found = np.concatenate([np.linspace(first, last, 200_000), *(at + s * steps for at in about for s in (-1, 1))])
+    return found[(first < found) & (found < last)]
+
+
+@pytest.mark.parametrize(
+    "scene, z1, alphas",
+    [
+        # alpha changes: one branch of a hyperbola in the window, one beyond
+        (Spheres(alpha=100, z1=[6], offset=(0.1, 0.05)), 0, (180,)),
+        # z1 changes: both branches in the window
+        (Spheres(z1=[6], offset=(0.1, 0.05), sheet="single"), 6, None),
+        # a straight line through infinity, but not from L to E
+        (Spheres(alpha=180, sheet="ideal"), 6, None),
+        # the pole within a thousandth of a tile and of a degree, and all near the eye's axis
+        (Spheres(alpha=180, z1=[6], offset=(1e-3, 2e-3), prisms=3000), 6, (180,)),
+        (Chess(prisms=5, z1=9, z2=4), 0, (180,)),
+    ],
+)
+def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):
+    """Every visible point of the true curve is drawn. Nothing is drawn farther from it than the line is wide."""
+    distances = dense(scene.depth / 2, 1e4 * scene.z2, scene.depth / 2, z1)
+    true = [(scene.apparent_position(scene.L, distances), scene.visible(scene.L, distances))]
+    if alphas:
+        angles, at = dense(-180, 180, -180, *alphas), scene.distances[0]
+        true.append((scene.apparent_position(scene.L, at, angles), scene.visible(scene.L, at, angles)))
+    places = np.concatenate([place[visible] for place, visible in true])
+    monkeypatch.setattr(overlay, "positions", lambda scene: [])
+    changed = (drawn(scene, overlay=True) != 120).any(-1)
+    assert changed.sum() > 500
+    assert not (near(places, 0) & ~changed).any()
+    assert not (changed & ~near(places, 1.1 * 480 / 180 + 1.5)).any()
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(alpha=150, prisms=20),  # the foot is seen below the window
+        Chess(sheet="none", z1=6, offset=(2.38, -1)),  # behind the frame's side, which is deep
+        Spheres(sheet="none", z1=[1], z2=0.5, offset=(-3, 0)),
+    ],
+)
+def test_no_mark_where_the_frame_hides_the_object(scene):
+    picture = drawn(scene, overlay=True)
+    assert not len(yellow(picture)) and not overlay.positions(scene)
+    drawn_at = probes.pixels((640, 480))[(picture != 120).any(-1)]
+    front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
+    reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
+    assert reach < scene.window / 2 + 4 * scene.view_height / 480  # half a line's width
+
+
+def test_the_overlay_leaves_the_rest_of_the_picture():
+    scene = Chess(sheet="ideal", alpha=90)
+    changed = (drawn(scene, overlay=True) != 120).any(-1)
+    place = probes.pixels((640, 480))[changed]
+    curves = np.concatenate([piece for pieces, _ in overlay.loci(scene) for piece in pieces])
+    assert 500 < changed.sum() < 20000
+    assert max(abs(curves - z).min() for z in place[::7]) < 0.06
+
+
+def test_the_caption_prints_what_the_equations_predict():
+    assert overlay.facts(Chess(alpha=66, sheet="ideal")) == {
+        "alpha": "66°",
+        "z1": "2",
+        "z2": "6",
+        "r": "3",
+        "nu": f"{np.degrees(rotation.nu(3, radians(66))):.1f}°",
+        "M": f"{rotation.M(3, radians(66)):.3g}",
+    }
+    assert list(overlay.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
+
+
+@pytest.mark.parametrize(
+    "scene, texts",
+    [
+        (Spheres(alpha=90, sheet="ideal", z1=[3, 12, 6]), ["3 to 12", "0.5 to 2", "26.6 to 63.4°", "0.447 to 0.894"]),
+        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60", "0.1 to 3", "18.1 to 84.3°", "0.0996 to 0.961"]),
+        (Spheres(alpha=-90, sheet="ideal", z1=[6, 6]), ["6", "1", "-45.0°", "0.707"]),
+        (Spheres(alpha=270, sheet="ideal", z1=[3, 6]), ["3 to 6", "1 to 2", "-45.0 to -26.6°", "0.707 to 0.894"]),
+        # beyond the pole, on it and before it
+        (
+            Spheres(alpha=180, sheet="ideal", z1=[9, 6, 3]),
+            ["3 to 9", "0.667 to 2", "0.0 to 180.0, ?°", "2 to infinite"],
+        ),
+        (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9", "0.667 to 0.75", "-180.0°", "2 to 3"]),
+        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6", "1", "?°", "infinite"]),
+        (Chess(alpha=180, sheet="ideal", z1=6), ["6", "1", "?°", "infinite"]),
+        # light meets the eye's plane in a line or not at all, in a mirrored image
+        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9", "0.667 to 1", "180.0, ?°", "2 to 76.4"]),
+    ],
+)
+def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
+    assert [overlay.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
+def test_at_the_pole_there_is_nothing_to_mark(sheet):
+    assert drawn(Chess(alpha=180, z1=6, z2=6, sheet=sheet), caption=True, overlay=True).shape == (480, 640, 3)
+    drawn(Chess(alpha=179.99999, z1=6, z2=6, sheet=sheet), overlay=True)
+
+
+@pytest.mark.parametrize("size", list(BLANK))
+def test_the_caption_is_legible_and_whole(size):
+    for scene in (Chess(alpha=137.2, z1=1.234), Spheres(alpha=137.2)):
+        picture = drawn(scene, size, caption=True)
+        rows = np.flatnonzero((picture != 120).any((1, 2)))
+        assert rows[-1] == size[1] - 1 and len(rows) == rows[-1] - rows[0] + 1  # a strip at the lower edge
+        strip = picture[rows[0] :]
+        assert strip.max() > 100 and np.median(strip) < 40  # light on dark
+        if size[0] > 64:
+            assert strip.max() == 255
+            assert (strip[:, [0, -1]] < 40).all()  # no letter touches the edge
+            assert len(rows) <= size[1] / 4
+
+
+@pytest.mark.parametrize(
+    "scenes",
+    [
+        [Chess(alpha=alpha) for alpha in (7, 178.5)],
+        [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (0.6, 6)],
+        [Spheres(alpha=alpha, sheet="ideal", z1=[1, 6, 50]) for alpha in (0, 100, 180)],
+    ],
+)
+def test_a_movies_caption_stands_still(scenes, monkeypatch):
+    """Every value begins at the same place in all frames."""
+    places = []
+    write = overlay.ImageDraw.ImageDraw.text
+    monkeypatch.setattr(
+        overlay.ImageDraw.ImageDraw, "text", lambda draw, *a, **b: (places.append(a[:1]), write(draw, *a, **b))
+    )
+    for scene in scenes:
+        for size in BLANK:
+            drawn(scene, size, caption=True)
+    assert len(set(places)) == len(BLANK) * len(overlay.facts(scenes[0]))
+
+
+def test_a_large_picture_needs_little_memory_more():
+    """It needs memory for the copy of the picture, 24 MiB at 3840x2160, and about as much again for all else."""
+    code = """if True:
+        import re, numpy
+        from povgen import Spheres
+        from povgen.video import overlay
+        from povgen.settings import Rendering
+        picture = numpy.full((2160, 3840, 3), 120, numpy.uint8)
+        peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
+        before = peak()
+        scene = Spheres(alpha=100, z1=[6], offset=(0.1, 0.05))  # its curves span the window
+        overlay.annotated(picture, scene, Rendering(size=(3840, 2160), overlay=True, caption=True))
+        print((peak() - before) / 1024)"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
+    assert 20 < float(done.stdout) < 50

@@ -1,0 +1,165 @@
+"""What follows from a scene before it is rendered: trace level, cells of the camera, warnings."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, Spheres
+from povgen.measure import probes, verify
+from povgen.optics import prism
+from povgen.optics.trace import End
+from povgen.scene import limits, prediction
+from povgen.settings import Rendering
+
+
+@pytest.mark.parametrize(
+    "scene, options, words",
+    [
+        (Spheres(), {"overlay": True, "caption": True}, None),
+        (Spheres(alpha=175, z1=[2, 5.5]), {}, None),
+        (Spheres(alpha=175, z1=[2, 5.5]), {"overlay": True}, "overlay: at alpha = 175 and z1 = 5.5 the prisms' size"),
+        (Spheres(alpha=175, z1=[5.5, 2]), {"caption": True}, "caption: at alpha = 175 and z1 = 5.5 the prisms' size"),
+        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 34.7 pixels of 1280x960; beyond 8"),
+        (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prisms' size moves the object infinitely"),
+        (
+            Spheres(alpha=179.9, sheet="ideal"),
+            {"caption": True},
+            "z1 = 6 the object is magnified 573 times; beyond 150",
+        ),
+        (Spheres(sheet="single", z1=[2, 3]), {"overlay": True}, None),
+        (Spheres(sheet="single", z1=[2, 5]), {"overlay": True}, "overlay: at z1 = 5 the prisms' size"),
+        (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
+        (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
+        (Chess(alpha=179, z1=5, predicted_image=True), {"overlay": True}, "predicted_image, overlay: at alpha = 179"),
+    ],
+)
+def test_predictions_warn_beyond_their_limit(scene, options, words):
+    """The warning names every option that shows the prediction, and the object that is farthest beyond the limit."""
+    said = [text for _, text in prediction.warnings(scene, Rendering(**options))]
+    assert (len(said) == 1 and words in said[0]) if words else not said
+
+
+SIZE = (320, 240)
+
+
+def test_the_trace_level_leaves_few_pixels_black():
+    """Counted on rays that lie otherwise than those by which povgen sets the level, traced further than it does."""
+    levels = []
+    for prisms, alpha, z2, E in (
+        (1059, 50, 1.5, 5.1j),  # 12 % at 61 faces
+        (1490, 2, 0.41, 6.9j),
+        (678, -71, 0.92, 8.2j),  # the highest level that was found
+        (236, -95.6, 84.4, 3.02j),
+        (100, 66, 6, 0j),
+    ):
+        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
+        inside, direction = probes.rays(scene, SIZE)
+        found = probes.traced(scene, direction, max_faces=255)
+        lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
+        assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
+        levels.append(prediction.max_trace_level(scene))
+    assert levels[-1] < 40 < 100 < max(levels) <= limits.MAX_FACES + 1
+
+
+def told_aside(scene):
+    """Pixels of 1280x960 by which POV-Ray's interpolation between unit vectors shows an object aside, and should not.
+
+    Computed for the triangles of camera.pov.j2: at the middle of each side and of each triangle.
+    """
+    n, half = prediction.camera_cells(scene), scene.window / 2
+    corners = (np.arange(n + 1) / n * 2 - 1) * half
+    at = corners + 1j * corners[:, None]
+    worst = 0.0
+    for corner in ((0, 1), (1, 0)):
+        triangle = [at[:-1, :-1], at[corner[0] : n + corner[0], corner[1] : n + corner[1]], at[1:, 1:]]
+        for weights in ((0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (1 / 3, 1 / 3, 1 / 3)):
+            unit = [w / np.hypot(abs(place - scene.E), scene.z2) for w, place in zip(weights, triangle, strict=True)]
+            shown = sum(u * place for u, place in zip(unit, triangle, strict=True)) / sum(unit)
+            place = sum(w * place for w, place in zip(weights, triangle, strict=True))
+            worst = max(worst, abs(shown - place).max())
+    z1 = scene.z1
+    return verify.px(worst) * abs(z1 / (z1 + scene.z2 * np.exp(1j * np.radians(scene.alpha))))
+
+
+def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
+    random = np.random.default_rng(2)
+    told, kept = [], 0
+    for _ in range(60):
+        alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(0.6), 5)), np.exp(random.uniform(-2, 5))
+        scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, offset=(0, -random.uniform(0.05, 10)))
+        error = told_aside(scene)
+        assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
+        assert prediction.camera_cells(scene) <= limits.MAX_CELLS
+        if prediction.camera_cells(scene) < limits.MAX_CELLS:
+            assert error <= limits.MAX_CAMERA_ERROR, scene
+            told.append(error)
+            kept += 1
+    assert kept > 40 and max(told) > 0.7 * limits.MAX_CAMERA_ERROR  # nor many more cells than it takes
+    reported = Chess(sheet="ideal", alpha=162.5, z1=6, z2=6, offset=(0, Chess.floor - 8.6))
+    assert told_aside(reported) <= limits.MAX_CAMERA_ERROR
+
+
+def said(scene, rendering=None):
+    return " ".join(text for _, text in prediction.warnings(scene, rendering))
+
+
+def test_no_warning_without_cause():
+    draft = Rendering(quality="draft")
+    for scene in (
+        Chess(),
+        Chess(predicted_image=True),
+        Spheres(),
+        Chess(sheet="ideal", alpha=0, z2=1),
+        Chess(sheet="none"),
+        Chess(sheet="single", z2=2),
+    ):
+        assert not said(scene, draft)
+
+
+@pytest.mark.parametrize(
+    ("scene", "rendering", "words"),
+    [
+        (Chess(z2=2), None, ["z2 = 2", "21 % of the window", "stray light", "25 %"]),
+        (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "designed path"]),
+        (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "designed path"]),
+        (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
+        (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
+        (
+            Chess(predicted_image=True, alpha=179, z1=5),
+            None,
+            ["predicted_image", "8", "alpha = 179", "z1 = 5", "moves the object by"],
+        ),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "beyond 8", "moves the object by"]),
+        (Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6), None, ["predicted_image", "150", "573 times"]),
+        # an eye aside: the camera's cells are not small enough before that
+        (
+            Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, offset=(0, -2)),
+            None,
+            ["predicted_image", "27.9", "38.2 times"],
+        ),
+        (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.37 pixels", "1.2 pixels", "noise"]),
+    ],
+)
+def test_each_limit_warns_in_words(scene, rendering, words):
+    text = said(scene, rendering)
+    assert all(word in text for word in words), text
+
+
+def test_antialiasing_quiets_the_warning_of_aliasing():
+    assert not said(Chess(prisms=400), Rendering(quality="paper"))
+
+
+def test_settings_follow_the_maps():
+    level, cells = prediction.max_trace_level, prediction.camera_cells
+    assert prism.AIR_GAP > limits.GAP_RANGE[0] and prism.AIR_GAP < limits.GAP_RANGE[1]
+    assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
+    assert level(Chess(z2=60, z1=40, offset=(0, -10))) > 20  # an eye aside looks aslant, however far
+    assert level(Chess(sheet="single")) < level(Chess())
+    assert level(Chess(sheet="ideal")) == level(Chess(sheet="none")) == 5
+    near, far = (Chess(sheet="ideal", z2=z2, offset=(0, -1)) for z2 in (1, 20))
+    assert cells(near) > cells(far) > 1 == cells(Chess(sheet="ideal"))
+    assert cells(Chess(sheet="ideal", z1=20, z2=20, alpha=175, offset=(0, -1))) > 2 * cells(far)  # near the pole
+    # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
+    assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 1500, 1000)
+    with pytest.raises(ValueError, match="z1 = 4000.*3000 prisms.*3333"):
+        Chess(prisms=3000, z1=4000)
+    assert max(Spheres(prisms=3000, z2=150).distances) == 2400

@@ -1,0 +1,45 @@
+"""`--sheet auto`: tolerances, and the blocks of the window that a trial renders."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, Rendering
+from povgen.errors import InputError
+from povgen.measure.auto import MOSAIC, SHARE, Tolerance, choose, mosaic
+from povgen.measure.probes import window
+
+SIZE = (320, 240)
+PAPER = Rendering(size=SIZE)
+
+
+@pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
+def test_a_trial_renders_little_and_all_over_the_window(size):
+    scene = Chess(offset=(0.3, -1.6))
+    part = mosaic(scene, size)
+    rows, columns = window(scene, size)
+    y, x = np.array(part.blocks)[..., 1], np.array(part.blocks)[..., 0]
+    assert rows.start <= y.min() and y.max() + part.side <= rows.stop
+    assert columns.start <= x.min() and x.max() + part.side <= columns.stop
+    height, width = rows.stop - rows.start, columns.stop - columns.start
+    assert y.size * part.side**2 <= max(SHARE * height * width, MOSAIC[0] ** 2)
+    assert y.size * part.side**2 <= MOSAIC[1] ** 2 and y.max() - y.min() > height / 4 and x.max() - x.min() > width / 4
+    assert mosaic(scene, size) == part
+
+
+def test_nothing_is_tried_where_nothing_is_seen():
+    hidden = Chess(offset=(0, -9), z2=0.3)
+    assert mosaic(hidden, SIZE) is None
+    assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
+
+
+@pytest.mark.parametrize(
+    "text", ["1", "px", "-1px", "0px", "1px,2px", "1 mm", "nanpx", "1e3px", "", "1px,", "1px;rm", "٣px"]
+)
+def test_tolerances_that_are_none(text):
+    with pytest.raises(InputError, match="1px,0.2flip"):
+        Tolerance.parse(text)
+
+
+def test_tolerances():
+    assert Tolerance.parse("0.5px") == Tolerance(px=0.5)
+    assert Tolerance.parse("2px, .1flip") == Tolerance(px=2, flip=0.1)
