@@ -44,13 +44,13 @@ def cpu(text: str, rendering: Rendering = PLAIN) -> Callable[[], float]:
 
 def triangles(scene: Chess) -> list[list[list[float]]]:
     """Return povgen's mesh: the near sheet and the far sheet, each a list of triangles of three corners, tiles."""
-    pitch = scene.window / scene.prisms
+    pitch = scene.aperture / scene.prisms
     height = pitch * (1 - prism.AIR_GAP)
     base = height * prism.aspect() / 2
     top = base - height
     found = []
     for angle, side in ((radians(scene.alpha / 2), -1), (0.0, 1)):
-        reach = scene.window / 2 * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
+        reach = scene.aperture / 2 * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
         faces = []
         for k in range(floor(scene.prisms / 2 - reach / pitch), ceil(scene.prisms / 2 + reach / pitch)):
             low = (k - scene.prisms / 2) * pitch + pitch * prism.AIR_GAP / 2

@@ -78,7 +78,7 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
     """Measure the direction seen in every pixel of the window against the rotated direction."""
     for E, where in ((0j, "before the window"), (0.5 - 0.5j, "aside"), (8.6j, "far aside")):
-        scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
+        scenes = [Directions(sheet="ideal", alpha=alpha, eye=E) for alpha in (66, 180)]
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = probes.rays(scene, size)
@@ -87,7 +87,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
             off = np.linalg.norm(_unit(decoded[inside]) - turned, axis=1)
-            free = abs(leaves).max(1) < scene.window / 2 - 1e-6
+            free = abs(leaves).max(1) < scene.aperture / 2 - 1e-6
             worst = max(worst, np.nan_to_num(off[free], nan=np.inf).max())
         yield Measured("ideal", f"direction against the rotation, eye {where}, worst pixel", worst, 1e-4, "rad")
 
@@ -168,7 +168,7 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
     off = []
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
-        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
+        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes]
         a, b = (seen.position for _, seen in located(scenes, size))
         z2_over_distance = 1 - (a - b) / (
             eyes[0] - eyes[1]
@@ -212,7 +212,7 @@ def any_window(count: int, seed: int) -> list[Directions]:
     for n in range(count):
         number = int(np.exp(random.uniform(np.log(12), np.log(3001))))
         E = (n % 2) * complex(random.uniform(-1, 1), random.uniform(-1.3, 8))
-        farthest = Directions(prisms=number, z2=60, alpha=random.uniform(-180, 180), E=E)
+        farthest = Directions(prisms=number, z2=60, alpha=random.uniform(-180, 180), eye=E)
         nearest = max(0.3, farthest.depth / 2 + 0.05)
         scenes.append(farthest.model_copy(update={"z2": nearest * (60 / nearest) ** random.uniform()}))
     return scenes
@@ -354,7 +354,7 @@ def targets(
         M = rotation.M(z2 / z1, radians(alpha))
         if M < 10:
             L = rotation.object_position(position, E, z1, z2, radians(alpha))
-            scene = Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=0.3 / M)
+            scene = Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=0.3 / M)
             scenes.append(scene)
     return scenes
 

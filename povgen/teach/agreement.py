@@ -98,7 +98,7 @@ def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: i
 
 def _colours_at(picture: NDArray[np.uint8], scene: Scene, point: Complexes) -> Reals:
     """Return the picture's colours at points of the plane z = 0, interpolated between pixels."""
-    tile = picture.shape[0] / scene.view_height
+    tile = picture.shape[0] / scene.view
     x = picture.shape[1] / 2 + point.real * tile - 0.5
     y = picture.shape[0] / 2 - point.imag * tile - 0.5
     left, top = np.floor(x).astype(int), np.floor(y).astype(int)

@@ -177,7 +177,7 @@ def _montage(
     panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
     for ax, scene, frame, title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
         picture = read_png(frame)
-        high = scene.view_height / 2
+        high = scene.view / 2
         wide = high * picture.shape[1] / picture.shape[0]
         ax.imshow(picture, extent=(-wide, wide, -high, high))
         ax.set(xlim=(-reach, reach), ylim=(-reach, reach))

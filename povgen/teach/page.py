@@ -145,7 +145,7 @@ def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rende
         "rate": spec.rate(rendering.quality),
         "ratio": rendering.size[0] / rendering.size[1],
         "prisms": scene.prisms,
-        "pitch": scene.pitch,
+        "pitch": scene.prism.pitch,
         "L": [scene.L.real, scene.L.imag],
         "E": [scene.E.real, scene.E.imag],
         "powers": getattr(scene, "z1", ()) is None,  # every z1 is 2^n z2

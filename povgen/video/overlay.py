@@ -100,7 +100,7 @@ def _widest_text(name: str, several: bool) -> str:
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height, width, _ = picture.shape
-    tile = height / scene.view_height
+    tile = height / scene.view
     thick = max(height / 180, 1.5)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs in a row, which then look like a smooth line
 
@@ -156,7 +156,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     curve of constant r, along which alpha changes. A part is an array of points of the plane z = 0, in tiles, at most
     `step` apart. It ends where the window frame begins to hide the object.
     """
-    alpha, pitch = radians(scene.alpha), scene.pitch if scene.sheet == "detailed" else 0
+    alpha, pitch = radians(scene.alpha), scene.prism.pitch if scene.sheet == "detailed" else 0
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, pitch).real)
 
@@ -192,7 +192,7 @@ def _visible_parts(
             for _ in range(60):
                 place, visible = curve(parameter)
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
-                outside = np.maximum(abs(front.real), abs(front.imag)) - scene.window / 2
+                outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
                 # points between these two may be visible unless both are far outside of the window's opening
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)

@@ -16,7 +16,7 @@ from povgen.rendering import frames, povray
 from povgen.video import still
 
 WIDTH, HEIGHT = SIZE = 320, 240
-TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
+TILES = Chess.view / HEIGHT  # a pixel, in tiles
 X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
 HALF = Chess.window / 2
 INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls

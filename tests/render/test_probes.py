@@ -15,7 +15,7 @@ SIZE = (320, 240)
 
 
 def test_directions_to_16_bits():
-    scene = Directions(sheet="none", E=0.4 - 0.2j)
+    scene = Directions(sheet="none", eye=0.4 - 0.2j)
     (decoded,) = probes.decoded([scene], SIZE)
     inside, direction = probes.rays(scene, SIZE)
     decoded = decoded[inside]
@@ -78,7 +78,7 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
     scenes = []
     for prisms in range(1, 13):
         deep = prism.thickness(Directions.window / prisms, 2 if sheet == "detailed" else 1)
-        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
+        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "eye": 0.1j * (prisms % 3)}
         scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
     stray = []
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
@@ -100,9 +100,9 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
 )
 def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     """Narrower than the window, or much wider. POV-Ray's camera is wrong in the first row and the last column."""
-    scenes = [Directions(sheet=sheet, alpha=alpha, E=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
+    scenes = [Directions(sheet=sheet, alpha=alpha, eye=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
     none, ideal, turned = (decoded[1:, :-1] for decoded in probes.decoded(scenes, size))
-    pixel = Directions.view_height / size[1]
+    pixel = Directions.view / size[1]
     seen = ~np.isnan(none[..., 0])
     assert (np.isnan(ideal[..., 0]) == seen).mean() < 2e-3  # hidden by the window frame
     off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
@@ -125,5 +125,5 @@ def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     #end
     Check(Pixel(-ViewCorner)) Check(Pixel(ViewCorner)) Check(Pixel(WindowLower)) Check(Pixel(WindowUpper))
     """
-    scene = to_pov(Directions(sheet="ideal", E=3 + 8j))
+    scene = to_pov(Directions(sheet="ideal", eye=3 + 8j))
     povray.run(scene + check, Rendering(size=size, antialias="off"), tmp_path)

@@ -53,7 +53,7 @@ def exact(scenes, size):
             if scene.sheet == "ideal":
                 direction = rotation.rotate(direction, np.radians(scene.alpha))
             leaves = position + direction * scene.depth / 2 / direction[:, 2:]
-            ends = abs(leaves[:, :2]).max(1) > scene.window / 2
+            ends = abs(leaves[:, :2]).max(1) > scene.aperture / 2
         else:
             found = probes.traced(scene, direction, prediction.max_trace_level(scene))
             position, direction = found.position, found.direction

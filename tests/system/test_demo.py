@@ -171,7 +171,7 @@ def check(shown, movie, scene: Scene, n, chosen=0):
         assert abs(P - 0.5) > 0.5  # out of the picture
 
     seen = scene.apparent_position(scene.L, z1)
-    width, height = scene.view_height * shown["frame"], scene.view_height
+    width, height = scene.view * shown["frame"], scene.view
     inside = abs(seen.real) < width / 2 - 0.08 and abs(seen.imag) < height / 2 - 0.08
     assert (shown["predicted"] is not None) == inside
     if inside:

@@ -32,7 +32,7 @@ def yellow(picture):
 def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
     scene = Chess(sheet=sheet, alpha=alpha, z1=z1, offset=(0.4, -0.73))
     marks = yellow(drawn(scene, overlay=True))
-    pixel = scene.view_height / 480
+    pixel = scene.view / 480
     assert len(marks) > 20 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
 
 
@@ -43,7 +43,7 @@ def test_every_sphere_has_its_mark_on_the_circle():
     assert not others  # no circle of constant r for each
     assert len(overlay.positions(scene)) == 3
     for place in overlay.positions(scene):
-        assert abs(marks - place).min() < scene.view_height / 480 * 4
+        assert abs(marks - place).min() < scene.view / 480 * 4
         assert abs(line - place).min() < 0.01
     ideal = Spheres(alpha=60, sheet="ideal", z1=[6])
     ((line,), _), (turned, _) = overlay.loci(ideal)
@@ -56,7 +56,7 @@ def test_every_sphere_has_its_mark_on_the_circle():
 def near(places, reach, size=(640, 480)):
     """Return a mask of the pixels that are within a reach (pixels) of one of the places."""
     mask = np.zeros(size[::-1], bool)
-    tile = size[1] / Chess.view_height
+    tile = size[1] / Chess.view
     x, y = size[0] / 2 + places.real * tile, size[1] / 2 - places.imag * tile
     mask[y.astype(int), x.astype(int)] = True
     grown = np.zeros_like(mask)
@@ -116,7 +116,7 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
     drawn_at = probes.pixels((640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
-    assert reach < scene.window / 2 + 4 * scene.view_height / 480  # half a line's width
+    assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
 
 
 def test_the_overlay_leaves_the_rest_of_the_picture():

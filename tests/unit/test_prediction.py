@@ -51,7 +51,7 @@ def test_the_trace_level_leaves_few_pixels_black():
         (236, -95.6, 84.4, 3.02j),
         (100, 66, 6, 0j),
     ):
-        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
+        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
         inside, direction = probes.rays(scene, SIZE)
         found = probes.traced(scene, direction, max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
@@ -65,7 +65,7 @@ def told_aside(scene):
 
     Computed for the triangles of camera.pov.j2: at the middle of each side and of each triangle.
     """
-    n, half = prediction.camera_cells(scene), scene.window / 2
+    n, half = prediction.camera_cells(scene), scene.aperture / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half
     at = corners + 1j * corners[:, None]
     worst = 0.0
