@@ -45,8 +45,6 @@ class _Probe(Scene):
     prisms: int = 100
     z2: float = 6
     alpha: float = 66
-    eye: Annotated[tuple[float, float], BeforeValidator(as_pair)] = (0, 0)
-    index: float = prism.INDEX
     gap: float = prism.AIR_GAP
     trace_level: int | None = None  # None: the level that povgen sets for the scene
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
@@ -114,10 +112,10 @@ def _read(path: Path) -> Floats:
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 
-def pixels(size: Size) -> Complexes:
+def pixels(scene: Scene, size: Size) -> Complexes:
     """Return the positions of the pixels' centres, (height, width)."""
     width, height = size
-    pixels_per_tile = height / Scene.view_height
+    pixels_per_tile = height / scene.view
     x, y = np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5
     return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
 
@@ -127,7 +125,7 @@ def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
 
     Pixels whose ray meets the window frame before the sheets are left out.
     """
-    position = pixels(size)
+    position = pixels(scene, size)
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.aperture / 2
     inside = (_reach(position) < half) & (_reach(front) < half)

@@ -30,7 +30,7 @@ from povgen.scene.limits import (
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
 )
-from povgen.scene.models import Chess
+from povgen.scene.models import APERTURE, VIEW, Chess
 from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
 
 TINY = (320, 240)
@@ -265,7 +265,6 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     result = StabilityMap(
         "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
     )
-    place = probes.pixels(size)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = rotation.one_minus_P(1 / ratio, radians(alpha))
@@ -275,6 +274,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         enough = ceil(sqrt(grid_error(own, 1) / MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
         for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
+            place = probes.pixels(scene, size)
             inside, _ = probes.rays(scene, size)
             inside &= ~np.isnan(decoded[..., 0])
             predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
@@ -295,7 +295,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     result = StabilityMap(
         "aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x"
     )
-    width = Chess.window / Chess.view * size[1]
+    width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
         window = probes.window(scene, size)

@@ -17,6 +17,7 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
+from povgen.scene.models import VIEW
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
@@ -95,7 +96,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
 def chess_pieces(size: Size = HD) -> Iterator[Measured]:
     """Measure how chess pieces appear rotated and magnified about the eye, against eqs. 8 and 9, corrected."""
     scenes = [
-        PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
+        PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, x=0.1, eye=(0, -0.33), piece=name)
         for alpha, z1, name in (
             (25, 3, "pawn"),
             (66, 2, "knight"),
@@ -125,9 +126,9 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
-    offset = scene.L + x + 1j * y - scene.E
-    basis = offset[:, None] * depth[:, None] ** np.arange(4)
-    target = probes.pixels(size)[inside] - scene.E
+    from_eye = scene.L + x + 1j * y - scene.E
+    basis = from_eye[:, None] * depth[:, None] ** np.arange(4)
+    target = probes.pixels(scene, size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):
         a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
@@ -150,7 +151,7 @@ def horizon_angle(scene: Directions, size: Size) -> float:
     inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     slope = decoded[inside][:, 1] / decoded[inside][:, 2]
-    position = probes.pixels(size)[inside]
+    position = probes.pixels(scene, size)[inside]
     x, y = position.real, position.imag
     kept = np.ones(len(x), bool)
     for _ in range(8):
@@ -364,10 +365,12 @@ NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
 
 def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
     """Yield each scene, and where its square appears. If too little of it is seen: NOT_FOUND, which keeps no bound."""
-    position = probes.pixels(size)
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = probes.rays(scene, size)
-        yield scene, probes.locate(position[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND
+        yield (
+            scene,
+            probes.locate(probes.pixels(scene, size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
+        )
 
 
 def transverse(decoded: Floats) -> Complexes:
@@ -385,5 +388,5 @@ def rms(values: ArrayLike) -> float:
 
 
 def px(tiles: float) -> float:
-    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960."""
-    return float(tiles * HD[1] / Positions.view_height)
+    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the default view."""
+    return float(tiles * HD[1] / VIEW)

@@ -20,9 +20,9 @@ from povgen.optics.rotation import Complexes, Floats
 def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
-    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For prisms with pitch 0, a = 1 - P of eq. 7, and b = 0.
-    At |A| = |B| (`_depths`) light from L meets the eye's plane in a line, or not at all. Near this, a and b are large,
-    and so is their error (`limits.MAX_CORRECTION`).
+    z1, z2 and the prisms' pitch are in one unit, alpha in radians. If the pitch is 0, a = 1 - P of eq. 7, and
+    b = 0. At |A| = |B| (`_depths`) light from L meets the eye's plane in a line, or not at all. Near this, a and b are
+    large, and so is their error (`limits.MAX_CORRECTION`).
     """
     A, B = _depths(z1, z2, alpha, prism)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -34,9 +34,9 @@ def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tu
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
     A short step d on the object appears as a d + b conj(d), with a, b of `image`. Then nu = arg(a). The magnification
-    depends on the direction of d and is between |a| - |b| and |a| + |b|; M is their mean |a|. For prisms with pitch 0
-    these are eqs. 8 and 9, corrected. At |b| > |a| the object appears mirrored: nu is NaN, and the mean is |b|. At |A| = |B|, nu
-    is NaN and M is infinite.
+    depends on the direction of d and is between |a| - |b| and |a| + |b|; M is their mean |a|. If the pitch is 0
+    these are eqs. 8 and 9, corrected. At |b| > |a| the object appears mirrored: nu is NaN, and the mean is |b|. At
+    |A| = |B|, nu is NaN and M is infinite.
     """
     A, B = _depths(z1, z2, alpha, prism)
     a, b = image(z1, z2, alpha, prism)
@@ -49,7 +49,7 @@ def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
 
     If there are none, the results are complex, and their real part is the z1 at which |A| is least.
     """
-    g, apart = _sheet(prism)
+    g, apart = prism.slab_shift, prism.separation
     h = (apart + g) / 2
     half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
     return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
@@ -57,7 +57,7 @@ def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
     """Return the alpha from 0 to pi, radians, at which |A| = |B|; -alpha is another. Complex if there is none."""
-    g, apart = _sheet(prism)
+    g, apart = prism.slab_shift, prism.separation
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
     return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
@@ -85,12 +85,7 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
 
 def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
     """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
-    g, apart = _sheet(prism)
+    g, apart = prism.slab_shift, prism.separation
     h = (apart + g) / 2
     turn = np.exp(-1j * np.asarray(alpha))
     return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
-
-
-def _sheet(prism: Prism) -> tuple[float, float]:
-    """Return g, the shift of one sheet's slab of glass (`Prism.slab_shift`), and the distance of the middle planes."""
-    return prism.slab_shift, prism.length + prism.pitch * prism.gap

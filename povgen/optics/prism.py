@@ -38,6 +38,11 @@ class Prism:
         return self.height * self.aspect * self.full_aperture
 
     @property
+    def top_length(self) -> float:
+        """Extent along z, at the top."""
+        return self.length - 2 * self.height / tan(radians(self.base_angle))
+
+    @property
     def full_aperture(self) -> float:
         """Length divided by height at full aperture, cot(base angle) + cot(slope): 4.30 for the defaults."""
         return 1 / tan(radians(self.base_angle)) + 1 / tan(self._slope)
@@ -56,9 +61,14 @@ class Prism:
         """
         return self.height * self.aspect / tan(self._slope) * (1 - 1 / (self.index * cos(self._slope)))
 
+    @property
+    def separation(self) -> float:
+        """Distance between the middle planes of two parallel sheets: the air between the sheets is as wide as a gap."""
+        return self.length + self.gap * self.pitch
+
     def thickness(self, sheets: int) -> float:
         """Extent along z of one sheet, or of two parallel sheets and the air between them."""
-        return sheets * self.length + (sheets - 1) * self.gap * self.pitch
+        return self.length + (sheets - 1) * self.separation
 
     @property
     def _slope(self) -> float:

@@ -117,8 +117,8 @@ class _Glass:
 
 def pair(alpha: float, prism: Prism) -> tuple[Sheet, Sheet]:
     """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
-    offset = (prism.length + prism.gap * prism.pitch) / 2
-    return Sheet(alpha / 2, -offset), Sheet(0.0, offset)
+    aside = prism.separation / 2
+    return Sheet(alpha / 2, -aside), Sheet(0.0, aside)
 
 
 def sheets(model: str, alpha: float, prism: Prism) -> tuple[Sheet, ...]:
@@ -137,7 +137,8 @@ def trace(
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill a square window with the given side. A ray ends after `most` faces. Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
+    eye's side first, and fill a square window with the given side. A ray ends after `most` faces.
+    Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prism)
     position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))

@@ -9,6 +9,7 @@ MAX_CONDITION = 150
 MAX_CORRECTION = 8
 # (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
+MIN_PITCH = 0.0008  # tiles: that of so many prisms in the default window
 # (c) Between these widths, in units of the pitch, the air gap's width hardly matters. POV-Ray misses narrower gaps.
 GAP_RANGE = (1e-4, 0.09)
 # (d) This fraction of the window's pixels may be black because of the trace level, although light comes through there.
@@ -27,6 +28,6 @@ MIN_PIXELS_PER_PRISM = 1.2
 MIN_ALPHA = 3
 
 
-def units_per_tile(prisms: int) -> int:
+def units_per_tile(pitch: float) -> int:
     """Return the size of a tile in POV-Ray's units. POV-Ray's tolerances are fixed in them: finer prisms need more."""
-    return max(1000, prisms // 2)
+    return max(1000, round(1.2 / pitch))

@@ -22,6 +22,8 @@ if TYPE_CHECKING:  # numpy is slow to load
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
 PieceName = Literal[*PIECES]  # type: ignore[valid-type]
 SheetModel = Literal["detailed", "ideal", "single", "none"]
+APERTURE = 2.4  # the default side of the window, tiles
+VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
@@ -60,7 +62,6 @@ class Scene(BaseModel):
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
-
     index: Annotated[float, Field(ge=1.2, le=3)] = Field(
         prism.INDEX, description="refractive index n of the prisms, 1.2 to 3"
     )
@@ -75,10 +76,10 @@ class Scene(BaseModel):
         prism.ASPECT, description="length of a prism, in units of its length at full aperture, 0.3 to 3"
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
-        2.4, description="side of the square window, 0.5 to 10 tiles"
+        APERTURE, description="side of the square window, 0.5 to 10 tiles"
     )
     view: Annotated[float, Field(ge=0.1, le=100)] = Field(
-        3.85, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
+        VIEW, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
     )
     eye: Point = Field(
         (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
@@ -114,8 +115,8 @@ class Scene(BaseModel):
 
     @property
     def depth(self) -> float:
-        """Extent of the window frame along z, tiles: at least that of two sheets of 100 prisms, whatever the model."""
-        return max(0.24, 1.02 * self.sheets_depth)
+        """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
+        return max(self.aperture / 10, 1.02 * self.sheets_depth)
 
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
@@ -150,7 +151,7 @@ class Scene(BaseModel):
             # between eye and sheets; `behind` is between sheets and object
             slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
             behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
-            middle = max(0, self.sheets_depth - self.prism.length) / 2  # |z| of a sheet's middle plane
+            middle = self.prism.separation / 2 if self.sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
             crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
             crossed += [L - behind * numpy.subtract(z1, z) for z in (self.depth / 2, middle)]
         half = self.aperture / 2
@@ -178,7 +179,7 @@ class Scene(BaseModel):
     @property
     def tile(self) -> int:
         """POV-Ray's units per tile."""
-        return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
+        return limits.units_per_tile(self.prism.pitch if self.sheets_depth else 1)
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from math import ceil, hypot, inf, radians, sqrt
 from typing import NamedTuple
 
+from povgen.optics.prism import Prism
 from povgen.scene.limits import (
     MAX_CAMERA_ERROR,
     MAX_CELLS,
@@ -30,7 +31,7 @@ class Survey(NamedTuple):
     designed: float  # the fraction of the rays on the designed path
 
 
-SurveyInputs = tuple[str, float, float, complex, float, int, float, int]
+SurveyInputs = tuple[str, float, float, complex, float, Prism, int]
 surveys: dict[SurveyInputs, Survey] = {}  # the surveys that have been made, by their inputs
 
 
@@ -43,13 +44,11 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 
 def surveyed(scene: Scene, side: int = 60) -> SurveyInputs:
-    """Return all the numbers on which a scene's survey depends."""
+    """Return everything on which a scene's survey depends."""
     return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.aperture, scene.prism, side)
 
 
-def _survey(
-    sheet: str, alpha: float, z2: float, E: complex, window: float, prism: Prism, side: int
-) -> Survey:
+def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, prism: Prism, side: int) -> Survey:
     """Trace rays through a window of prisms. The window is divided into squares: one ray meets a random point of each.
 
     The random points are the same each time. Regular points, such as pixels, would show moire with the prisms.

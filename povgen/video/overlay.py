@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from povgen.optics import paraxial, rotation
+from povgen.optics.prism import Prism
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
@@ -156,9 +157,9 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     curve of constant r, along which alpha changes. A part is an array of points of the plane z = 0, in tiles, at most
     `step` apart. It ends where the window frame begins to hide the object.
     """
-    alpha, pitch = radians(scene.alpha), scene.prism.pitch if scene.sheet == "detailed" else 0
+    alpha, prism = radians(scene.alpha), scene.prism if scene.sheet == "detailed" else Prism(0.0)
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, pitch).real)
+    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prism).real)
 
     def constant_alpha(z1: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
         return scene.apparent_position(scene.L, z1), scene.visible(scene.L, z1)
@@ -166,7 +167,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     curves = [(_visible_parts(scene, constant_alpha, ends, infinite, step), ALPHA_COLOUR)]
     if len(scene.distances) == 1 and scene.sheet in ("detailed", "ideal"):
         z1 = scene.distances[0]
-        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, pitch).real)
+        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prism).real)
 
         def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
             return scene.apparent_position(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)

@@ -100,7 +100,9 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
 )
 def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     """Narrower than the window, or much wider. POV-Ray's camera is wrong in the first row and the last column."""
-    scenes = [Directions(sheet=sheet, alpha=alpha, eye=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
+    scenes = [
+        Directions(sheet=sheet, alpha=alpha, eye=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))
+    ]
     none, ideal, turned = (decoded[1:, :-1] for decoded in probes.decoded(scenes, size))
     pixel = Directions.view / size[1]
     seen = ~np.isnan(none[..., 0])
