@@ -9,7 +9,7 @@ from conftest import povgen, refused
 
 from povgen.measure import probes, rounding, stability, verify
 from povgen.measure.stability import StabilityMap
-from povgen.optics import prism, rotation
+from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
 
@@ -218,15 +218,15 @@ def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkey
     assert left[0] > 0.8 and left[1] > 0.2 and left[2] < 0.1, left
 
 
-def test_the_index_of_glass_turns_no_ray_on_the_designed_path(monkeypatch):
+def test_the_index_of_glass_turns_no_ray_on_the_designed_path():
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = probes.Directions(z2=2)
     _, direction = probes.rays(scene, SIZE)
     before = probes.traced(scene, direction)
-    length = prism.aspect()
-    monkeypatch.setattr(prism, "aspect", lambda: length)
-    monkeypatch.setattr(prism, "INDEX", prism.INDEX * (1 + 1e-6))
-    after = probes.traced(scene, direction)
+    changed = scene.model_copy(update={"index": scene.index * (1 + 1e-6)})
+    # of the same length
+    changed = changed.model_copy(update={"aspect": scene.prism.length / changed.prism.length})
+    after = probes.traced(changed, direction)
     leaves = before.end <= End.BACK
     same = leaves & (before.faces == after.faces).all(1) & (before.end == after.end)
     turned = np.linalg.norm(before.direction - after.direction, axis=1)

@@ -5,7 +5,7 @@ import pytest
 
 from povgen import Chess, Rendering
 from povgen.errors import InputError
-from povgen.measure.auto import MOSAIC, SHARE, Tolerance, choose, mosaic
+from povgen.measure.auto import MAX_SHARE, MOSAIC_SIDES, Tolerance, choose, mosaic
 from povgen.measure.probes import window
 
 SIZE = (320, 240)
@@ -14,20 +14,24 @@ PAPER = Rendering(size=SIZE)
 
 @pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
 def test_a_trial_renders_little_and_all_over_the_window(size):
-    scene = Chess(offset=(0.3, -1.6))
+    scene = Chess(x=0.3, eye=(0, 0.27))
     part = mosaic(scene, size)
     rows, columns = window(scene, size)
     y, x = np.array(part.blocks)[..., 1], np.array(part.blocks)[..., 0]
     assert rows.start <= y.min() and y.max() + part.side <= rows.stop
     assert columns.start <= x.min() and x.max() + part.side <= columns.stop
     height, width = rows.stop - rows.start, columns.stop - columns.start
-    assert y.size * part.side**2 <= max(SHARE * height * width, MOSAIC[0] ** 2)
-    assert y.size * part.side**2 <= MOSAIC[1] ** 2 and y.max() - y.min() > height / 4 and x.max() - x.min() > width / 4
+    assert y.size * part.side**2 <= max(MAX_SHARE * height * width, MOSAIC_SIDES[0] ** 2)
+    assert (
+        y.size * part.side**2 <= MOSAIC_SIDES[1] ** 2
+        and y.max() - y.min() > height / 4
+        and x.max() - x.min() > width / 4
+    )
     assert mosaic(scene, size) == part
 
 
 def test_nothing_is_tried_where_nothing_is_seen():
-    hidden = Chess(offset=(0, -9), z2=0.3)
+    hidden = Chess(eye=(0, 7.67), z2=0.3)
     assert mosaic(hidden, SIZE) is None
     assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
 
