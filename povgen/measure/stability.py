@@ -19,7 +19,6 @@ from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, 
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene.limits import (
-    GAP_RANGE,
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
     MAX_CORRECTION,
@@ -28,7 +27,9 @@ from povgen.scene.limits import (
     MAX_PRISMS,
     MIN_ALPHA,
     MIN_DESIGNED_FRACTION,
+    MIN_GAP,
     MIN_PIXELS_PER_PRISM,
+    WIDE_GAP,
 )
 from povgen.scene.models import APERTURE, VIEW, Chess
 from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
@@ -156,13 +157,13 @@ def gap_width(
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to it (%)", 3, "x"
     )
-    for count in (100, 1000):
+    for count in (100, 1000, MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
             narrow.add(f"N = {count}", gap, 100 * stray)
             wide.add(f"N = {count}", gap, 100 * (1 - designed / found[0][1]))
-        narrow.limit("detailed", f"N = {count}", GAP_RANGE[0], rising=False)
-        wide.limit("detailed", f"N = {count}", GAP_RANGE[1])
+        narrow.limit("detailed", f"N = {count}", MIN_GAP, rising=False)
+        wide.limit("detailed", f"N = {count}", WIDE_GAP)
     yield narrow
     yield wide
 

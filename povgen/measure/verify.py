@@ -53,6 +53,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from every_pixel()
         yield from finite_prisms()
         yield from paraxial_prediction()
+        yield from other_prisms()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -260,17 +261,42 @@ def finite_prisms(
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
+# Refractive indices, and base angles in degrees: dense glass, BK7, and flat prisms.
+OTHER_PRISMS = ((1.7, 40), (1.5168, 45), (1.5, 35))
+
+
 def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
     """Measure the error of the paraxial prediction, for 100 prisms, as a fraction of eq. 7's error.
 
     The fraction is large near alpha = 0, because the prediction ignores the moire bands of nearly parallel sheets.
     """
     for between, most in ALPHA_RANGES:
-        thin, thick = errors(targets("detailed", count, seed=5, E=0j, alphas=between, prisms=100), size)
-        kind = f"2x100, |alpha| {between[0]} to {between[1]} deg"
-        yield Measured(
-            "detailed", f"{kind}: paraxial prediction's error ({px(thick):.2f} px) over eq. 7's", thick / thin, most
+        yield _prediction_error("2x100", targets("detailed", count, seed=5, E=0j, alphas=between), between, most, size)
+
+
+def other_prisms(
+    shapes: tuple[tuple[float, float], ...] = OTHER_PRISMS,
+    alphas: tuple[float, ...] = (0, 35, 90, 180),
+    count: int = 12,
+    size: Size = SMALL,
+) -> Iterator[Measured]:
+    """Measure 100 prisms of other shapes against the exact ray trace, and the paraxial prediction for them."""
+    between, most = ALPHA_RANGES[1]
+    for index, base_angle in shapes:
+        shape, kind = {"index": index, "base_angle": base_angle}, f"2x100, n = {index:g}, {base_angle:g} deg"
+        scenes = [Directions(sheet="detailed", alpha=alpha, **shape) for alpha in alphas]
+        yield from _pixels(f"{kind}, {len(alphas)} alphas", scenes, size)
+        yield _prediction_error(
+            kind, targets("detailed", count, seed=5, E=0j, alphas=between, **shape), between, most, size
         )
+
+
+def _prediction_error(
+    kind: str, scenes: list[Positions], between: tuple[float, float], most: float, size: Size
+) -> Measured:
+    thin, thick = errors(scenes, size)
+    what = f"{kind}, |alpha| {between[0]} to {between[1]} deg: paraxial prediction's error ({px(thick):.2f} px)"
+    return Measured("detailed", f"{what} over eq. 7's", thick / thin, most)
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
@@ -340,11 +366,11 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
 
 
 def targets(
-    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), prisms: int = 100
+    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), **values: float
 ) -> list[Positions]:
     """Return squares at random distances that appear at random positions in the window, magnified less than 10 times.
 
-    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide.
+    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide. The scenes have these other values.
     """
     random = np.random.default_rng(seed)
     scenes: list[Positions] = []
@@ -355,7 +381,7 @@ def targets(
         M = rotation.M(z2 / z1, radians(alpha))
         if M < 10:
             L = rotation.object_position(position, E, z1, z2, radians(alpha))
-            scene = Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=0.3 / M)
+            scene = Positions(sheet=sheet, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=0.3 / M, **values)
             scenes.append(scene)
     return scenes
 

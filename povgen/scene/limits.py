@@ -9,9 +9,10 @@ MAX_CONDITION = 150
 MAX_CORRECTION = 8
 # (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
-MIN_PITCH = 0.0008  # tiles: that of so many prisms in the default window
-# (c) Between these widths, in units of the pitch, the air gap's width hardly matters. POV-Ray misses narrower gaps.
-GAP_RANGE = (1e-4, 0.09)
+# (c) The narrowest air gap, in units of the pitch: POV-Ray misses narrower gaps between fine prisms. Up to WIDE_GAP the
+# gap's width hardly matters.
+MIN_GAP = 1e-3
+WIDE_GAP = 0.09
 # (d) This fraction of the window's pixels may be black because of the trace level, although light comes through there.
 MAX_LOST_FRACTION = 0.05
 # To find that trace level, rays are followed through at most this number of faces. A level of 240 can crash POV-Ray.

@@ -24,6 +24,7 @@ PieceName = Literal[*PIECES]  # type: ignore[valid-type]
 SheetModel = Literal["detailed", "ideal", "single", "none"]
 APERTURE = 2.4  # the default side of the window, tiles
 VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
+MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
@@ -62,18 +63,19 @@ class Scene(BaseModel):
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
-    index: Annotated[float, Field(ge=1.2, le=3)] = Field(
-        prism.INDEX, description="refractive index n of the prisms, 1.2 to 3"
+    index: Annotated[float, Field(ge=1.1, le=4)] = Field(
+        prism.INDEX, description="refractive index n of the prisms, 1.1 to 4"
     )
-    base_angle: Annotated[float, Field(ge=20, le=70)] = Field(
-        prism.BASE_ANGLE, description="angle between a prism's base and its slanted facets, 20 to 70 degrees"
+    base_angle: Annotated[float, Field(ge=15, le=75)] = Field(
+        prism.BASE_ANGLE, description="angle between a prism's base and its slanted facets, 15 to 75 degrees"
     )
-    gap: Annotated[float, Field(ge=limits.GAP_RANGE[0], le=limits.GAP_RANGE[1])] = Field(
-        prism.AIR_GAP,
-        description="air between prisms, in units of their pitch, {:g} to {:g}".format(*limits.GAP_RANGE),
+    gap: Annotated[float, Field(ge=limits.MIN_GAP, le=0.5)] = Field(
+        prism.AIR_GAP, description=f"air between prisms, in units of their pitch, {limits.MIN_GAP:g} to 0.5"
     )
-    aspect: Annotated[float, Field(ge=0.3, le=3)] = Field(
-        prism.ASPECT, description="length of a prism, in units of its length at full aperture, 0.3 to 3"
+    aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
+        prism.ASPECT,
+        description="length of a prism, in units of its length at full aperture: "
+        "below 2, and so long that the slanted facets do not cross",
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         APERTURE, description="side of the square window, 0.5 to 10 tiles"
@@ -203,7 +205,12 @@ class Scene(BaseModel):
         if self.aspect <= least:
             raise ValueError(
                 f"aspect = {self.aspect:g}: the slanted facets of prisms with index = {self.index:g} and "
-                f"base_angle = {self.base_angle:g} would cross; allowed: aspect > {least:.4g}"
+                f"base_angle = {self.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
+            )
+        if self.sheets_depth > MAX_DEPTH:
+            raise ValueError(
+                f"prisms = {self.prisms}: with this shape of the prisms and aperture = {self.aperture:g} the sheets "
+                f"would be {self.sheets_depth:.4g} tiles deep; allowed: up to {MAX_DEPTH} tiles, as with more prisms"
             )
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:

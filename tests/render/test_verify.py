@@ -26,6 +26,7 @@ REDUCED = {
     "every pixel": lambda size: verify.every_pixel((100, 1000), (35,), 2, size),
     "finite prisms": lambda size: verify.finite_prisms((25, 400), 3, size),
     "paraxial prediction": lambda size: verify.paraxial_prediction(4, size),
+    "other prisms": lambda size: verify.other_prisms(((1.7, 40),), (35,), 4, size),
     "hyperbola": verify.hyperbola,
     "designed fraction": lambda size: verify.designed_fraction((66,), size),
 }

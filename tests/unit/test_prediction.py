@@ -150,7 +150,7 @@ def test_antialiasing_quiets_the_warning_of_aliasing():
 
 def test_settings_follow_the_maps():
     level, cells = prediction.max_trace_level, prediction.camera_cells
-    assert prism.AIR_GAP > limits.GAP_RANGE[0] and prism.AIR_GAP < limits.GAP_RANGE[1]
+    assert limits.MIN_GAP < prism.AIR_GAP < limits.WIDE_GAP
     assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
     assert level(Chess(z2=60, z1=40, eye=(0, 8.67))) > 20  # an eye aside looks aslant, however far
     assert level(Chess(sheet="single")) < level(Chess())
