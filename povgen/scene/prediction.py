@@ -120,7 +120,10 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
     glass = scene.sheet in ("detailed", "single")
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = f" and the eye at {scene.E:g}" if scene.E else ""
-        text = f"z2 = {scene.z2:g}{eye}: {100 * designed:.0f} % of the window shows light on the prisms' designed path,"
+        shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
+        unusual = (f", {name} = {x:g}" for name, x in shape.items() if x != type(scene).model_fields[name].default)
+        text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
+        text += " prisms' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
     if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < MIN_ALPHA:

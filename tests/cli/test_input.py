@@ -60,7 +60,10 @@ frames = 5
         (["--gap", "1e-4"], ["gap = '1e-4'", "0.001 to 0.5"]),
         (["--aperture", "0.4"], ["aperture = '0.4'", "0.5 to 10"]),
         (["--view", "0"], ["view = '0'", "0.1 to 100"]),
-        (["--prisms", "1", "--aperture", "10", "--aspect", "1.5"], ["prisms = 1", "aperture = 10", "127.7 tiles", "100 tiles"]),
+        (
+            ["--prisms", "1", "--aperture", "10", "--aspect", "1.5"],
+            ["prisms = 1", "aperture = 10", "127.7 tiles", "100 tiles"],
+        ),
         (["--aperture", "10", "--z1", "0.9"], ["z1 = 0.9", "knight", "z1 > 0.9"]),
         (["--size", "321x240"], ["size", "321x240", "even"]),
         (["--size", "2x2"], ["size", "2x2", "32"]),
