@@ -57,9 +57,9 @@ class Prism:
         """How much nearer a sheet makes objects appear, for the component of light's slope along the ridges.
 
         For this component a prism acts as a slab of glass. The shift is the path's extent along z in the glass, times
-        1 - 1/(n cos(slope)). (If light meets a slab at right angles, the factor is 1 - 1/n.)
+        1 - 1/(n cos(slope)). This product depends on the base angle, but not on the index (docs/sheets.md).
         """
-        return self.height * self.aspect / tan(self._slope) * (1 - 1 / (self.index * cos(self._slope)))
+        return self.height * self.aspect * tan(radians(self.base_angle))
 
     @property
     def separation(self) -> float:

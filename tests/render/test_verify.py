@@ -33,7 +33,7 @@ REDUCED = {
 # pictures that are large enough for the bounds, if POV-Ray renders them; SIZE if not named
 RENDERED_SIZES = {"piece": (480, 360), "real image": (480, 360)}
 # the same without POV-Ray, whose pixels are exact; SMALL if not named
-EXACT_SIZES = {"real image": (480, 360), "hyperbola": SIZE}
+EXACT_SIZES = {"real image": (480, 360), "hyperbola": SIZE, "other prisms": SIZE}
 
 
 @pytest.mark.parametrize("name", REDUCED)
