@@ -22,7 +22,7 @@ from rich.table import Table
 
 from povgen import Chess, Rendering, to_pov
 from povgen.measure import speed
-from povgen.optics import prism, trace
+from povgen.optics import trace
 from povgen.scene import prediction
 
 HERE = Path(__file__).parent
@@ -44,17 +44,15 @@ def cpu(text: str, rendering: Rendering = PLAIN) -> Callable[[], float]:
 
 def triangles(scene: Chess) -> list[list[list[float]]]:
     """Return povgen's mesh: the near sheet and the far sheet, each a list of triangles of three corners, tiles."""
-    pitch = scene.window / scene.prisms
-    height = pitch * (1 - prism.AIR_GAP)
-    base = height * prism.aspect() / 2
-    top = base - height
+    prism, half = scene.prism, scene.aperture / 2
+    base, top = prism.length / 2, prism.top_length / 2
     found = []
     for angle, side in ((radians(scene.alpha / 2), -1), (0.0, 1)):
-        reach = scene.window / 2 * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
+        reach = half * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
         faces = []
-        for k in range(floor(scene.prisms / 2 - reach / pitch), ceil(scene.prisms / 2 + reach / pitch)):
-            low = (k - scene.prisms / 2) * pitch + pitch * prism.AIR_GAP / 2
-            high = low + height
+        for k in range(floor((half - reach) / prism.pitch), ceil((half + reach) / prism.pitch)):
+            low = k * prism.pitch - half + prism.pitch * prism.gap / 2
+            high = low + prism.height
             for ya, za, yb, zb in (
                 (low, -base, low, base),
                 (low, -base, high, -top),
@@ -66,7 +64,7 @@ def triangles(scene: Chess) -> list[list[list[float]]]:
         corners = np.array(faces)
         x, y = corners[:, 0].copy(), corners[:, 1].copy()
         corners[:, 0], corners[:, 1] = cos(angle) * x - sin(angle) * y, sin(angle) * x + cos(angle) * y
-        corners[:, 2] += side * (base + pitch * prism.AIR_GAP / 2)
+        corners[:, 2] += side * prism.separation / 2
         found.append(corners.reshape(-1, 9).round(9).tolist())
     return found
 
@@ -92,8 +90,9 @@ def traced() -> float:
     """Return the CPU seconds for a million rays through two sheets."""
     random = np.random.default_rng(0).uniform(-1.1, 1.1, (1_000_000, 2))
     direction = np.column_stack((random, np.full(len(random), 6.0)))
+    prism = Chess().prism
     start = time.process_time()
-    trace.trace([[0, 0, -6]], direction, trace.pair(radians(66), 2.4, 100), 2.4, 100)
+    trace.trace([[0, 0, -6]], direction, trace.pair(radians(66), prism), 2.4, prism)
     return time.process_time() - start
 
 

@@ -99,7 +99,7 @@ def choose(
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)
     substitute = "none" if plain else "ideal"
     position_errors = {
-        sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view_height for scene in scenes)
+        sheet: max(_position_error(scene, sheet) * rendering.size[1] / scene.view for scene in scenes)
         for sheet in (substitute, "detailed")
     }
     ladders = [
@@ -209,7 +209,7 @@ def _position_error(scene: Scene, sheet: str) -> float:
     if sheet == "detailed":
         return 0.0
     alpha = radians(scene.alpha)
-    side = np.linspace(-0.45, 0.45, 5) * scene.window
+    side = np.linspace(-0.45, 0.45, 5) * scene.aperture
     positions = (side + 1j * side[:, None]).ravel()
     worst = 0.0
     for z1 in (*scene.distances, FAR_DISTANCE):

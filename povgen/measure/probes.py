@@ -45,14 +45,9 @@ class _Probe(Scene):
     prisms: int = 100
     z2: float = 6
     alpha: float = 66
-    E: complex = 0j
-    gap: float = prism.AIR_GAP  # air between prisms, in units of their pitch
+    gap: float = prism.AIR_GAP
     trace_level: int | None = None  # None: the level that povgen sets for the scene
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
-
-    @property
-    def air_gap(self) -> float:
-        return self.gap
 
     @property
     def distances(self) -> tuple[float, ...]:
@@ -116,10 +111,10 @@ def _read(path: Path) -> Floats:
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 
-def pixels(size: Size) -> Complexes:
+def pixels(scene: Scene, size: Size) -> Complexes:
     """Return the positions of the pixels' centres, (height, width)."""
     width, height = size
-    pixels_per_tile = height / Scene.view_height
+    pixels_per_tile = height / scene.view
     x, y = np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5
     return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
 
@@ -129,9 +124,9 @@ def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
 
     A pixel whose ray meets the window frame in front of the sheets does not show the window.
     """
-    position = pixels(size)
+    position = pixels(scene, size)
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
-    half = scene.window / 2
+    half = scene.aperture / 2
     inside = (_reach(position) < half) & (_reach(front) < half)
     offset = position[inside] - scene.E
     direction = np.column_stack((offset.real, offset.imag, np.full(len(offset), float(scene.z2))))
@@ -151,14 +146,14 @@ def traced(scene: Scene, direction: Floats, max_faces: int = 60, origin: Floats 
     `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets the
     window frame behind the sheets ends there.
     """
-    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.window, scene.prisms, scene.air_gap)
+    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.prism)
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(origin, direction, sheets, scene.window, scene.prisms, scene.air_gap, max_faces)
+    found = trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces)
     side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
     leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
     free = found.end <= trace.End.BACK
-    found.end[free & (abs(leaves[:, :2]).max(1) > scene.window / 2)] = trace.End.FRAME
+    found.end[free & (abs(leaves[:, :2]).max(1) > scene.aperture / 2)] = trace.End.FRAME
     found.designed &= found.end == trace.End.THROUGH
     return found
 

@@ -20,7 +20,6 @@ from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, 
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene.limits import (
-    GAP_RANGE,
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
     MAX_CORRECTION,
@@ -29,9 +28,11 @@ from povgen.scene.limits import (
     MAX_PRISMS,
     MIN_ALPHA,
     MIN_DESIGNED_FRACTION,
+    MIN_GAP,
     MIN_PIXELS_PER_PRISM,
+    WIDE_GAP,
 )
-from povgen.scene.models import Chess
+from povgen.scene.models import APERTURE, VIEW, Chess
 from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
 
 TINY = (320, 240)
@@ -132,7 +133,7 @@ def _near_pole(
         alpha, z1 = (angle, z2) if toward[0] == "α" else (180.0, z2 - z2 / (M + 1))
         L = rotation.object_position(P, E, z1, z2, radians(alpha))
         extent = 0.3 / rotation.M(z2 / z1, radians(alpha))
-        scenes.append(Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=extent))
+        scenes.append(Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=extent))
     for scene, seen in located(scenes, size):
         thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
         yield rotation.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.position, thin
@@ -158,13 +159,13 @@ def gap_width(
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to the gap (%)", 3, "x"
     )
-    for count in (100, 1000):
+    for count in (100, 1000, MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
             narrow.add(f"N = {count}", gap, 100 * stray)
             wide.add(f"N = {count}", gap, 100 * (1 - designed / found[0][1]))
-        narrow.limit("detailed", f"N = {count}", GAP_RANGE[0], rising=False)
-        wide.limit("detailed", f"N = {count}", GAP_RANGE[1])
+        narrow.limit("detailed", f"N = {count}", MIN_GAP, rising=False)
+        wide.limit("detailed", f"N = {count}", WIDE_GAP)
     yield narrow
     yield wide
 
@@ -196,11 +197,11 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
         ("z2 = 6", Directions(sheet="detailed")),
         ("z2 = 6, α = 150°", Directions(sheet="detailed", alpha=150)),
         ("z2 = 6, N = 1000", Directions(sheet="detailed", prisms=1000)),
-        ("z2 = 6, E = 3i", Directions(sheet="detailed", E=3j)),
-        ("z2 = 1.5, E = 5.1i, N = 1059", Directions(sheet="detailed", z2=1.5, E=5.1j, alpha=50, prisms=1059)),
-        ("z2 = 0.92, E = 8.2i, N = 678", Directions(sheet="detailed", z2=0.92, E=8.2j, alpha=-71, prisms=678)),
+        ("z2 = 6, E = 3i", Directions(sheet="detailed", eye=3j)),
+        ("z2 = 1.5, E = 5.1i, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
+        ("z2 = 0.92, E = 8.2i, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
         ("z2 = 60", Directions(sheet="detailed", z2=60)),
-        ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, E=8j)),
+        ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, eye=8j)),
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
         inside, direction = probes.rays(scene, size)
@@ -270,16 +271,16 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     result = StabilityMap(
         "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
     )
-    place = probes.pixels(size)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = rotation.one_minus_P(1 / ratio, radians(alpha))
         # the square fills the whole window
         L = rotation.object_position(0, E, z1, z2, radians(alpha))
-        own = Positions(sheet="ideal", alpha=alpha, z1=z1, z2=z2, E=E, L=L, extent=2 / abs(seen))
+        own = Positions(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=E, L=L, extent=2 / abs(seen))
         enough = ceil(sqrt(grid_error(own, 1) / MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
         for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
+            place = probes.pixels(scene, size)
             inside, _ = probes.rays(scene, size)
             inside &= ~np.isnan(decoded[..., 0])
             predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
@@ -300,7 +301,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     result = StabilityMap(
         "aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x"
     )
-    width = Chess.window / Chess.view_height * size[1]
+    width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3)
         window = probes.window(scene, size)

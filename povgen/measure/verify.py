@@ -17,6 +17,7 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
+from povgen.scene.models import VIEW
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
@@ -52,6 +53,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from every_pixel()
         yield from finite_prisms()
         yield from paraxial_prediction()
+        yield from other_prisms()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -78,7 +80,7 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
 def ideal_directions(size: Size = HD) -> Iterator[Measured]:
     """Compare the direction that each pixel of the window shows with the rotated direction."""
     for E, where in ((0j, "in front of the window"), (0.5 - 0.5j, "to the side"), (8.6j, "far to the side")):
-        scenes = [Directions(sheet="ideal", alpha=alpha, E=E) for alpha in (66, 180)]
+        scenes = [Directions(sheet="ideal", alpha=alpha, eye=E) for alpha in (66, 180)]
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = probes.rays(scene, size)
@@ -87,7 +89,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
             off = np.linalg.norm(_unit(decoded[inside]) - turned, axis=1)
-            free = abs(leaves).max(1) < scene.window / 2 - 1e-6
+            free = abs(leaves).max(1) < scene.aperture / 2 - 1e-6
             worst = max(worst, np.nan_to_num(off[free], nan=np.inf).max())
         yield Measured("ideal", f"direction against the rotation, eye {where}, worst pixel", worst, 1e-4, "rad")
 
@@ -95,7 +97,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
 def chess_pieces(size: Size = HD) -> Iterator[Measured]:
     """Compare how chess pieces appear rotated and magnified about the eye with eqs. 8 and 9, corrected."""
     scenes = [
-        PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, offset=(0.1, -1.0), piece=name)
+        PiecePositions(sheet="ideal", alpha=alpha, z1=z1, z2=6, x=0.1, eye=(0, -0.33), piece=name)
         for alpha, z1, name in (
             (25, 3, "pawn"),
             (66, 2, "knight"),
@@ -125,9 +127,9 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
-    offset = scene.L + x + 1j * y - scene.E
-    basis = offset[:, None] * depth[:, None] ** np.arange(4)
-    target = probes.pixels(size)[inside] - scene.E
+    from_eye = scene.L + x + 1j * y - scene.E
+    basis = from_eye[:, None] * depth[:, None] ** np.arange(4)
+    target = probes.pixels(scene, size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):
         a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
@@ -150,7 +152,7 @@ def horizon_angle(scene: Directions, size: Size) -> float:
     inside, _ = probes.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     slope = decoded[inside][:, 1] / decoded[inside][:, 2]
-    position = probes.pixels(size)[inside]
+    position = probes.pixels(scene, size)[inside]
     x, y = position.real, position.imag
     kept = np.ones(len(x), bool)
     for _ in range(8):
@@ -168,7 +170,7 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
     off = []
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
-        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, E=E, extent=0.05) for E in eyes]
+        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes]
         a, b = (seen.position for _, seen in located(scenes, size))
         # distance: from the eyes to the point where their lines of sight cross
         z2_over_distance = 1 - (a - b) / (eyes[0] - eyes[1])
@@ -211,7 +213,7 @@ def any_window(count: int, seed: int) -> list[Directions]:
     for n in range(count):
         number = int(np.exp(random.uniform(np.log(12), np.log(3001))))
         E = (n % 2) * complex(random.uniform(-1, 1), random.uniform(-1.3, 8))
-        farthest = Directions(prisms=number, z2=60, alpha=random.uniform(-180, 180), E=E)
+        farthest = Directions(prisms=number, z2=60, alpha=random.uniform(-180, 180), eye=E)
         nearest = max(0.3, farthest.depth / 2 + 0.05)
         scenes.append(farthest.model_copy(update={"z2": nearest * (60 / nearest) ** random.uniform()}))
     return scenes
@@ -258,17 +260,42 @@ def finite_prisms(
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 
 
+# Refractive indices, and base angles in degrees: dense glass, BK7, and flat prisms.
+OTHER_PRISMS = ((1.7, 40), (1.5168, 45), (1.5, 35))
+
+
 def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
     """Measure the error of the paraxial prediction, for 100 prisms, as a fraction of eq. 7's error.
 
     The fraction is large near alpha = 0: nearly parallel sheets show bands (moire), which the prediction ignores.
     """
     for between, most in ALPHA_RANGES:
-        thin, thick = errors(targets("detailed", count, seed=5, E=0j, alphas=between, prisms=100), size)
-        kind = f"2x100, |alpha| {between[0]} to {between[1]} deg"
-        yield Measured(
-            "detailed", f"{kind}: paraxial prediction's error ({px(thick):.2f} px) / eq. 7's error", thick / thin, most
+        yield _prediction_error("2x100", targets("detailed", count, seed=5, E=0j, alphas=between), between, most, size)
+
+
+def other_prisms(
+    shapes: tuple[tuple[float, float], ...] = OTHER_PRISMS,
+    alphas: tuple[float, ...] = (0, 35, 90, 180),
+    count: int = 12,
+    size: Size = SMALL,
+) -> Iterator[Measured]:
+    """Measure 100 prisms of other shapes against the exact ray trace, and the paraxial prediction for them."""
+    between, most = ALPHA_RANGES[1]
+    for index, base_angle in shapes:
+        shape, kind = {"index": index, "base_angle": base_angle}, f"2x100, n = {index:g}, {base_angle:g} deg"
+        scenes = [Directions(sheet="detailed", alpha=alpha, **shape) for alpha in alphas]
+        yield from _pixels(f"{kind}, {len(alphas)} alphas", scenes, size)
+        yield _prediction_error(
+            kind, targets("detailed", count, seed=5, E=0j, alphas=between, **shape), between, most, size
         )
+
+
+def _prediction_error(
+    kind: str, scenes: list[Positions], between: tuple[float, float], most: float, size: Size
+) -> Measured:
+    thin, thick = errors(scenes, size)
+    what = f"{kind}, |alpha| {between[0]} to {between[1]} deg: paraxial prediction's error ({px(thick):.2f} px)"
+    return Measured("detailed", f"{what} / eq. 7's error", thick / thin, most)
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
@@ -344,11 +371,11 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
 
 
 def targets(
-    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), prisms: int = 100
+    sheet: str, count: int, seed: int, E: complex, alphas: tuple[float, float] = (0, 180), **values: float
 ) -> list[Positions]:
     """Return squares at random distances that appear at random positions in the window, magnified less than 10 times.
 
-    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide.
+    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide. The scenes have these other values.
     """
     random = np.random.default_rng(seed)
     scenes: list[Positions] = []
@@ -359,7 +386,7 @@ def targets(
         M = rotation.M(z2 / z1, radians(alpha))
         if M < 10:
             L = rotation.object_position(position, E, z1, z2, radians(alpha))
-            scene = Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, E=E, extent=0.3 / M)
+            scene = Positions(sheet=sheet, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=0.3 / M, **values)
             scenes.append(scene)
     return scenes
 
@@ -369,10 +396,12 @@ NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
 
 def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
     """Yield each scene and where its square appears, or NOT_FOUND (NaN) if too little of the square is visible."""
-    position = probes.pixels(size)
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = probes.rays(scene, size)
-        yield scene, probes.locate(position[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND
+        yield (
+            scene,
+            probes.locate(probes.pixels(scene, size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
+        )
 
 
 def transverse(decoded: Floats) -> Complexes:
@@ -390,5 +419,5 @@ def rms(values: ArrayLike) -> float:
 
 
 def px(tiles: float) -> float:
-    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960."""
-    return float(tiles * HD[1] / Positions.view_height)
+    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the default view."""
+    return float(tiles * HD[1] / VIEW)

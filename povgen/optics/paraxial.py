@@ -2,7 +2,7 @@
 
 Eq. 7 is for infinitely thin sheets. A sheet of prisms with a given pitch is a few pitches thick. Across the ridges (the
 prisms' long edges) it reverses the slope of light, as if in the sheet's middle plane. Along the ridges it acts as a
-slab of glass: it shifts light sideways by -g times the component of the slope along the ridges (`prism.slab_shift`).
+slab of glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`).
 Other shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the
 derivation.
 
@@ -16,89 +16,82 @@ refer to this plane.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics import prism
+from povgen.optics.prism import Prism
 from povgen.optics.rotation import Complexes, Floats
 
 
-def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Complexes, Complexes]:
+def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
-    z1, z2 and the pitch of the prisms are in one unit, alpha in radians. For pitch = 0, a = 1 - P of eq. 7, and b = 0.
+    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0, a = 1 - P of eq. 7, and b = 0.
     At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
     so are their errors (`limits.MAX_CORRECTION`).
     """
-    A, B = _depths(z1, z2, alpha, pitch)
+    A, B = _depths(z1, z2, alpha, prism)
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.divide(z2, abs(A) ** 2 - abs(B) ** 2)
         return A.conj() * scale, -B * scale
 
 
-def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Floats, Floats]:
+def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
     A short step d on the object appears as a d + b conj(d), with a and b from `image`. Then nu = arg(a). The
     magnification depends on the direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For
-    pitch = 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is |b|.
+    a pitch of 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is |b|.
     If |A| = |B|, nu is NaN and M is infinite.
     """
-    A, B = _depths(z1, z2, alpha, pitch)
-    a, b = image(z1, z2, alpha, pitch)
+    A, B = _depths(z1, z2, alpha, prism)
+    a, b = image(z1, z2, alpha, prism)
     M = np.where(abs(A) == abs(B), np.inf, np.maximum(abs(a), abs(b)))
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 
 
-def infinite_z1(z2: ArrayLike, alpha: ArrayLike, pitch: float) -> Complexes:
+def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
     """Return the two z1 at which |A| = |B|.
 
     If no real z1 has |A| = |B|, the two results are complex. Their real part is the z1 at which |A| is least.
     """
-    g, apart = _sheet(pitch)
+    g, apart = prism.slab_shift, prism.separation
     h = (apart + g) / 2
     half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
     return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
 
 
-def infinite_alpha(z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
+def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
     """Return the alpha from 0 to pi, radians, at which |A| = |B|. It is complex if no real alpha has |A| = |B|.
 
     At -alpha, |A| = |B| too.
     """
-    g, apart = _sheet(pitch)
+    g, apart = prism.slab_shift, prism.separation
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
     return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
 def apparent_position(
-    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism
 ) -> Complexes:
-    """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for prisms with a pitch."""
-    a, b = image(z1, z2, alpha, pitch)
+    """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for real prisms."""
+    a, b = image(z1, z2, alpha, prism)
     D = np.subtract(L, E)
     return np.add(E, a * D) + b * np.conj(D)
 
 
-def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, pitch: float) -> Complexes:
+def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
     """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
 
     A line along z appears as a hyperbola. For z1 = z2 the result is infinite or NaN, because light from L meets the
     eye's plane in a line, or does not reach it.
     """
     D = np.subtract(L, E)
-    g = prism.slab_shift() * pitch * (1 - prism.AIR_GAP)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = D.real / (np.add(z2, z1) - g) + 1j * np.divide(D.imag, np.subtract(z2, z1))
+        slope = D.real / (np.add(z2, z1) - prism.slab_shift) + 1j * np.divide(D.imag, np.subtract(z2, z1))
         return np.add(E, np.multiply(z2, slope))
 
 
-def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, pitch: float) -> tuple[Complexes, Complexes]:
+def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
     """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
-    g, apart = _sheet(pitch)
+    g, apart = prism.slab_shift, prism.separation
     h = (apart + g) / 2
     turn = np.exp(-1j * np.asarray(alpha))
     return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
-
-
-def _sheet(pitch: float) -> tuple[float, float]:
-    """Return g, the slab shift of one sheet (`prism.slab_shift`), and the distance of the sheets' middle planes."""
-    height = pitch * (1 - prism.AIR_GAP)
-    return prism.slab_shift() * height, height * prism.aspect() + pitch * prism.AIR_GAP

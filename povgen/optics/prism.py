@@ -1,40 +1,81 @@
 """Dove prisms and the sheets made of them (section 2 of the paper). Lengths are in any one unit, angles in degrees.
 
-The paper states neither the base angle nor the refractive index. povgen uses the usual values.
+The paper states neither the base angle nor the refractive index. povgen's defaults are the usual values.
 """
 
-from math import asin, cos, radians, sin, tan
+from dataclasses import dataclass
+from math import asin, cos, radians, tan
 
 INDEX = 1.5  # refractive index n
 BASE_ANGLE = 45.0  # between the base and the slanted facets, degrees
 AIR_GAP = 0.01  # air between neighbouring prisms, and between the two sheets, in units of the pitch
+ASPECT = 1.0  # length of a prism, in units of its length at full aperture
 
 
-def aspect() -> float:
-    """Return a prism's length divided by its height: 1 + cot(base angle - refraction angle) = 4.30.
+@dataclass(frozen=True)
+class Prism:
+    """The shape of each prism in a sheet. The light runs along z, and the ridges lie along x.
 
-    With this length the full aperture is used: a ray along z that enters at the top of the slanted facet just reaches
-    the far end of the base.
+    At full aperture (aspect = 1) a ray along z that enters at the top of the slanted facet just reaches the far end of
+    the base, and every ray along z takes the designed path. A ray along z that enters at the height u leaves at the
+    height aspect * `height` - u.
     """
-    return 1 + 1 / tan(_slope())
 
+    pitch: float  # from one prism to the next; a pitch of 0 is the limit of infinitely small prisms
+    index: float = INDEX
+    base_angle: float = BASE_ANGLE
+    gap: float = AIR_GAP  # in units of the pitch
+    aspect: float = ASPECT
 
-def slab_shift() -> float:
-    """Return how much nearer a prism makes objects appear, divided by its height: 1.00.
+    @property
+    def height(self) -> float:
+        """From the base to the top."""
+        return self.pitch * (1 - self.gap)
 
-    This holds for the component of light's direction along the ridges, for which the prism acts as a slab of glass. The
-    shift is the path's extent along z, times 1 - 1/(n cos(slope)). (For a slab at right angles to the light the factor
-    is 1 - 1/n.)
-    """
-    return (1 - 1 / (INDEX * cos(_slope()))) / tan(_slope())
+    @property
+    def length(self) -> float:
+        """Extent along z, at the base."""
+        return self.height * self.aspect * self.full_aperture
 
+    @property
+    def top_length(self) -> float:
+        """Extent along z, at the top."""
+        return self.length - 2 * self.height / tan(radians(self.base_angle))
 
-def _slope() -> float:
-    """Return the angle, radians, between the base and a ray in the glass that runs along z outside the prism."""
-    return radians(BASE_ANGLE) - asin(sin(radians(BASE_ANGLE)) / INDEX)
+    @property
+    def full_aperture(self) -> float:
+        """Length divided by height at full aperture, cot(base angle) + cot(slope): 4.30 for the defaults."""
+        return 1 / tan(radians(self.base_angle)) + 1 / tan(self._slope)
 
+    @property
+    def least_aspect(self) -> float:
+        """The aspect at which the slanted facets meet in a ridge: a shorter prism has no top."""
+        return 2 / tan(radians(self.base_angle)) / self.full_aperture
 
-def thickness(pitch: float, sheets: int) -> float:
-    """Return the extent along z of one sheet, or of two parallel sheets and the air between them."""
-    gap = AIR_GAP * pitch
-    return sheets * (pitch - gap) * aspect() + (sheets - 1) * gap
+    @property
+    def slab_shift(self) -> float:
+        """How much nearer a sheet makes objects appear, for the component of light's slope along the ridges.
+
+        For this component a prism acts as a slab of glass. The shift is the path's extent along z in the glass, times
+        1 - 1/(n cos(slope)). This product depends on the base angle, but not on the index (docs/sheets.md).
+        """
+        return self.height * self.aspect * tan(radians(self.base_angle))
+
+    @property
+    def separation(self) -> float:
+        """Distance between the middle planes of two parallel sheets: the air between the sheets is as wide as a gap."""
+        return self.length + self.gap * self.pitch
+
+    def thickness(self, sheets: int) -> float:
+        """Extent along z of one sheet, or of two parallel sheets and the air between them."""
+        return self.length + (sheets - 1) * self.separation
+
+    @property
+    def _slope(self) -> float:
+        """Angle, radians, between the base and a ray in the glass that runs along z outside the prism.
+
+        The ray meets the slanted facet at 90 degrees - base angle from its normal, and refraction turns it away from z
+        by the difference to the refraction angle.
+        """
+        incidence = radians(90 - self.base_angle)
+        return incidence - asin(cos(radians(self.base_angle)) / self.index)

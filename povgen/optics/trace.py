@@ -14,7 +14,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics import prism
+from povgen.optics.prism import Prism
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 
@@ -65,17 +65,14 @@ class Rays:
 class _Glass:
     """The shape of the prisms. Each face has an outward normal (u, z), at the index of its `Face`."""
 
-    def __init__(self, window: float, prisms: int, gap: float) -> None:
-        self.window, self.pitch = window, window / prisms
-        self.gap = gap * self.pitch
-        self.height = self.pitch - self.gap
-        self.half = self.height * prism.aspect() / 2
-        slope = np.radians(prism.BASE_ANGLE)
-        c, s = np.cos(slope), np.sin(slope)
+    def __init__(self, window: float, prism: Prism) -> None:
+        self.window, self.pitch, self.height, self.index = window, prism.pitch, prism.height, prism.index
+        self.half = prism.length / 2
+        c, s = np.cos(np.radians(prism.base_angle)), np.sin(np.radians(prism.base_angle))
         self.normal_u = np.array([0.0, -1.0, 1.0, c, c])
         self.normal_z = np.array([0.0, 0.0, 0.0, -s, s])
         self.facet = s * self.half  # distance of the slanted facets' planes from u = z = 0
-        self.first = -prisms / 2 * self.pitch + self.gap / 2  # y of the base of prism 0
+        self.first = -window / 2 + prism.gap * prism.pitch / 2  # y of the base of prism 0
 
     def _facets(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> list[tuple[Face, Floats, Floats]]:
         """For each slanted facet: how fast a ray approaches its plane from inside, and when the ray meets it."""
@@ -118,16 +115,15 @@ class _Glass:
         return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
 
 
-def pair(alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, Sheet]:
+def pair(alpha: float, prism: Prism) -> tuple[Sheet, Sheet]:
     """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
-    glass = _Glass(window, prisms, gap)
-    offset = glass.half + glass.gap / 2
-    return Sheet(alpha / 2, -offset), Sheet(0.0, offset)
+    aside = prism.separation / 2
+    return Sheet(alpha / 2, -aside), Sheet(0.0, aside)
 
 
-def sheets(model: str, alpha: float, window: float, prisms: int, gap: float = prism.AIR_GAP) -> tuple[Sheet, ...]:
+def sheets(model: str, alpha: float, prism: Prism) -> tuple[Sheet, ...]:
     """Return the sheets of a scene whose `sheet` is 'detailed' or 'single'. alpha in radians."""
-    return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, window, prisms, gap)
+    return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, prism)
 
 
 def trace(
@@ -135,17 +131,16 @@ def trace(
     direction: ArrayLike,
     sheets: tuple[Sheet, ...],
     window: float,
-    prisms: int,
-    gap: float = prism.AIR_GAP,
+    prism: Prism,
     most: int = 60,
 ) -> Rays:
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first. `gap` is the air between prisms, in units of their pitch. A ray ends after `most` faces. Raises
-    ValueError if a ray does not start outside the sheets, or does not run towards them.
+    eye's side first, and fill a square window with the given side. A ray ends after `most` faces.
+    Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
-    glass = _Glass(window, prisms, gap)
+    glass = _Glass(window, prism)
     position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
@@ -263,7 +258,7 @@ class _Trace:
         above = entering[face == Face.BASE]
         self.cell[above] += 1
         self.u[above] = 0
-        self.bend(entering, face, 1 / prism.INDEX)
+        self.bend(entering, face, 1 / self.glass.index)
         return self.without_unfinished(entering), leaving
 
     def change_sheet(self, i: Indices) -> Indices:
@@ -279,7 +274,7 @@ class _Trace:
     def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
         """Take rays in the glass to the next face. Return those that leave the prism and those that are reflected."""
         i, face = self.advance(i, *self.glass.way_out(self.u[i], self.z[i], self.dy[i], self.dz[i]))
-        reflected = self.bend(i, face, prism.INDEX)
+        reflected = self.bend(i, face, self.glass.index)
         below = i[~reflected & (face == Face.BASE)]
         self.cell[below] -= 1
         self.u[below] = self.glass.pitch

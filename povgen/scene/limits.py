@@ -10,8 +10,10 @@ MAX_CONDITION = 150
 MAX_CORRECTION = 8
 # (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
-# (c) Between these widths, in units of the pitch, the air gap's width hardly matters. POV-Ray misses narrower gaps.
-GAP_RANGE = (1e-4, 0.09)
+# (c) The narrowest air gap, in units of the pitch: POV-Ray misses narrower gaps between fine prisms. Up to WIDE_GAP the
+# gap's width hardly matters.
+MIN_GAP = 1e-3
+WIDE_GAP = 0.09
 # (d) This fraction of the window's pixels may be black because of the trace level, although light comes through there.
 MAX_LOST_FRACTION = 0.05
 # To find that trace level, rays are followed through at most this number of faces. A level of 240 can crash POV-Ray.
@@ -28,6 +30,6 @@ MIN_PIXELS_PER_PRISM = 1.2
 MIN_ALPHA = 3
 
 
-def units_per_tile(prisms: int) -> int:
+def units_per_tile(pitch: float) -> int:
     """Return the size of a tile in POV-Ray's units. Its tolerances are fixed in these units: finer prisms need more."""
-    return max(1000, prisms // 2)
+    return max(1000, round(1.2 / pitch))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from povgen.optics import prism
+from povgen.optics.prism import Prism
 from povgen.scene import limits
 
 if TYPE_CHECKING:  # numpy is slow to load
@@ -21,14 +22,22 @@ if TYPE_CHECKING:  # numpy is slow to load
 PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
 PieceName = Literal[*PIECES]  # type: ignore[valid-type]
 SheetModel = Literal["detailed", "ideal", "single", "none"]
+APERTURE = 2.4  # the default side of the window, tiles
+VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
+MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
-Offset = Annotated[float, Field(ge=-10, le=10)]
+Aside = Annotated[float, Field(ge=-10, le=10)]
 
 
-def _pair(value: object) -> object:
-    """Split text such as 'X,Y'."""
+def as_pair(value: object) -> object:
+    """Accept text such as 'X,Y', and a complex number."""
+    if isinstance(value, complex):
+        return value.real, value.imag
     return value.split(",") if isinstance(value, str) else value
+
+
+Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
 
 
 def _as_tuple(value: object) -> object:
@@ -54,39 +63,62 @@ class Scene(BaseModel):
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
+    index: Annotated[float, Field(ge=1.1, le=4)] = Field(
+        prism.INDEX, description="refractive index n of the prisms, 1.1 to 4"
+    )
+    base_angle: Annotated[float, Field(ge=15, le=75)] = Field(
+        prism.BASE_ANGLE, description="angle between a prism's base and its slanted facets, 15 to 75 degrees"
+    )
+    gap: Annotated[float, Field(ge=limits.MIN_GAP, le=0.5)] = Field(
+        prism.AIR_GAP, description=f"air between prisms, in units of their pitch, {limits.MIN_GAP:g} to 0.5"
+    )
+    aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
+        prism.ASPECT,
+        description="length of a prism, in units of its length at full aperture: "
+        "below 2, and so long that the slanted facets do not cross",
+    )
+    aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
+        APERTURE, description="side of the square window, 0.5 to 10 tiles"
+    )
+    view: Annotated[float, Field(ge=0.1, le=100)] = Field(
+        VIEW, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
+    )
+    eye: Point = Field(
+        (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
+    )
 
     name: ClassVar[str]
     subject: ClassVar[str]
-    window: ClassVar[float] = 2.4  # side of the square window, tiles
     rim: ClassVar[float] = 0.13  # width of the window frame's sides, tiles
-    view_height: ClassVar[float] = 3.85  # height of the picture in the plane z = 0, tiles
 
-    if TYPE_CHECKING:  # each scene defines the points L (object) and E (eye), projected onto z = 0, and every z1
+    if TYPE_CHECKING:  # each scene defines the point L (object), projected onto z = 0, and every z1
 
         @property
         def L(self) -> complex: ...
 
         @property
-        def E(self) -> complex: ...
-
-        @property
         def distances(self) -> tuple[float, ...]: ...
+
+    @property
+    def E(self) -> complex:
+        """The eye, projected onto z = 0."""
+        return complex(*self.eye)
+
+    @property
+    def prism(self) -> Prism:
+        """The shape of the prisms. Lengths are in tiles."""
+        return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
     @property
     def sheets_depth(self) -> float:
         """Extent of the sheets along z, tiles. They are centred on z = 0."""
         sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
-        return prism.thickness(self.pitch, sheets) if sheets else 0.0
-
-    @property
-    def pitch(self) -> float:
-        """Pitch of the prisms, tiles."""
-        return self.window / self.prisms
+        return self.prism.thickness(sheets) if sheets else 0.0
 
     @property
     def depth(self) -> float:
-        """Extent of the window frame along z, tiles: at least that of two sheets of 100 prisms, whatever the model."""
-        return max(0.24, 1.02 * self.sheets_depth)
+        """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
+        return max(self.aperture / 10, 1.02 * self.sheets_depth)
 
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
@@ -100,9 +132,9 @@ class Scene(BaseModel):
         turn = numpy.radians(self.alpha if alpha is None else alpha)
         match self.sheet:
             case "detailed":
-                return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.pitch)
+                return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prism)
             case "single":
-                return paraxial.mirrored_position(L, self.E, z1, self.z2, self.pitch)
+                return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
             case "ideal":
                 return rotation.apparent_position(L, self.E, z1, self.z2, turn)
             case "none":
@@ -121,10 +153,10 @@ class Scene(BaseModel):
             # between eye and sheets; `behind` is between sheets and object
             slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
             behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
-            middle = max(0, self.sheets_depth - prism.thickness(self.pitch, 1)) / 2  # |z| of a sheet's middle plane
+            middle = self.prism.separation / 2 if self.sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
             crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
             crossed += [L - behind * numpy.subtract(z1, z) for z in (self.depth / 2, middle)]
-        half = self.window / 2
+        half = self.aperture / 2
         return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
@@ -143,18 +175,13 @@ class Scene(BaseModel):
             r = rotation.r(z1, self.z2)
             nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
         else:
-            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.pitch)
+            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prism)
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
-
-    @property
-    def air_gap(self) -> float:
-        """Air between prisms, in units of their pitch."""
-        return prism.AIR_GAP
 
     @property
     def tile(self) -> int:
         """POV-Ray's units per tile."""
-        return limits.units_per_tile(self.prisms if self.sheets_depth else 1)
+        return limits.units_per_tile(self.prism.pitch if self.sheets_depth else 1)
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:
@@ -173,7 +200,18 @@ class Scene(BaseModel):
         return MAX_DISTANCE / self.tile
 
     @model_validator(mode="after")
-    def _check_eye(self) -> Self:
+    def _check_prisms_and_eye(self) -> Self:
+        least = self.prism.least_aspect
+        if self.aspect <= least:
+            raise ValueError(
+                f"aspect = {self.aspect:g}: the slanted facets of prisms with index = {self.index:g} and "
+                f"base_angle = {self.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
+            )
+        if self.sheets_depth > MAX_DEPTH:
+            raise ValueError(
+                f"prisms = {self.prisms}: with this shape of the prisms and aperture = {self.aperture:g} the sheets "
+                f"would be {self.sheets_depth:.4g} tiles deep; allowed: up to {MAX_DEPTH} tiles, as with more prisms"
+            )
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
             raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
@@ -185,14 +223,9 @@ class Chess(Scene):
 
     name: ClassVar[str] = "chess"
     subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
-    floor: ClassVar[float] = -(Scene.window / 2 + Scene.rim)  # the window frame stands on it
 
     z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, up to 5000 tiles")
-    offset: Annotated[tuple[Offset, Annotated[float, Field(ge=-10, lt=0)]], BeforeValidator(_pair)] = Field(
-        (0, floor),
-        description="L - E as X,Y: X moves the piece to the right, -Y is the eye's height above the floor; "
-        "-10 to 10 tiles, Y below 0",
-    )
+    x: Aside = Field(0, description="where the piece stands, to the right of the window's centre, -10 to 10 tiles")
     piece: PieceName = Field("knight", description=f"the chess piece: {', '.join(PIECES)}")
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"
@@ -200,13 +233,13 @@ class Chess(Scene):
 
     @property
     def L(self) -> complex:
-        """Centre of the piece's foot: on the floor, X to the right of the window's centre."""
-        return complex(self.offset[0], self.floor)
+        """Centre of the piece's foot, projected onto z = 0."""
+        return complex(self.x, self.floor)
 
     @property
-    def E(self) -> complex:
-        """The eye: -Y above the floor, opposite the middle of the window's width."""
-        return complex(0, self.floor - self.offset[1])
+    def floor(self) -> float:
+        """Height of the floor, on which the window frame stands, relative to the window's centre, tiles."""
+        return -(self.aperture / 2 + self.rim)
 
     @property
     def distances(self) -> tuple[float, ...]:
@@ -221,6 +254,10 @@ class Chess(Scene):
 
     @model_validator(mode="after")
     def _check_piece(self) -> Self:
+        if self.eye[1] <= self.floor:
+            raise ValueError(
+                f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
+            )
         self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
@@ -248,20 +285,15 @@ class Spheres(Scene):
         description="distance from the sheets to a sphere, up to 5000 tiles; one for each sphere "
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
-    offset: Annotated[tuple[Offset, Offset], BeforeValidator(_pair)] = Field(
+    line: Point = Field(
         (-0.55, 0),
-        description="L - E as X,Y: moves the line of the spheres X to the right of the eye and Y up, -10 to 10 tiles",
+        description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
 
     @property
     def L(self) -> complex:
         """Where the line of the spheres crosses the plane z = 0."""
-        return complex(*self.offset)
-
-    @property
-    def E(self) -> complex:
-        """The eye, opposite the window's centre."""
-        return 0j
+        return complex(*self.line)
 
     @property
     def distances(self) -> tuple[float, ...]:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from math import ceil, hypot, inf, radians, sqrt
 from typing import NamedTuple
 
+from povgen.optics.prism import Prism
 from povgen.scene.limits import (
     MAX_CAMERA_ERROR,
     MAX_CELLS,
@@ -31,7 +32,7 @@ class Survey(NamedTuple):
     designed: float  # the fraction of the rays on the designed path
 
 
-SurveyInputs = tuple[str, float, float, complex, float, int, float, int]
+SurveyInputs = tuple[str, float, float, complex, float, Prism, int]
 surveys: dict[SurveyInputs, Survey] = {}  # finished surveys, by their inputs
 
 
@@ -44,13 +45,11 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 
 def surveyed(scene: Scene, side: int = 60) -> SurveyInputs:
-    """Return all the numbers on which a scene's survey depends."""
-    return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.window, scene.prisms, scene.air_gap, side)
+    """Return everything on which a scene's survey depends."""
+    return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.aperture, scene.prism, side)
 
 
-def _survey(
-    sheet: str, alpha: float, z2: float, E: complex, window: float, prisms: int, gap: float, side: int
-) -> Survey:
+def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, prism: Prism, side: int) -> Survey:
     """Trace rays through a window of prisms. The window is divided into squares; one ray meets a random point of each.
 
     The random points are the same each time. Regularly spaced points would make moire with the prisms.
@@ -63,14 +62,14 @@ def _survey(
     x, y = (points.reshape(2, -1) / side - 0.5) * window
     direction = np.column_stack((x - E.real, y - E.imag, np.full(len(x), z2)))
     eye = np.array([[E.real, E.imag, -z2]])
-    glass = trace.sheets(sheet, radians(alpha), window, prisms, gap)
-    found = trace.trace(eye, direction, glass, window, prisms, gap)
+    glass = trace.sheets(sheet, radians(alpha), prism)
+    found = trace.trace(eye, direction, glass, window, prism)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8 is a margin: a picture can lose a little more than this sample of rays
     lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
-        longer = trace.trace(eye, direction[unfinished], glass, window, prisms, gap, MAX_FACES)
+        longer = trace.trace(eye, direction[unfinished], glass, window, prism, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
     return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed.mean()))
 
@@ -103,12 +102,12 @@ def grid_error(scene: Scene, cells: int) -> float:
     has the direction that belongs to another point, up to d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with
     the longest side d (docs/sheets.md). An object appears displaced by |P| times this distance.
     """
-    half = scene.window / 2
+    half = scene.aperture / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)
     nearest, farthest = hypot(max(0, x - half), max(0, y - half)), hypot(x + half, y + half)
     tangent = min(max(1, nearest / scene.z2), farthest / scene.z2)  # sin(2 angle) is greatest at 45 degrees
-    displaced = 2 * (scene.window / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
-    return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view_height * 960
+    displaced = 2 * (scene.aperture / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
+    return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view * 960
 
 
 def _P(scene: Scene, z1: float) -> float:
@@ -122,7 +121,10 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
     glass = scene.sheet in ("detailed", "single")
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = f" and the eye at {scene.E:g}" if scene.E else ""
-        text = f"z2 = {scene.z2:g}{eye}: {100 * designed:.0f} % of the window shows light on the prisms' designed path,"
+        shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
+        unusual = (f", {name} = {x:g}" for name, x in shape.items() if x != type(scene).model_fields[name].default)
+        text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
+        text += " prisms' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
     if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < MIN_ALPHA:
@@ -130,7 +132,7 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
-        pixels = scene.window / scene.view_height * rendering.size[1] / scene.prisms
+        pixels = scene.aperture / scene.view * rendering.size[1] / scene.prisms
         if pixels < MIN_PIXELS_PER_PRISM:
             text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {MIN_PIXELS_PER_PRISM} pixels,"
             yield "prisms", f"{text} without antialiasing, the picture is noise"
@@ -165,9 +167,9 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
             moved = (
                 scene.apparent_position(scene.L, z1) - thin
                 if two
-                else scene.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
+                else scene.prism.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
             )
-            found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view_height * 960
+            found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view * 960
             limit = np.full(len(found), MAX_CORRECTION)
             what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
     worst = np.argmax(found / limit)

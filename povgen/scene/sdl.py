@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__
-from povgen.optics import prism
 from povgen.scene import prediction
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
@@ -28,7 +27,7 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     options = " ".join(Rendering.model_validate({}).picture_options)
-    environment.globals.update(version=__version__, prism=prism, options=options, raw=_raw)
+    environment.globals.update(version=__version__, options=options, raw=_raw)
     return environment
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from povgen.measure import probes, verify
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.optics import rotation, trace
+from povgen.optics.prism import Prism
 from povgen.scene.models import Chess, Scene, Spheres
 
 Reals = NDArray[np.float64]
@@ -47,9 +48,9 @@ class RayThroughSheet:
 def ray_through_sheet(prisms: int, distance: float) -> RayThroughSheet:
     """Trace a ray from z = distance to z = -distance through a sheet whose prisms are 1 apart."""
     start, slope = np.array([-1.0, -0.97, distance]), np.array([0.2, 0.25, -1.0])
-    sheet = (trace.Sheet(0.0, 0.0),)
+    prism, sheet = Prism(1.0), (trace.Sheet(0.0, 0.0),)
     # a trace of at most n faces ends on the n-th
-    rays = [trace.trace(start[None], slope[None], sheet, prisms, prisms, most=most) for most in (1, 2, 3, 60)]
+    rays = [trace.trace(start[None], slope[None], sheet, prisms, prism, most=most) for most in (1, 2, 3, 60)]
     out = rays[-1].direction[0] / -rays[-1].direction[0][2]
     path = [start, *(ray.position[0] for ray in rays)]
     path.append(path[-1] + (distance + path[-1][2]) * out)
@@ -98,7 +99,7 @@ def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: i
 
 def _colours_at(picture: NDArray[np.uint8], scene: Scene, point: Complexes) -> Reals:
     """Return the picture's colours at points of the plane z = 0, interpolated between pixels."""
-    tile = picture.shape[0] / scene.view_height
+    tile = picture.shape[0] / scene.view
     x = picture.shape[1] / 2 + point.real * tile - 0.5
     y = picture.shape[0] / 2 - point.imag * tile - 0.5
     left, top = np.floor(x).astype(int), np.floor(y).astype(int)
@@ -125,7 +126,7 @@ class PieceAgreement:
 
 def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     """Measure each scene's piece in a frame in which the piece's colours are coordinates."""
-    coded = [PiecePositions(**scene.model_dump(include={"alpha", "z1", "z2", "offset", "piece"})) for scene in scenes]
+    coded = [PiecePositions(**scene.model_dump(exclude={"predicted_image"})) for scene in scenes]
     found = []
     for scene, frame in zip(coded, probes.decoded(coded, verify.SMALL), strict=True):
         a = verify.about_eye(scene, frame, verify.SMALL)
@@ -155,17 +156,18 @@ class TracedThroughP:
 
 def trace_through_P(alpha: float, z1: float, z2: float) -> TracedThroughP:
     """Trace rays from E through fine prisms near P, back to the plane of L. The angle alpha is in radians."""
-    prisms, window = 3000, 4.0
+    window = 4.0
+    prism = Prism(window / 3000)
     place = complex(rotation.P(z2 / z1, alpha))
     # A prism shifts a ray one way or the other. The mean over several prisms is not shifted.
-    spread = np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * window / prisms
+    spread = np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * prism.pitch
     direction = np.column_stack((place.real + spread[:, 0] - 1, place.imag + spread[:, 1], np.full(len(spread), z2)))
-    rays = trace.trace(np.array([[1.0, 0, -z2]]), direction, trace.pair(alpha, window, prisms), window, prisms)
+    rays = trace.trace(np.array([[1.0, 0, -z2]]), direction, trace.pair(alpha, prism), window, prism)
     x, y, z = rays.position[rays.designed].T
     dx, dy, dz = rays.direction[rays.designed].T
     before, after = direction[rays.designed] @ (1, 1j, 0), dx + 1j * dy
     start = x + 1j * y + after / dz * (z1 - z)
-    return TracedThroughP(prisms, degrees(np.angle(before / after).mean()), float(abs(start.mean())))
+    return TracedThroughP(3000, degrees(np.angle(before / after).mean()), float(abs(start.mean())))
 
 
 # ---- Figure 6 ----

@@ -13,7 +13,8 @@ import numpy as np
 
 from povgen.files import save
 from povgen.measure.plotting import Axes, Figure, save_drawing, style
-from povgen.optics import prism, rotation
+from povgen.optics import rotation
+from povgen.optics.prism import Prism
 from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Chess, Scene, Spheres
 from povgen.scene.sdl import to_caption
@@ -64,7 +65,8 @@ def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
 def dove_prism_sheet(rendering: Rendering) -> Drawn:
     """Draw figure 1: a sheet in space, the real path of a ray, and the path of a mirrored ray."""
     count, half = 5, 1.7
-    height, length = 1 - prism.AIR_GAP, (1 - prism.AIR_GAP) * prism.aspect()
+    prism = Prism(1.0)
+    height, half_base, half_top = prism.height, prism.length / 2, prism.top_length / 2
     ray = agreement.ray_through_sheet(count, 5.2)
 
     figure = Figure(figsize=(WIDTH, 3.7))
@@ -72,10 +74,10 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
     for n in range(count):
         y = n - count / 2
         profile = [
-            (y, -length / 2),
-            (y, length / 2),
-            (y + height, length / 2 - height),
-            (y + height, height - length / 2),
+            (y, -half_base),
+            (y, half_base),
+            (y + height, half_top),
+            (y + height, -half_top),
         ]
         near, back = ([(x, *corner) for corner in profile] for x in (-half, half))
         faces(ax, [back, *([near[k - 1], near[k], back[k], back[k - 1]] for k in range(4)), near], "#cfe2f3", 0.35)
@@ -97,7 +99,7 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
 def mirroring(rendering: Rendering) -> Drawn:
     """Draw figure 2: mirroring a picture about the vertical, then about an axis at alpha/2, rotates it by alpha."""
     alpha = radians(32)
-    scene = Chess(sheet="none", z1=2.2, offset=(0, -0.75))
+    scene = Chess(sheet="none", z1=2.2, eye=(0, -0.58))
     picture = read_png(next(render_all([scene], rendering)))
     made = agreement.mirror_twice(picture, scene, alpha, rendering.size[1] // 2)
 
@@ -177,7 +179,7 @@ def _montage(
     panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
     for ax, scene, frame, title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
         picture = read_png(frame)
-        high = scene.view_height / 2
+        high = scene.view / 2
         wide = high * picture.shape[1] / picture.shape[0]
         ax.imshow(picture, extent=(-wide, wide, -high, high))
         ax.set(xlim=(-reach, reach), ylim=(-reach, reach))

@@ -11,7 +11,6 @@ from typing import Any
 
 from povgen.errors import InputError, validated
 from povgen.files import checked_folder, checked_output, save, work_folder
-from povgen.optics import prism
 from povgen.rendering.frames import render_all
 from povgen.scene import limits
 from povgen.scene.models import Scene
@@ -122,8 +121,6 @@ def _page_data(movies: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the data that the page's script reads. Lengths are in tiles."""
     return {
         "movies": movies,
-        "view_height": Scene.view_height,
-        "prism": {"air_gap": prism.AIR_GAP, "aspect": prism.aspect(), "slab_shift": prism.slab_shift()},
         "limits": {"condition": limits.MAX_CONDITION, "correction": limits.MAX_CORRECTION},
     }
 
@@ -145,7 +142,8 @@ def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rende
         "rate": spec.rate(rendering.quality),
         "ratio": rendering.size[0] / rendering.size[1],
         "prisms": scene.prisms,
-        "pitch": scene.pitch,
+        "view": scene.view,
+        "prism": {"slab_shift": scene.prism.slab_shift, "separation": scene.prism.separation},
         "L": [scene.L.real, scene.L.imag],
         "E": [scene.E.real, scene.E.imag],
         "powers": getattr(scene, "z1", ()) is None,  # every z1 is 2^n z2

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from povgen.optics import paraxial, rotation
+from povgen.optics.prism import Prism
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
@@ -102,7 +103,7 @@ def _widest_text(name: str, several: bool) -> str:
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height, width, _ = picture.shape
-    tile = height / scene.view_height
+    tile = height / scene.view
     thick = max(height / 180, 1.5)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs: so close together they look like a smooth line
 
@@ -158,9 +159,9 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles, at most `step` apart.
     It ends where the window frame begins to hide the object.
     """
-    alpha, pitch = radians(scene.alpha), scene.pitch if scene.sheet == "detailed" else 0
+    alpha, prism = radians(scene.alpha), scene.prism if scene.sheet == "detailed" else Prism(0.0)
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, pitch).real)
+    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prism).real)
 
     def constant_alpha(z1: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
         return scene.apparent_position(scene.L, z1), scene.visible(scene.L, z1)
@@ -168,7 +169,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     curves = [(_visible_parts(scene, constant_alpha, ends, infinite, step), ALPHA_COLOUR)]
     if len(scene.distances) == 1 and scene.sheet in ("detailed", "ideal"):
         z1 = scene.distances[0]
-        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, pitch).real)
+        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prism).real)
 
         def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
             return scene.apparent_position(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)
@@ -194,7 +195,7 @@ def _visible_parts(
             for _ in range(60):
                 place, visible = curve(parameter)
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
-                outside = np.maximum(abs(front.real), abs(front.imag)) - scene.window / 2
+                outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
                 # between two points that are far apart add one, unless both are far outside the window's opening
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)

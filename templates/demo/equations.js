@@ -65,44 +65,42 @@ const equations = (() => {
     return plus(E, quotient(scaled(z2, minus(L, E)), sum(z2, z1, -alpha)));
   }
 
-  // The same for two sheets of prisms with the given pitch, by the paraxial prediction (docs/sheets.md).
-  function prisms(L, E, z1, z2, alpha, pitch) {
-    const { A, B } = depths(z1, z2, alpha, pitch);
+  // The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
+  // povgen/optics/prism.py: slab_shift and separation.
+  function prisms(L, E, z1, z2, alpha, prism) {
+    const { A, B } = depths(z1, z2, alpha, prism);
     const D = minus(L, E);
     const place = minus(times(conj(A), D), times(B, conj(D)));
     return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
   }
 
   // The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
-  function turned(z1, z2, alpha, pitch) {
-    const { A, B } = depths(z1, z2, alpha, pitch);
+  function turned(z1, z2, alpha, prism) {
+    const { A, B } = depths(z1, z2, alpha, prism);
     const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
     return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
   }
 
-  function depths(z1, z2, alpha, pitch) {
-    const { b, h } = sheet(pitch);
+  function depths(z1, z2, alpha, prism) {
+    const { b, h } = sheet(prism);
     return { A: plus([z2 - h, 0], scaled(z1 - h, turn(-alpha))), B: scaled(b, turn(alpha)) };
   }
 
-  function sheet(pitch) {
-    const height = pitch * (1 - data.prism.air_gap);
-    const g = data.prism.slab_shift * height;
-    const apart = height * data.prism.aspect + pitch * data.prism.air_gap;
-    return { b: apart - g, h: (apart + g) / 2 };
+  function sheet({ slab_shift, separation }) {
+    return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
   }
 
   // The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
   // To get the values of z2 instead, pass z1 as the first argument.
-  function infiniteZ1(z2, alpha, pitch) {
-    const { b, h } = sheet(pitch);
+  function infiniteZ1(z2, alpha, prism) {
+    const { b, h } = sheet(prism);
     const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
     return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
   }
 
   // The same for alpha, along a curve of constant r.
-  function infiniteAlpha(z1, z2, pitch) {
-    const { b, h } = sheet(pitch);
+  function infiniteAlpha(z1, z2, prism) {
+    const { b, h } = sheet(prism);
     const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
     const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
     return [-alpha, alpha];

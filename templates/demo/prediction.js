@@ -3,9 +3,9 @@
 const overlay = $("overlay");
 
 function drawPrediction(now) {
-  const { sweep, L, E, ratio } = state.movie;
-  const pitch = state.sheet === "ideal" ? 0 : state.movie.pitch;
-  const [width, height] = [100 * data.view_height * ratio, 100 * data.view_height];
+  const { sweep, L, E, view, ratio } = state.movie;
+  const prism = state.sheet === "ideal" ? { slab_shift: 0, separation: 0 } : state.movie.prism;
+  const [width, height] = [100 * view * ratio, 100 * view];
   const at = ([x, y]) => [100 * x, -100 * y];
   overlay.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
   overlay.replaceChildren();
@@ -19,11 +19,11 @@ function drawPrediction(now) {
       const [z1, z2] = sweep === "z2" ? [still, moved] : [moved, still];
       return at(apparentPosition(z1, z2, now.alpha));
     };
-    const infinite = equations.infiniteZ1(still, now.alpha, pitch).map((moved) => Math.log(moved / still));
+    const infinite = equations.infiniteZ1(still, now.alpha, prism).map((moved) => Math.log(moved / still));
     shapes.push(curve("of-alpha", branches(place, -8, 8, infinite)));
   }
   if (sweep === "alpha") {
-    const infinite = equations.infiniteAlpha(now.z1, now.z2, pitch);
+    const infinite = equations.infiniteAlpha(now.z1, now.z2, prism);
     const place = (alpha) => at(apparentPosition(now.z1, now.z2, alpha));
     shapes.push(curve("of-r", branches(place, -Math.PI, Math.PI, infinite)));
   }

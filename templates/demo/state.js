@@ -22,14 +22,14 @@ function moment() {
 
 // The point of the plane z = 0 at which the sheets show L, in tiles.
 function apparentPosition(z1, z2, alpha) {
-  const { L, E, pitch } = state.movie;
+  const { L, E, prism } = state.movie;
   const fine = state.sheet === "ideal";
-  return fine ? equations.ideal(L, E, z1, z2, alpha) : equations.prisms(L, E, z1, z2, alpha, pitch);
+  return fine ? equations.ideal(L, E, z1, z2, alpha) : equations.prisms(L, E, z1, z2, alpha, prism);
 }
 
 // The angle nu by which the sheets show an object rotated, and its magnification M.
 function appearance(z1, z2, alpha) {
-  if (state.sheet === "detailed") return equations.turned(z1, z2, alpha, state.movie.pitch);
+  if (state.sheet === "detailed") return equations.turned(z1, z2, alpha, state.movie.prism);
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
 }
 
@@ -38,5 +38,5 @@ function unsure(now) {
   if (state.sheet === "ideal") return equations.M(now.r, now.alpha) > data.limits.condition;
   const thin = equations.ideal(state.movie.L, state.movie.E, now.z1, now.z2, now.alpha);
   const moved = abs(minus(apparentPosition(now.z1, now.z2, now.alpha), thin));
-  return !((moved / data.view_height) * 960 <= data.limits.correction); // NaN at the pole
+  return !((moved / state.movie.view) * 960 <= data.limits.correction); // NaN at the pole
 }

@@ -21,6 +21,7 @@ from collections import Counter
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from importlib import import_module
+from math import ceil
 from pathlib import Path
 from unittest import mock
 
@@ -659,33 +660,58 @@ def test_what_is_right_is_done(data):
     scene = data.draw(st.sampled_from([*SCENES]))
     given = {
         "alpha": data.draw(st.floats(-360, 360)),
-        "z2": data.draw(st.floats(1, 150)),
-        "prisms": data.draw(st.integers(50, 3000)),
-        "z1": data.draw(st.floats(1, 3000)),
-        "offset": data.draw(st.tuples(st.floats(-10, 10), st.floats(-10, 0, exclude_max=True))),
+        "z2": data.draw(st.floats(5, 150)),
+        "prisms": data.draw(st.integers(100, 3000)),
+        "index": data.draw(st.floats(1.3, 4)),
+        "base_angle": data.draw(st.floats(45, 60)),
+        "gap": data.draw(st.floats(1e-3, 0.5)),
+        "aspect": data.draw(st.floats(1, 1.5)),
+        "aperture": data.draw(st.floats(2, 5)),
+        "view": data.draw(st.floats(0.1, 100)),
+        "z1": data.draw(st.floats(5, 2500)),
+        "eye": data.draw(st.tuples(st.floats(-10, 10), st.floats(-1, 10))),
         "sheet": data.draw(st.sampled_from(["detailed", "ideal", "single", "none"])),
     }
     if scene == "chess":
         given["piece"] = data.draw(rights("piece"))
+        given["x"] = data.draw(st.floats(-10, 10))
+    else:
+        given["line"] = data.draw(st.tuples(st.floats(-10, 10), st.floats(-10, 10)))
     status, source, said = tried(
         ["pov", scene, *(f"--{name.replace('_', '-')}={text_of(x)}" for name, x in given.items())], test="right"
     )
     assert status == 0, said
-    number = re.escape(f"{given['z2']:.15g}")
-    assert re.search(rf"#declare Z2 +={' '}{number};", source) and f"{given['z1']:.15g}" in source
+    stated = dict(zip(("EyeX", "EyeY"), given["eye"], strict=True))
+    stated |= {"Z2": given["z2"], "Window": given["aperture"], "ViewHeight": given["view"]}
+    if given["sheet"] in ("detailed", "single"):
+        stated |= {"GlassIndex": given["index"], "BaseAngle": given["base_angle"]}
+        stated |= {"AirGap": given["gap"], "Aspect": given["aspect"], "Prisms": given["prisms"]}
+    if scene == "chess":
+        stated |= {"Z1": given["z1"], "PieceX": given["x"]}
+    else:
+        stated |= dict(zip(("LX", "LY"), given["line"], strict=True))
+    for parameter, value in stated.items():
+        assert re.search(rf"^#declare {parameter} += {re.escape(f'{value:.15g}')};", source, re.M), parameter
+
+
+BOUNDS = {
+    **{"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "x": (-10, 10)},
+    **{"index": (1.1, 4), "base_angle": (15, 75), "gap": (0.001, 0.5), "aspect": (0, 2)},
+    **{"aperture": (0.5, 10), "view": (0.1, 100), "timeout": (0, 1e6)},
+}
 
 
 @pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.annotation in (int, float)])
 def test_numbers(name):
     """An accepted value is a number, as Python reads it, within the bounds that the help states."""
-    low, high = {"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "timeout": (0, 1e6)}[name]
+    low, high = BOUNDS[name]
 
     @cases(60)
     @given(
-        st.sampled_from(NUMBERS) | st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * int(high)).map(str)
+        st.sampled_from(NUMBERS) | st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * ceil(high)).map(str)
     )
     def fuzz(text):
-        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name}={text}"]
+        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name.replace('_', '-')}={text}"]
         if tried(line, test="numbers")[0] == 0:
             assert low <= float(text) <= high
 
@@ -760,7 +786,7 @@ def test_found_in_command_lines(line, words):
         ("z1 = 2", "z1 = 0x" + "f" * 5000, ["z1 = a very long int"]),
         ("z1 = 2", "z1." + "a." * 2000 + "a = 1", ["z1 = a very long dict"]),
         ("z1 = 2", "alpha = 0x" + "f" * 5000, ["alpha = a very long int", "swept"]),
-        ("z1 = 2", "offset = [true, -1]", ["offset = [True, -1]", "true or false"]),
+        ("z1 = 2", "eye = [true, -1]", ["eye = [True, -1]", "true or false"]),
         ('"A movie"', '"A\\u2028movie"', ["title", "one line"]),
         ('"A movie"', '"A\\u0085movie"', ["title", "one line"]),
         ("frames = 2", "frames = 2\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),

@@ -44,8 +44,27 @@ frames = 5
         (["--prisms", "2.5"], ["prisms", "2.5", "integer"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
         (["--sheet", "glass"], ["sheet", "glass", "ideal"]),
-        (["--offset", "1"], ["offset", "1", "X,Y"]),
-        (["--offset", "0,1"], ["offset", "0,1", "Y below 0"]),
+        (["--eye", "1"], ["eye", "'1'", "X,Y"]),
+        (["--eye", "0,-1.33"], ["eye = 0,-1.33", "under the floor", "Y > -1.33"]),
+        (["--eye", "0,-0.4", "--aperture", "0.5"], ["eye = 0,-0.4", "Y > -0.38"]),
+        (["--eye", "11,0"], ["eye", "'11,0'", "-10 to 10"]),
+        (["--offset", "1,-1"], ["No such option", "--offset"]),
+        (["--line", "0,0"], ["line", "unknown", "x", "eye"]),
+        (["--x", "11"], ["x = '11'", "-10 to 10"]),
+        (["--index", "1"], ["index = '1'", "1.1 to 4"]),
+        (["--index", "4.1"], ["index = '4.1'", "1.1 to 4"]),
+        (["--base-angle", "76"], ["base_angle = '76'", "15 to 75"]),
+        (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.249 < aspect < 2"]),
+        (["--aspect", "0.4"], ["aspect = 0.4", "index = 1.5", "cross", "0.465"]),
+        (["--aspect", "2"], ["aspect = '2'", "below 2"]),
+        (["--gap", "1e-4"], ["gap = '1e-4'", "0.001 to 0.5"]),
+        (["--aperture", "0.4"], ["aperture = '0.4'", "0.5 to 10"]),
+        (["--view", "0"], ["view = '0'", "0.1 to 100"]),
+        (
+            ["--prisms", "1", "--aperture", "10", "--aspect", "1.5"],
+            ["prisms = 1", "aperture = 10", "127.7 tiles", "100 tiles"],
+        ),
+        (["--aperture", "10", "--z1", "0.9"], ["z1 = 0.9", "knight", "z1 > 0.9"]),
         (["--size", "321x240"], ["size", "321x240", "even"]),
         (["--size", "2x2"], ["size", "2x2", "32"]),
         (["--size", "100000x100000"], ["size", "7680"]),
@@ -146,12 +165,18 @@ FAR = [
     Chess(alpha=180, z1=6.000000000000001, sheet="ideal", predicted_image=True),
     Chess(alpha=180, z1=6.000000000000001, predicted_image=True),
     Chess(prisms=1, z1=150, z2=150),
-    Chess(prisms=3000, z1=3000, z2=150, offset=(-10, -5e-324)),
-    Chess(z2=0.1300001, offset=(10, -10)),
+    Chess(prisms=3000, z1=3000, z2=150, x=-10, eye=(0, -1.3299999999999998)),
+    Chess(z2=0.1300001, x=10, eye=(-10, 10)),
     Chess(z2=150, z1=5000, sheet="single"),
     Spheres(z1=(5000,) * 50, sheet="ideal"),
-    Spheres(prisms=3000, z2=150, offset=(10, 10)),
-    Spheres(alpha=180, z1=(6.0,), offset=(5e-324, -5e-324), sheet="ideal"),
+    Spheres(prisms=3000, z2=150, line=(10, 10), eye=(-10, -10)),
+    Spheres(alpha=180, z1=(6.0,), line=(5e-324, -5e-324), sheet="ideal"),
+    Chess(index=1.1, base_angle=75, view=0.1, eye=(10, 10), z1=3),
+    Chess(index=4, base_angle=15, aspect=1.99, view=100, z2=0.7),
+    Chess(prisms=3000, aperture=0.5, gap=0.001, z1=694, z2=150),
+    Chess(prisms=1, aperture=10, gap=0.5, z1=150, z2=150, view=100),
+    Chess(sheet="ideal", aperture=10, z2=0.52, view=100, eye=(10, 10), predicted_image=True),
+    Spheres(sheet="ideal", aperture=0.5, z2=150, view=0.1, eye=(10, -10)),
 ]
 
 
@@ -163,7 +188,7 @@ def test_the_ends_of_what_is_allowed(scene):
 
 def test_a_window_that_its_frame_hides(tmp_path):
     """POV-Ray hangs if the camera of the ideal sheet is inside out. The camera has few cells here, to be fast."""
-    few, count = re.subn("(Cells +=) [0-9]+", r"\1 10", to_pov(Chess(z2=0.2, offset=(0, -10), sheet="ideal")))
+    few, count = re.subn("(Cells +=) [0-9]+", r"\1 10", to_pov(Chess(z2=0.2, eye=(0, 8.67), sheet="ideal")))
     assert count == 1 and povray.run(few, Rendering(size=(32, 32), antialias="off"), tmp_path).is_file()
 
 

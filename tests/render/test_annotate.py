@@ -14,11 +14,11 @@ from povgen.video import overlay
 @pytest.mark.parametrize(
     "values, most",
     [
-        ({"sheet": "ideal", "alpha": 120, "E": 0.9 - 0.7j}, 0),
-        ({"sheet": "none", "E": 0.9 - 0.7j}, 0),
-        ({"sheet": "detailed", "alpha": 90, "E": -0.8 + 0.3j}, 0.03),
-        ({"sheet": "detailed", "alpha": 66, "E": 0.5j, "prisms": 20}, 0.03),
-        ({"sheet": "single", "E": 0.3 + 0.9j}, 0),
+        ({"sheet": "ideal", "alpha": 120, "eye": 0.9 - 0.7j}, 0),
+        ({"sheet": "none", "eye": 0.9 - 0.7j}, 0),
+        ({"sheet": "detailed", "alpha": 90, "eye": -0.8 + 0.3j}, 0.03),
+        ({"sheet": "detailed", "alpha": 66, "eye": 0.5j, "prisms": 20}, 0.03),
+        ({"sheet": "single", "eye": 0.3 + 0.9j}, 0),
     ],
 )
 def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
@@ -26,8 +26,8 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
     (decoded,) = probes.decoded([scene], (160, 120))
     inside, _ = probes.rays(scene, (160, 120))
-    shown, place = scene.L + verify.transverse(decoded), probes.pixels((160, 120))
-    coarse = 2.5 * scene.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
+    shown, place = scene.L + verify.transverse(decoded), probes.pixels(scene, (160, 120))
+    coarse = 2.5 * scene.prism.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
     designed = inside & (abs(scene.apparent_position(shown, 2) - place) < 0.04 + coarse)
     hidden = designed & ~scene.visible(shown, 2)
     assert designed.sum() > 1500 and hidden.sum() <= most * designed.sum()

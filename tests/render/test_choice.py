@@ -57,7 +57,7 @@ def position_error(scene, sheet):
             shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / rotation.M(scene.z2 / z1, alpha))
             right, shown = (apparent(kind, scene.prisms, **shared) for kind in ("detailed", sheet))
             worst = max(worst, abs(shown - right))
-    return worst * SIZE[1] / scene.view_height
+    return worst * SIZE[1] / scene.view
 
 
 @pytest.mark.parametrize(

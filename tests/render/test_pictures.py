@@ -13,12 +13,14 @@ from povgen import Chess, Rendering, Spheres, render, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation
 from povgen.rendering import frames, povray
+from povgen.scene.models import APERTURE, VIEW
 from povgen.video import still
 
 WIDTH, HEIGHT = SIZE = 320, 240
-TILES = Chess.view_height / HEIGHT  # a pixel, in tiles
+TILES = VIEW / HEIGHT  # a pixel, in tiles
 X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
-HALF = Chess.window / 2
+HALF = APERTURE / 2
+FLOOR = Chess().floor
 INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls
 
 
@@ -71,20 +73,21 @@ def angle_between(a, b):
 
 
 @pytest.mark.parametrize(
-    "offset", [(0, -1.33), (0.3, -1.5), (1, -5), (0, -0.3), (0, -0.03), (1.5, -0.01), (0, -0.001), (1.5, -1e-6)]
+    ("x", "height"),
+    [(0, 1.33), (0.3, 1.5), (1, 5), (0, 0.3), (0, 0.03), (1.5, 0.01), (0, 0.001), (1.5, 1e-6)],
 )
-def test_ideal_sheet_at_alpha_0_changes_nothing(offset):
-    scene = Chess(alpha=0, sheet="ideal", offset=offset)
+def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
+    scene = Chess(alpha=0, sheet="ideal", x=x, eye=(0, FLOOR + height))
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
     assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
 
 
 @pytest.mark.parametrize("alpha", [0, 66, -120])
-@pytest.mark.parametrize("offset", [(0, -0.3), (0.8, -0.01), (0, -0.001), (1.5, -1e-6)])
-def test_no_sky_below_the_horizon(offset, alpha):
+@pytest.mark.parametrize(("x", "height"), [(0, 0.3), (0.8, 0.01), (0, 0.001), (1.5, 1e-6)])
+def test_no_sky_below_the_horizon(x, height, alpha):
     """A ray that runs downwards meets the floor, the piece or the window frame, however low the eye is."""
-    scene = Chess(sheet="ideal", alpha=alpha, offset=offset)
+    scene = Chess(sheet="ideal", alpha=alpha, x=x, eye=(0, FLOOR + height))
     image = picture(scene)
     sky = image[..., 2] > image[..., 0] + 70  # below the horizon it is of a deep blue
     inside, direction = probes.rays(scene, SIZE)
@@ -95,7 +98,7 @@ def test_no_sky_below_the_horizon(offset, alpha):
 
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
 def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
-    scene = Spheres(alpha=alpha, sheet="ideal", z1=3, offset=(-0.5, 0.3))
+    scene = Spheres(alpha=alpha, sheet="ideal", z1=3, line=(-0.5, 0.3))
     image = picture(scene, "2,0.1,3")
     mask = green(image)
     seen = complex(X[mask].mean(), Y[mask].mean())
@@ -106,7 +109,7 @@ def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
 @pytest.mark.parametrize("alpha", [-60, 25, 66, 120, 180])
 @pytest.mark.parametrize("prisms", [100, 400])
 def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
-    values = {"alpha": alpha, "z1": 3, "offset": (-0.5, 0.3)}
+    values = {"alpha": alpha, "z1": 3, "line": (-0.5, 0.3)}
     ideal = picture(Spheres(sheet="ideal", **values))
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
     # the shift is of the order of the sheets' thickness: 0.2 tiles at 100 prisms, seen at an angle of up to 0.3
@@ -123,16 +126,16 @@ def test_prisms_show_the_piece_at_the_ideal_place(alpha):
 @pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.5), ("detailed", 2)])
 @pytest.mark.parametrize("alpha", [-135, -45, 30, 66, 90, 150, 180])
 def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha):
-    scene = Spheres(alpha=alpha, sheet=sheet, z1=100, offset=(9, 9))  # the sphere is out of the window
+    scene = Spheres(alpha=alpha, sheet=sheet, z1=100, line=(9, 9))  # the sphere is out of the window
     assert abs(angle_between(horizon(picture(scene)), alpha)) < tolerance
 
 
 def test_a_single_sheet_mirrors():
     """It keeps the x component of light's direction and reverses the y component: the horizon is upside down."""
-    scene = Spheres(sheet="single", z1=100, offset=(9, 9))
+    scene = Spheres(sheet="single", z1=100, line=(9, 9))
     assert abs(angle_between(horizon(picture(scene)), 180)) < 2
     # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
-    scene = Spheres(sheet="single", z1=1, offset=(-0.5, 0.5), prisms=400)
+    scene = Spheres(sheet="single", z1=1, line=(-0.5, 0.5), prisms=400)
     image = picture(scene)
     assert abs(place(image, green(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
 
@@ -163,7 +166,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
 @pytest.mark.parametrize("alpha", [0, 66, 120])
 def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
-    scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, offset=(0.2, -1.33))
+    scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, x=0.2)
     without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))
     # the predicted image changes each of its pixels by 39 or more, and no other pixel
     changed = INSIDE & (abs(predicted - without).max(axis=-1) > 12)
@@ -177,7 +180,7 @@ def test_every_piece_is_different_and_stands_on_the_floor():
     for piece in ("pawn", "rook", "knight", "bishop", "queen", "king"):
         image = picture(Chess(sheet="none", piece=piece))
         mask = brown(image)
-        assert abs(Y[mask].min() - Chess.floor * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
+        assert abs(Y[mask].min() - FLOOR * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
         shapes[piece] = mask
     for a in shapes:
         for b in shapes:

@@ -6,16 +6,18 @@ import pytest
 from povgen import Rendering, to_pov
 from povgen.measure import probes
 from povgen.measure.probes import Directions, PiecePositions, Positions, locate
-from povgen.optics import prism, rotation
+from povgen.optics import rotation
+from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.rendering import povray
 from povgen.scene import prediction
+from povgen.scene.models import APERTURE, VIEW
 
 SIZE = (320, 240)
 
 
 def test_directions_to_16_bits():
-    scene = Directions(sheet="none", E=0.4 - 0.2j)
+    scene = Directions(sheet="none", eye=0.4 - 0.2j)
     (decoded,) = probes.decoded([scene], SIZE)
     inside, direction = probes.rays(scene, SIZE)
     decoded = decoded[inside]
@@ -27,7 +29,7 @@ def test_directions_to_16_bits():
 def test_positions_to_16_bits():
     scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
     (decoded,) = probes.decoded([scene], SIZE)
-    pixels = probes.pixels(SIZE)
+    pixels = probes.pixels(scene, SIZE)
     on = ~np.isnan(decoded[..., 0])
     there = pixels[on] * 9 / 6 - scene.L
     assert abs(decoded[on][:, 0] + 1j * decoded[on][:, 1] - there).max() < 1e-4
@@ -41,7 +43,7 @@ def test_a_piece_shows_positions_on_it():
     on = ~np.isnan(decoded[..., 0])
     x, y, z = decoded[on].T
     seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
-    assert abs(seen - probes.pixels(SIZE)[on]).max() < 1e-3
+    assert abs(seen - probes.pixels(scene, SIZE)[on]).max() < 1e-3
     assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
@@ -51,7 +53,7 @@ def test_apparent_position_through_prisms():
     (decoded,) = probes.decoded([scene], SIZE)
     inside, _ = probes.rays(scene, SIZE)
     decoded = decoded[inside][:, 0] + 1j * decoded[inside][:, 1]
-    seen = locate(probes.pixels(SIZE)[inside], decoded, scene.extent)
+    seen = locate(probes.pixels(scene, SIZE)[inside], decoded, scene.extent)
     pixel = 3.85 / 960
     assert abs(seen.position - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
     ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
@@ -77,8 +79,8 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
     alphas = (66, 0, -120, 180, 35)
     scenes = []
     for prisms in range(1, 13):
-        deep = prism.thickness(Directions.window / prisms, 2 if sheet == "detailed" else 1)
-        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "E": 0.1j * (prisms % 3)}
+        deep = Prism(APERTURE / prisms).thickness(2 if sheet == "detailed" else 1)
+        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "eye": 0.1j * (prisms % 3)}
         scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
     stray = []
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
@@ -100,9 +102,11 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
 )
 def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     """Narrower than the window, or much wider. POV-Ray's camera is wrong in the first row and the last column."""
-    scenes = [Directions(sheet=sheet, alpha=alpha, E=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))]
+    scenes = [
+        Directions(sheet=sheet, alpha=alpha, eye=E) for sheet, alpha in (("none", 0), ("ideal", 0), ("ideal", 66))
+    ]
     none, ideal, turned = (decoded[1:, :-1] for decoded in probes.decoded(scenes, size))
-    pixel = Directions.view_height / size[1]
+    pixel = VIEW / size[1]
     seen = ~np.isnan(none[..., 0])
     assert (np.isnan(ideal[..., 0]) == seen).mean() < 2e-3  # hidden by the window frame
     off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
@@ -125,5 +129,5 @@ def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     #end
     Check(Pixel(-ViewCorner)) Check(Pixel(ViewCorner)) Check(Pixel(WindowLower)) Check(Pixel(WindowUpper))
     """
-    scene = to_pov(Directions(sheet="ideal", E=3 + 8j))
+    scene = to_pov(Directions(sheet="ideal", eye=3 + 8j))
     povray.run(scene + check, Rendering(size=size, antialias="off"), tmp_path)

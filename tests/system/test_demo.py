@@ -11,6 +11,7 @@ from playwright.sync_api import expect, sync_playwright
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.optics import paraxial, rotation
+from povgen.optics.prism import Prism
 from povgen.scene import prediction
 from povgen.scene.models import Scene
 from povgen.teach.page import SHEETS, demo, scenes
@@ -171,7 +172,7 @@ def check(shown, movie, scene: Scene, n, chosen=0):
         assert abs(P - 0.5) > 0.5  # out of the picture
 
     seen = scene.apparent_position(scene.L, z1)
-    width, height = scene.view_height * shown["frame"], scene.view_height
+    width, height = scene.view * shown["frame"], scene.view
     inside = abs(seen.real) < width / 2 - 0.08 and abs(seen.imag) < height / 2 - 0.08
     assert (shown["predicted"] is not None) == inside
     if inside:
@@ -215,10 +216,11 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
     rng = np.random.default_rng(3)
     L, E = (rng.uniform(-2, 2, 500) + 1j * rng.uniform(-2, 2, 500) for _ in range(2))
     z1, z2 = (rng.choice([0.5, 2, 6, *np.geomspace(0.3, 3000, 9)], 500) for _ in range(2))
-    alpha, pitch = rng.choice(ALPHAS, 500), rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500)
+    alpha, prism = rng.choice(ALPHAS, 500), Prism(rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500), base_angle=40)
+    lengths = zip(prism.slab_shift, prism.separation, strict=True)
     grid = [
-        ([L.real, L.imag], [E.real, E.imag], *map(float, rest))
-        for L, E, *rest in zip(L, E, z1, z2, alpha, pitch, strict=True)
+        ([L.real, L.imag], [E.real, E.imag], *map(float, rest), {"slab_shift": shift, "separation": separation})
+        for L, E, *rest, (shift, separation) in zip(L, E, z1, z2, alpha, lengths, strict=True)
     ]
     compare(
         page.evaluate("(grid) => grid.map((numbers) => equations.ideal(...numbers.slice(0, 5)))", grid),
@@ -226,14 +228,14 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
     )
     compare(
         page.evaluate("(grid) => grid.map((numbers) => equations.prisms(...numbers))", grid),
-        paraxial.apparent_position(L, E, z1, z2, alpha, pitch),
+        paraxial.apparent_position(L, E, z1, z2, alpha, prism),
     )
     turned = page.evaluate(
         """(grid) => grid.map(([L, E, ...numbers]) => equations.turned(...numbers))
            .map(({ nu, M }) => [Number.isNaN(nu) ? null : nu, M])""",
         grid,
     )
-    nu, M = paraxial.nu_and_M(z1, z2, alpha, pitch)
+    nu, M = paraxial.nu_and_M(z1, z2, alpha, prism)
     assert np.array([given for given, _ in turned], float) == pytest.approx(nu, abs=1e-12, nan_ok=True)
     compare([given for _, given in turned], M)
 
@@ -241,8 +243,8 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
 @pytest.mark.parametrize("offset", [(0.1, 0.05), (0.004, 0.003)])
 def test_paths_are_parted_at_infinity(page, offset):
     """Paths are interrupted at infinity. Every other point of a path is close to a predicted position."""
-    path = """([movie, offset, prisms]) => {
-      state.movie = { ...state.movie, L: plus(state.movie.E, offset), pitch: 2.4 / prisms };
+    path = """([movie, offset, prism]) => {
+      state.movie = { ...state.movie, L: plus(state.movie.E, offset), prism };
       const now = { ...moment(), alpha: Math.PI };
       drawPrediction(now);
       const name = state.movie.sweep === "alpha" ? "of-r" : "of-alpha";
@@ -252,17 +254,19 @@ def test_paths_are_parted_at_infinity(page, offset):
     for movie, prisms in ((ALPHA, 20), (POLE, 20), (POLE, 300)):
         opened(page, movie)
         page.evaluate(MOVE, 1)
-        z1, z2, lines = page.evaluate(path, [movie, offset, prisms])
+        prism = Prism(2.4 / prisms)
+        lengths = {"slab_shift": prism.slab_shift, "separation": prism.separation}
+        z1, z2, lines = page.evaluate(path, [movie, offset, lengths])
         steps = np.geomspace(1e-7, 1, 30_000)
         alpha, z = np.pi, z2 * np.exp(np.concatenate((-8 * steps, 8 * steps)))
-        poles = paraxial.infinite_z1(z2, alpha, 2.4 / prisms).real
+        poles = paraxial.infinite_z1(z2, alpha, prism).real
         z = np.concatenate((z, *(pole + s * steps for pole in poles for s in (-1, 1))))
         if movie == ALPHA:
-            poles, z = np.append(paraxial.infinite_alpha(z1, z2, 2.4 / prisms).real, np.pi), z1
+            poles, z = np.append(paraxial.infinite_alpha(z1, z2, prism).real, np.pi), z1
             alpha = np.concatenate([s * pole + t * 3 * steps for pole in poles for s in (-1, 1) for t in (-1, 1)])
             alpha = np.append(alpha, np.linspace(-np.pi, np.pi, 30_000))
         E = complex(*page.evaluate("state.movie.E"))
-        true = paraxial.apparent_position(E + complex(*offset), E, z, z2, alpha, 2.4 / prisms)
+        true = paraxial.apparent_position(E + complex(*offset), E, z, z2, alpha, prism)
         true = np.unique(np.round(200 * true[abs(true) < 3]) / 200)  # half of a hundredth of a tile
         for line in lines:
             x, y = np.transpose(line) / 100

@@ -10,6 +10,7 @@ import pytest
 from povgen import Chess, Spheres
 from povgen.measure import probes
 from povgen.optics import rotation
+from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 from povgen.video import overlay
 
@@ -23,16 +24,16 @@ def drawn(scene, size=(640, 480), **options):
 def yellow(picture):
     """Return the points of the plane z = 0 at which marks are drawn."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    place = probes.pixels(picture.shape[1::-1])
+    place = probes.pixels(Chess(), picture.shape[1::-1])
     return place[(red > 200) & (green > 190) & (blue < 110)]
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "single", "none"])
 @pytest.mark.parametrize("alpha, z1", [(66, 20), (-120, 9)])
 def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
-    scene = Chess(sheet=sheet, alpha=alpha, z1=z1, offset=(0.4, -0.73))
+    scene = Chess(sheet=sheet, alpha=alpha, z1=z1, x=0.4, eye=(0, -0.6))
     marks = yellow(drawn(scene, overlay=True))
-    pixel = scene.view_height / 480
+    pixel = scene.view / 480
     assert len(marks) > 20 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
 
 
@@ -43,7 +44,7 @@ def test_every_sphere_has_its_mark_on_the_circle():
     assert not others  # no circle of constant r for each
     assert len(overlay.positions(scene)) == 3
     for place in overlay.positions(scene):
-        assert abs(marks - place).min() < scene.view_height / 480 * 4
+        assert abs(marks - place).min() < scene.view / 480 * 4
         assert abs(line - place).min() < 0.01
     ideal = Spheres(alpha=60, sheet="ideal", z1=[6])
     ((line,), _), (turned, _) = overlay.loci(ideal)
@@ -56,7 +57,7 @@ def test_every_sphere_has_its_mark_on_the_circle():
 def near(places, reach, size=(640, 480)):
     """Return a mask of the pixels that are within a reach (pixels) of one of the places."""
     mask = np.zeros(size[::-1], bool)
-    tile = size[1] / Chess.view_height
+    tile = size[1] / VIEW
     x, y = size[0] / 2 + places.real * tile, size[1] / 2 - places.imag * tile
     mask[y.astype(int), x.astype(int)] = True
     grown = np.zeros_like(mask)
@@ -77,13 +78,13 @@ def dense(first, last, *about):
     "scene, z1, alphas",
     [
         # alpha changes: one branch of a hyperbola in the window, one beyond
-        (Spheres(alpha=100, z1=[6], offset=(0.1, 0.05)), 0, (180,)),
+        (Spheres(alpha=100, z1=[6], line=(0.1, 0.05)), 0, (180,)),
         # z1 changes: both branches in the window
-        (Spheres(z1=[6], offset=(0.1, 0.05), sheet="single"), 6, None),
+        (Spheres(z1=[6], line=(0.1, 0.05), sheet="single"), 6, None),
         # a straight line through infinity, but not from L to E
         (Spheres(alpha=180, sheet="ideal"), 6, None),
         # the pole within a thousandth of a tile and of a degree, and all near the eye's axis
-        (Spheres(alpha=180, z1=[6], offset=(1e-3, 2e-3), prisms=3000), 6, (180,)),
+        (Spheres(alpha=180, z1=[6], line=(1e-3, 2e-3), prisms=3000), 6, (180,)),
         (Chess(prisms=5, z1=9, z2=4), 0, (180,)),
     ],
 )
@@ -106,23 +107,23 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
     "scene",
     [
         Chess(alpha=150, prisms=20),  # the foot is seen below the window
-        Chess(sheet="none", z1=6, offset=(2.38, -1)),  # behind the frame's side, which is deep
-        Spheres(sheet="none", z1=[1], z2=0.5, offset=(-3, 0)),
+        Chess(sheet="none", z1=6, x=2.38, eye=(0, -0.33)),  # behind the frame's side, which is deep
+        Spheres(sheet="none", z1=[1], z2=0.5, line=(-3, 0)),
     ],
 )
 def test_no_mark_where_the_frame_hides_the_object(scene):
     picture = drawn(scene, overlay=True)
     assert not len(yellow(picture)) and not overlay.positions(scene)
-    drawn_at = probes.pixels((640, 480))[(picture != 120).any(-1)]
+    drawn_at = probes.pixels(scene, (640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
-    assert reach < scene.window / 2 + 4 * scene.view_height / 480  # half a line's width
+    assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
 
 
 def test_the_overlay_leaves_the_rest_of_the_picture():
     scene = Chess(sheet="ideal", alpha=90)
     changed = (drawn(scene, overlay=True) != 120).any(-1)
-    place = probes.pixels((640, 480))[changed]
+    place = probes.pixels(scene, (640, 480))[changed]
     curves = np.concatenate([piece for pieces, _ in overlay.loci(scene) for piece in pieces])
     assert 500 < changed.sum() < 20000
     assert max(abs(curves - z).min() for z in place[::7]) < 0.06
@@ -214,7 +215,7 @@ def test_a_large_picture_needs_little_memory_more():
         picture = numpy.full((2160, 3840, 3), 120, numpy.uint8)
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()
-        scene = Spheres(alpha=100, z1=[6], offset=(0.1, 0.05))  # its curves span the window
+        scene = Spheres(alpha=100, z1=[6], line=(0.1, 0.05))  # its curves span the window
         overlay.annotated(picture, scene, Rendering(size=(3840, 2160), overlay=True, caption=True))
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)

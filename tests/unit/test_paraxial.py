@@ -5,30 +5,44 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import paraxial, prism, rotation
+from povgen.optics import paraxial, rotation
+from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
 
 ANGLE = st.floats(-np.pi, np.pi)
 DISTANCE = st.floats(0.5, 50)
+# index, base angle (degrees) and aspect: the defaults, BK7, and others that differ in each
+SHAPES = [
+    (1.5, 45, 1),
+    (1.5168, 45, 1),
+    (1.7, 40, 1),
+    (1.5, 35, 1),
+    (1.5, 60, 1),
+    (1.3, 45, 1),
+    (2, 45, 0.9),
+    (1.5, 45, 1.1),
+]
 
 
 @given(DISTANCE, DISTANCE, ANGLE)
 def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
     assume(rotation.condition(z2 / z1, alpha) < 1e6)
-    a, b = paraxial.image(z1, z2, alpha, 0.0)
+    a, b = paraxial.image(z1, z2, alpha, Prism(0.0))
     assert b == 0 and a == pytest.approx(rotation.one_minus_P(z2 / z1, alpha), rel=1e-9)
 
 
 @pytest.mark.parametrize("alpha", [0.2, 1.15, -2.0, np.pi])
-@pytest.mark.parametrize("prisms", [50, 200])
-def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, rng):
+@pytest.mark.parametrize(("prisms", "shape"), [(50, SHAPES[0]), *((200, shape) for shape in SHAPES)])
+def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
     """Rays on the designed path run from the eye to points all over the window, at small angles."""
     z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
+    index, base_angle, aspect = shape
+    prism = Prism(window / prisms, index, base_angle, aspect=aspect)
     # one in each of 200 x 200 squares
     x, y = 0.8 * (np.indices((200, 200)) + rng.uniform(size=(2, 200, 200))).reshape(2, -1) / 200 - 0.4
     P = x + 1j * y
     direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
-    rays = trace([[E.real, E.imag, -z2]], direction, pair(alpha, window, prisms), window, prisms)
+    rays = trace([[E.real, E.imag, -z2]], direction, pair(alpha, prism), window, prism)
     steps = (z1 - rays.position[:, 2]) / rays.direction[:, 2]
     end = rays.position[:, :2] + steps[:, None] * rays.direction[:, :2]
     D = (end[:, 0] + 1j * end[:, 1] - E)[rays.designed]
@@ -36,22 +50,24 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, rng):
     s = ((P - E) / z2)[rays.designed]
     (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
     size = abs(A) ** 2 - abs(B) ** 2
-    a, b = paraxial.image(z1, z2, alpha, window / prisms)
+    a, b = paraxial.image(z1, z2, alpha, prism)
     found = A.conj() * z2 / size, -B * z2 / size
     thin = abs(rotation.one_minus_P(z2 / z1, alpha) - found[0]) + abs(found[1])
     assert abs(a - found[0]) + abs(b - found[1]) < 0.12 * thin
 
 
-def test_slab_shift_is_that_of_glass_along_the_prism(rng):
+@pytest.mark.parametrize("shape", SHAPES)
+def test_slab_shift_is_that_of_glass_along_the_prism(shape, rng):
     """Rays with a small slope along the ridges leave at a shift from their straight continuation."""
-    prisms, window = 20, 2.4
+    index, base_angle, aspect = shape
+    window = 2.4
+    prism = Prism(window / 20, index, base_angle, aspect=aspect)
     slope = 1e-4
     y = rng.uniform(-0.5, 0.5, 5000)
     origin = np.column_stack((np.zeros(5000), y, np.full(5000, -3.0)))
     direction = np.tile([slope, 0, 1.0], (5000, 1))
-    sheets = pair(0.0, window, prisms)[1:]
-    rays = trace(origin, direction, sheets, window, prisms)
+    sheets = pair(0.0, prism)[1:]
+    rays = trace(origin, direction, sheets, window, prism)
     straight = (rays.position[:, 2] + 3) * slope
     shift = (straight - rays.position[:, 0])[rays.designed] / slope
-    height = window / prisms * (1 - prism.AIR_GAP)
-    assert shift == pytest.approx(prism.slab_shift() * height, rel=1e-6)
+    assert shift == pytest.approx(prism.slab_shift, rel=1e-6)

@@ -51,7 +51,7 @@ def test_the_trace_level_leaves_few_pixels_black():
         (236, -95.6, 84.4, 3.02j),
         (100, 66, 6, 0j),
     ):
-        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, E=E)
+        scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
         inside, direction = probes.rays(scene, SIZE)
         found = probes.traced(scene, direction, max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
@@ -65,7 +65,7 @@ def told_aside(scene):
 
     Computed for the triangles of camera.pov.j2: at the middle of each side and of each triangle.
     """
-    n, half = prediction.camera_cells(scene), scene.window / 2
+    n, half = prediction.camera_cells(scene), scene.aperture / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half
     at = corners + 1j * corners[:, None]
     worst = 0.0
@@ -85,7 +85,7 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
     errors, kept = [], 0
     for _ in range(60):
         alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(0.6), 5)), np.exp(random.uniform(-2, 5))
-        scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, offset=(0, -random.uniform(0.05, 10)))
+        scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=(0, random.uniform(-1.28, 8.67)))
         error = told_aside(scene)
         assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
         assert prediction.camera_cells(scene) <= limits.MAX_CELLS
@@ -94,7 +94,7 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
             errors.append(error)
             kept += 1
     assert kept > 40 and max(errors) > 0.7 * limits.MAX_CAMERA_ERROR  # nor many more cells than it takes
-    reported = Chess(sheet="ideal", alpha=162.5, z1=6, z2=6, offset=(0, Chess.floor - 8.6))
+    reported = Chess(sheet="ideal", alpha=162.5, z1=6, z2=6, eye=(0, 8.6))
     assert told_aside(reported) <= limits.MAX_CAMERA_ERROR
 
 
@@ -120,7 +120,8 @@ def test_no_warning_without_cause():
     [
         (Chess(z2=2), None, ["z2 = 2", "21 % of the window", "stray light", "25 %"]),
         (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "designed path"]),
-        (Chess(z2=20, offset=(0, -9.3)), None, ["z2 = 20", "eye at 0+7.97j", "designed path"]),
+        (Chess(aspect=1.7, gap=0.2), None, ["z2 = 6, gap = 0.2, aspect = 1.7: 3 % of the window", "designed path"]),
+        (Chess(z2=20, eye=(0, 7.97)), None, ["z2 = 20", "eye at 0+7.97j", "designed path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
         (
@@ -132,7 +133,7 @@ def test_no_warning_without_cause():
         (Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6), None, ["predicted_image", "150", "573 times"]),
         # an eye aside: the camera's cells are not small enough before that
         (
-            Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, offset=(0, -2)),
+            Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, eye=(0, 0.67)),
             None,
             ["predicted_image", "27.9", "38.2 times"],
         ),
@@ -150,14 +151,14 @@ def test_antialiasing_quiets_the_warning_of_aliasing():
 
 def test_settings_follow_the_maps():
     level, cells = prediction.max_trace_level, prediction.camera_cells
-    assert prism.AIR_GAP > limits.GAP_RANGE[0] and prism.AIR_GAP < limits.GAP_RANGE[1]
+    assert limits.MIN_GAP < prism.AIR_GAP < limits.WIDE_GAP
     assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
-    assert level(Chess(z2=60, z1=40, offset=(0, -10))) > 20  # an eye aside looks aslant, however far
+    assert level(Chess(z2=60, z1=40, eye=(0, 8.67))) > 20  # an eye aside looks aslant, however far
     assert level(Chess(sheet="single")) < level(Chess())
     assert level(Chess(sheet="ideal")) == level(Chess(sheet="none")) == 5
-    near, far = (Chess(sheet="ideal", z2=z2, offset=(0, -1)) for z2 in (1, 20))
+    near, far = (Chess(sheet="ideal", z2=z2, eye=(0, -0.33)) for z2 in (1, 20))
     assert cells(near) > cells(far) > 1 == cells(Chess(sheet="ideal"))
-    assert cells(Chess(sheet="ideal", z1=20, z2=20, alpha=175, offset=(0, -1))) > 2 * cells(far)  # near the pole
+    assert cells(Chess(sheet="ideal", z1=20, z2=20, alpha=175, eye=(0, -0.33))) > 2 * cells(far)  # near the pole
     # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
     assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 1500, 1000)
     with pytest.raises(ValueError, match="z1 = 4000.*3000 prisms.*3333"):

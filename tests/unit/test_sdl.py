@@ -22,7 +22,7 @@ def scenes():
         yield Positions(sheet=sheet, z1=3)
         yield PiecePositions(sheet=sheet)
     yield Chess(predicted_image=True)
-    yield Chess(predicted_image=True, sheet="ideal", offset=(0.5, -1))
+    yield Chess(predicted_image=True, sheet="ideal", x=0.5, eye=(0, -0.33))
 
 
 def body(text):
@@ -92,7 +92,7 @@ def test_no_sheet_where_there_is_none():
 
 @pytest.mark.parametrize("sheet", SHEETS)
 def test_frames_differ_only_in_their_parameters(sheet):
-    first, second = to_pov(Chess(alpha=10, z1=2, sheet=sheet, offset=(1, -2))), to_pov(Chess(z1=3, sheet=sheet))
+    first, second = to_pov(Chess(alpha=10, z1=2, sheet=sheet, x=1, eye=(0.3, 0.67))), to_pov(Chess(z1=3, sheet=sheet))
     assert first != second and body(first) == body(second)
     first, second = to_pov(Spheres(alpha=10, z1=(2, 3), sheet=sheet)), to_pov(Spheres(z1=(2, 3), z2=5, sheet=sheet))
     spheres = re.compile(r"^  \{ .* \},?$", re.M)

@@ -14,7 +14,7 @@ PAPER = Rendering(size=SIZE)
 
 @pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
 def test_a_trial_renders_little_and_all_over_the_window(size):
-    scene = Chess(offset=(0.3, -1.6))
+    scene = Chess(x=0.3, eye=(0, 0.27))
     part = mosaic(scene, size)
     rows, columns = window(scene, size)
     y, x = np.array(part.blocks)[..., 1], np.array(part.blocks)[..., 0]
@@ -31,7 +31,7 @@ def test_a_trial_renders_little_and_all_over_the_window(size):
 
 
 def test_nothing_is_tried_where_nothing_is_seen():
-    hidden = Chess(offset=(0, -9), z2=0.3)
+    hidden = Chess(eye=(0, 7.67), z2=0.3)
     assert mosaic(hidden, SIZE) is None
     assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
 

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from povgen.optics import prism
+from povgen.optics.prism import Prism
 from povgen.optics.trace import End, Face, Sheet, pair, trace
 
 WINDOW = 2.4
+COARSE = Prism(WINDOW / 30)
 
 
 def fan(n, eye=(0.0, 0.0, -6.0)):
@@ -26,27 +27,25 @@ def transverse(direction):
 
 @pytest.mark.parametrize("u", [0.3, 0.7, 0.95])
 def test_an_axial_ray_through_one_prism(u):
-    """It is bent down by 45 deg - asin(sin 45 deg / n), reflected at the base, and leaves along z."""
-    prisms = 10
-    pitch = WINDOW / prisms
-    gap = prism.AIR_GAP * pitch
-    height = pitch - gap
-    half = height * prism.aspect() / 2
+    """The ray is bent down by 45 deg - asin(sin 45 deg / n), reflected at the base, and leaves along z."""
+    prism = Prism(WINDOW / 10)
+    gap = 0.01 * prism.pitch
+    height = prism.pitch - gap
     down = pi / 4 - asin(sin(pi / 4) / 1.5)
+    half = height * (1 + 1 / tan(down)) / 2
     base = gap / 2  # height of the base of the prism above the middle
     u *= height
-    rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (Sheet(0, 0.2),), WINDOW, prisms)
+    rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (Sheet(0, 0.2),), WINDOW, prism)
     assert rays.designed[0] and list(rays.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.FAR]
     reflected = -half + u + u / tan(down)  # z on the base, from the sheet's middle
-    leaves = (
-        (half - reflected) * tan(down) / (1 + tan(down))
-    )  # where it meets the far facet, z = half - height above base
+    # where it meets the far facet, z = half - height above base
+    leaves = (half - reflected) * tan(down) / (1 + tan(down))
     np.testing.assert_allclose(rays.position[0, :2], [0.01, base + leaves], atol=1e-14)
     np.testing.assert_allclose(rays.direction[0], [0, 0, 1], atol=1e-14)
 
 
 def test_a_ray_between_two_prisms_goes_straight_on():
-    rays = trace([[0.3, 0, -6]], [[0.05, 0, 1]], pair(0.0, WINDOW, 10), WINDOW, 10)
+    rays = trace([[0.3, 0, -6]], [[0.05, 0, 1]], pair(0.0, Prism(WINDOW / 10)), WINDOW, Prism(WINDOW / 10))
     assert rays.count[0] == 0 and rays.end[0] == End.THROUGH and not rays.designed[0]
     np.testing.assert_allclose(rays.direction[0], np.array([0.05, 0, 1]) / np.hypot(0.05, 1), rtol=1e-14)
 
@@ -55,7 +54,7 @@ def test_a_ray_between_two_prisms_goes_straight_on():
 @pytest.mark.parametrize("t", [0.0, 0.4, -1.1])
 def test_the_designed_path_through_a_sheet_mirrors(prisms, t):
     origin, direction = fan(2000)
-    rays = trace(origin, direction, (Sheet(t, 0),), WINDOW, prisms)
+    rays = trace(origin, direction, (Sheet(t, 0),), WINDOW, Prism(WINDOW / prisms))
     assert rays.designed.mean() > 0.6
     mirrored = np.exp(2j * t) * transverse(direction).conj()
     np.testing.assert_allclose(transverse(rays.direction)[rays.designed], mirrored[rays.designed], atol=1e-13)
@@ -66,7 +65,7 @@ def test_the_designed_path_through_a_sheet_mirrors(prisms, t):
 def test_the_designed_path_through_two_sheets_rotates_light_by_alpha(alpha):
     """Rays from the eye run against the light, so that they turn by -alpha."""
     origin, direction = fan(5000)
-    rays = trace(origin, direction, pair(alpha, WINDOW, 100), WINDOW, 100)
+    rays = trace(origin, direction, pair(alpha, Prism(WINDOW / 100)), WINDOW, Prism(WINDOW / 100))
     assert rays.designed.mean() > 0.5
     turned = np.exp(-1j * alpha) * transverse(direction)
     np.testing.assert_allclose(transverse(rays.direction)[rays.designed], turned[rays.designed], atol=1e-13)
@@ -77,33 +76,38 @@ def test_the_designed_path_through_two_sheets_rotates_light_by_alpha(alpha):
     prisms=st.integers(2, 1000),
     window=st.floats(0.1, 100),
     gap=st.floats(1e-4, 0.3),
+    index=st.floats(1.1, 4),
+    base_angle=st.floats(15, 75),
+    aspect=st.floats(0, 1),
     single=st.booleans(),
     eye=st.tuples(st.floats(-2, 2), st.floats(-2, 2), st.floats(3, 20), st.sampled_from([1, -1])),
     seed=st.integers(0, 1000),
 )
-def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, single, eye, seed):
+def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, index, base_angle, aspect, single, eye, seed):
     """Reciprocity: a ray sent back along its exit meets the same faces in reverse order, and arrives at its start.
 
     Stray light is included. A ray is left out if it takes another path when it is displaced by a millionth: it is so
     close to an edge or to the critical angle that rounding may decide its path.
     """
-    sheets = (Sheet(alpha, 0.3 * window),) if single else pair(alpha, window, prisms, gap)
+    least = Prism(window / prisms, index, base_angle).least_aspect
+    prism = Prism(window / prisms, index, base_angle, gap, aspect=least + (2 * max(1, least) - least) * aspect)
+    sheets = (Sheet(alpha, 0.3 * window),) if single else pair(alpha, prism)
     count, step = 50, 1e-6
     rng = np.random.default_rng(seed)
     x, y, distance, side = eye
-    start = window * np.array([x, y, side * distance])
+    start = np.array([window * x, window * y, side * (window * distance + prism.thickness(2) / 2)])
     direction = np.column_stack((rng.uniform(-0.5, 0.5, (count, 2)) * window, np.zeros(count))) - start
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     moved = step * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])[:, None]
     origins = np.concatenate((start + 0 * direction + window * moved, start + 0 * moved + 0 * direction)).reshape(-1, 3)
     directions = np.concatenate((direction + 0 * moved, direction + moved)).reshape(-1, 3)
-    there = trace(origins, directions, sheets, window, prisms, gap, most=80)
+    there = trace(origins, directions, sheets, window, prism, most=80)
     faces, end = there.faces.reshape(10, count, -1), there.end.reshape(10, count)
     leaves = end[0] <= End.BACK
     alike = leaves & (faces == faces[0]).all((0, 2)) & (end == end[0]).all(0)
     assert alike.sum() > 0.5 * leaves.sum() - 3
     at, on, met = there.position[:count][alike], there.direction[:count][alike], there.count[:count][alike]
-    back = trace(at, -on, sheets, window, prisms, gap, most=80)
+    back = trace(at, -on, sheets, window, prism, most=80)
     assert (back.end == end[0][alike]).all() and (back.count == met).all()
     for path, reverse, n in zip(faces[0][alike], back.faces, met, strict=True):
         assert (path[:n] == reverse[:n][::-1]).all()
@@ -114,7 +118,7 @@ def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, single, ey
 
 def test_no_ray_is_lost():
     origin, direction = fan(20000, eye=(0.4, -0.2, -2.0))
-    rays = trace(origin, direction, pair(0.7, WINDOW, 30), WINDOW, 30, most=250)
+    rays = trace(origin, direction, pair(0.7, COARSE), WINDOW, COARSE, most=250)
     assert (rays.end != End.UNFINISHED).all()
     np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=1), 1, rtol=1e-12)
     assert (rays.direction[rays.end == End.THROUGH, 2] > 0).all() and (
@@ -144,9 +148,9 @@ def test_a_ray_that_does_not_run_towards_the_sheets_is_refused(origin, direction
     origins, directions = origins.copy(), directions.copy()
     origins[3], directions[3] = origin, direction
     with pytest.raises(ValueError, match="^ray 3 from .* does not reach the sheets; allowed"):
-        trace(origins, directions, pair(0.7, WINDOW, 30), WINDOW, 30)
+        trace(origins, directions, pair(0.7, COARSE), WINDOW, COARSE)
 
 
 def test_a_ray_nearly_parallel_to_the_sheets_meets_the_frame():
-    rays = trace([[0, 0, -6]], [[1, 0, 1e-9], [1, 0, 1e-300]], pair(0.7, WINDOW, 30), WINDOW, 30)
+    rays = trace([[0, 0, -6]], [[1, 0, 1e-9], [1, 0, 1e-300]], pair(0.7, COARSE), WINDOW, COARSE)
     assert (rays.end == End.FRAME).all() and np.isfinite(rays.position).all()

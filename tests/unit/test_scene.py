@@ -1,0 +1,88 @@
+"""A scene's parameters: what each one moves, and what follows from it."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError, Spheres
+from povgen.errors import validated
+from povgen.measure import probes
+from povgen.optics import paraxial
+from povgen.optics.prism import Prism
+from povgen.scene.models import SCENES, VIEW
+
+
+def test_eye_and_object_move_on_their_own():
+    assert (Chess().E, Chess().L) == (0, -1.33j) and (Spheres().E, Spheres().L) == (0, -0.55)
+    for scene in (Chess(eye=(1, -0.5)), Chess(eye="1,-0.5"), Chess(eye=1 - 0.5j)):
+        assert (scene.E, scene.L) == (1 - 0.5j, -1.33j)
+    assert (Chess(x=2).E, Chess(x=2).L) == (0, 2 - 1.33j)
+    scene = Spheres(eye=(1, -5), line=(0.2, 0.3))  # no floor
+    assert (scene.E, scene.L) == (1 - 5j, 0.2 + 0.3j)
+
+
+def test_the_floor_is_under_the_window_frame():
+    for aperture in (0.5, 2.4, 10):
+        scene = Chess(aperture=aperture, z1=5)
+        assert scene.L.imag == scene.floor == -(aperture / 2 + scene.rim)
+        with pytest.raises(InputError, match=f"allowed: Y > {scene.floor:g}$"):
+            validated(Chess, {"aperture": aperture, "z1": 5, "eye": (0, scene.floor)})
+
+
+def test_the_window_frame_holds_the_sheets():
+    assert Chess().depth == Chess(sheet="none").depth == 0.24
+    assert Chess(aperture=10, z1=5).depth == Chess(aperture=10, z1=5, sheet="ideal").depth == 1
+    for values in ({"prisms": 10}, {"index": 1.1}, {"base_angle": 75}, {"aspect": 1.9}):
+        scene = Chess(z1=50, z2=50, **values)
+        assert scene.depth == pytest.approx(1.02 * scene.prism.thickness(2)) and scene.depth > 0.24
+        with pytest.raises(InputError, match="would touch the window frame"):
+            validated(Chess, {"z1": scene.depth / 2, "z2": 50, **values})
+
+
+def test_a_prism_is_at_least_a_unit_wide():
+    """POV-Ray's tolerances are fixed in its units."""
+    for prisms, aperture in ((100, 2.4), (3000, 2.4), (3000, 0.5), (3000, 10), (1, 10)):
+        scene = Chess(prisms=prisms, aperture=aperture, z1=60, z2=60)
+        assert scene.tile >= 1000 and scene.tile * scene.prism.pitch > 1.199
+        assert scene.farthest == 5e6 / scene.tile
+
+
+@pytest.mark.parametrize("name", ["index", "base_angle", "gap", "aspect", "aperture"])
+@pytest.mark.parametrize("sheet", ["detailed", "single"])
+def test_predictions_follow_the_prisms(name, sheet):
+    values = {"index": 1.9, "base_angle": 52, "gap": 0.2, "aspect": 0.8, "aperture": 2.0}
+    usual, scene = Chess(sheet=sheet, prisms=20), Chess(sheet=sheet, prisms=20, **{name: values[name]})
+    shape = {"index": 1.5, "base_angle": 45, "gap": 0.01, "aspect": 1, name: values[name]}
+    prism, L = Prism(shape.pop("aperture", 2.4) / 20, **shape), 0.3 + 0.3j
+    if sheet == "detailed":
+        right = paraxial.apparent_position(L, scene.E, 2, 6, np.radians(66), prism)
+    else:
+        right = paraxial.mirrored_position(L, scene.E, 2, 6, prism)
+    assert scene.apparent_position(L, 2) == right
+    unchanged = sheet == "single" and name == "index"  # docs/sheets.md: the shift of the slab does not depend on it
+    assert (right == usual.apparent_position(L, 2)) == unchanged
+
+
+@pytest.mark.parametrize("scene", SCENES.values())
+def test_prisms_whose_facets_cross_are_refused(scene):
+    least = Prism(1.0, 2, 40).least_aspect
+    shape = {"index": 2, "base_angle": 40}
+    assert validated(scene, {**shape, "aspect": least + 1e-9}).prism.top_length == pytest.approx(0, abs=1e-9)
+    with pytest.raises(InputError, match=f"aspect = .*cross; allowed: {least:.4g} < aspect < 2"):
+        validated(scene, {**shape, "aspect": least - 1e-9})
+
+
+def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():
+    """docs/sheets.md: cos(slope) > 1/n."""
+    for index in np.linspace(1.1, 4, 30):
+        for base_angle in np.linspace(15, 75, 30):
+            prism = Prism(1.0, index, base_angle)
+            slope = np.arctan(1 / (prism.full_aperture - 1 / np.tan(np.radians(base_angle))))
+            assert np.cos(slope) > 1 / index
+
+
+def test_the_view_is_the_height_of_the_picture():
+    for view in (0.1, VIEW, 100):
+        position = probes.pixels(Chess(view=view), (40, 30))
+        assert position.shape == (30, 40) and position.mean() == pytest.approx(0)
+        assert np.ptp(position.imag) == pytest.approx(view * 29 / 30)
+        assert np.ptp(position.real) == pytest.approx(view * 39 / 30)
