@@ -4,6 +4,7 @@ This module is loaded first, before anything slow, so it imports little itself.
 """
 
 import _thread
+import fcntl
 import os
 import select
 import signal
@@ -12,6 +13,7 @@ import time
 from contextlib import suppress
 from threading import RLock
 
+SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 LONGEST = 1.5  # seconds after the signal; then povgen ends in any case
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
 
@@ -20,6 +22,7 @@ MESSAGE = b"povgen: stopped; the same command goes on from the frames that are f
 lock = RLock()
 folders: set[str] = set()  # work folders; whoever made one removes it, or this module if that takes too long
 _number = 0  # of the signal; 0 before it came
+_raised = False  # whether the handler has raised its exception, or is to raise none
 
 
 def asked() -> bool:
@@ -35,28 +38,51 @@ def check() -> None:
 
 def on_signals() -> None:
     """Stop at SIGHUP, SIGINT and SIGTERM from now on, unless the signal is ignored, as under nohup or a shell's &."""
-    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+    ends = os.pipe()
+    # not 0, 1 or 2, which may be free: other code takes them for the standard files
+    reads, writes = (fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 3) for end in ends)
+    for end in ends:
+        os.close(end)
+    os.set_blocking(writes, False)
+    signal.set_wakeup_fd(writes, warn_on_full_buffer=False)  # Python writes each signal's number there at once
+    _thread.start_new_thread(_watch, (reads,))
+    for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _stop)
+            signal.signal(number, _raise)
 
 
 def off_signals() -> None:
     """Give the signals back their default action: they end the process without a message."""
-    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) is _stop:
+    for number in SIGNALS:
+        if signal.getsignal(number) is _raise:
             signal.signal(number, signal.SIG_DFL)
 
 
-def _stop(number: int, frame: object) -> None:
+def _watch(reads: int) -> None:
+    """Stop when a signal comes, even if the main thread waits for a lock: then Python does not call the handler."""
+    while (number := os.read(reads, 1)[0]) not in SIGNALS:
+        pass
+    _stop(number)
+
+
+def _raise(number: int, frame: object) -> None:
+    """Handle a signal, in the main thread."""
+    global _raised
+    if not _raised:
+        _raised = True
+        _stop(number)
+        raise KeyboardInterrupt
+
+
+def _stop(number: int) -> None:
     global _number
-    if _number:  # povgen is stopping already
-        return
     with lock:
+        if _number:  # povgen is stopping already
+            return
         _number = number
-    # not threading.Thread: its start is not reentrant, and this handler may have interrupted one
+    # not threading.Thread: its start is not reentrant, and the handler may have interrupted one
     _thread.start_new_thread(_end_in_time, ())
     _kill_children()
-    raise KeyboardInterrupt
 
 
 def _end_in_time() -> None:
@@ -87,6 +113,8 @@ def _kill_children() -> None:
 
 def leave() -> None:
     """End the process without waiting for threads. The exit status is 128 plus the signal's number."""
+    global _raised
+    _raised = True
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed or missing
             stream.flush()

@@ -32,7 +32,7 @@ def cache(tmp_path_factory):
         yield
 
 
-def wait_for(condition, seconds=60):
+def wait_for(condition, seconds=200):
     """Call the condition until its result is true, and return the result. Fail after some seconds."""
     end = time.monotonic() + seconds
     while not (found := condition()):

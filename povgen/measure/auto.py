@@ -34,12 +34,12 @@ IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
 # A mosaic is the blocks of the window that a candidate renders.
-MAX_SHARE = 0.15  # of the window's pixels that a mosaic has at most
+MAX_SHARE = 0.12  # of the window's pixels that a mosaic has at most
 BLOCK_SIDE = 10  # of a block, pixels, roughly: many small blocks say more about the window than a few large ones
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
 MAX_FRAMES = 8  # of a movie that are tried
-MARGIN_FACTOR = 0.8  # standard errors of the mean over the blocks by which a picture must keep its tolerance
+MARGIN_FACTOR = 1.5  # standard errors of the mean over the blocks by which a picture must keep its tolerance
 ALLOWED_TOLERANCES = "allowed: a number of pixels, as 1px, or of mean FLIP, as 0.2flip, or both, as 1px,0.2flip"
 
 

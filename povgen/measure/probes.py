@@ -57,14 +57,14 @@ class _Probe(Scene):
 class Directions(_Probe):
     """Surroundings, infinitely far away, whose colour is the direction in which they are seen."""
 
-    name: ClassVar[str] = "instruments/directions"
+    name: ClassVar[str] = "probes/directions"
     subject: ClassVar[str] = "directions of the light that comes through the window"
 
 
 class Positions(_Probe):
     """A square parallel to the sheets. Its centre is at L, and its colour is the position on it, relative to L."""
 
-    name: ClassVar[str] = "instruments/positions"
+    name: ClassVar[str] = "probes/positions"
     subject: ClassVar[str] = "a square whose colours are places on it"
     z1: float
     L: complex = 0j
@@ -78,7 +78,7 @@ class Positions(_Probe):
 class PiecePositions(Chess):
     """A chess piece alone. Its colour is the position on it, relative to the centre of its foot."""
 
-    name: ClassVar[str] = "instruments/piece"
+    name: ClassVar[str] = "probes/piece"
     subject: ClassVar[str] = "a chess piece whose colours are places on it"
     extent: ClassVar[float] = 2.0
 

@@ -174,7 +174,7 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
 
 
 def pareto_front(points: Sequence[Point], error: str) -> list[Point]:
-    """Return the points that no other point beats in both CPU seconds and the named error, the cheapest first."""
+    """Return the points, the cheapest first, than which no other point is better in both CPU seconds and the error."""
     best, least = [], np.inf
     for point in sorted(points, key=lambda point: point.cpu):
         if getattr(point, error) < least:

@@ -17,11 +17,11 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import POVGEN, tree, wait_for
+from conftest import POVGEN, povgen, refused, tree, wait_for
 
 from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
 from povgen.rendering import cache, frames, povray
-from povgen.video import still
+from povgen.video import encode, still
 
 COUNT = 12
 SPEC = (
@@ -32,7 +32,8 @@ SPEC = (
 CAN_MOUNT = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
 SMALL = Rendering(size=(64, 48))
 MOVIE = ["movie", "z2.toml", "--size", "64x48", "-o", "a.mp4"]
-LARGE = ["--size", "1000x750", "--antialias", "off"]
+LARGE = ["--size", "640x480", "--antialias", "off"]
+LARGE_RENDERING = Rendering(size=(640, 480), antialias="off")
 
 
 @pytest.fixture
@@ -151,9 +152,7 @@ def test_what_killed_povgens_left_is_counted_and_removed(tmp_path, monkeypatch):
     with cache.work_folder() as own, files.temporary_folder() as another:
         subprocess.run([sys.executable, "-c", script], env=environment)
         assert [size // 10_000 for size in cache.leftover_sizes()] == [30, 5]
-        printed = [
-            subprocess.check_output([POVGEN, "cache", what], env=environment, text=True) for what in ("info", "clear")
-        ]
+        printed = [povgen(["cache", what], tmp_path)[1] for what in ("info", "clear")]
         assert "\n2 folders that killed povgens left, 0.000 GiB\n" in printed[0]
         assert "\nremoved 2 folders that killed povgens left\n" in printed[1]
         assert not cache.leftover_sizes() and own.is_dir() and another.is_dir()
@@ -179,11 +178,23 @@ def test_work_folders_made_at_once(tmp_path):
 
 @pytest.fixture(scope="module")
 def rendered(tmp_path_factory):
-    """A cache with large frames."""
-    folder = tmp_path_factory.mktemp("rendered")
-    (folder / "z2.toml").write_text(SPEC)
-    assert start(folder, *LARGE).wait() == 0
-    return folder / "cache"
+    """A cache with large frames that are slow to encode: noise, from a replacement for POV-Ray."""
+
+    class Noise:
+        def run(self, source, rendering, folder):
+            width, height = rendering.size
+            colours = np.random.default_rng(1).integers(0, 256, (height, width, 3), np.uint8)
+            (folder / rendering.file).write_bytes(encode.png(colours))
+            return folder / rendering.file
+
+        def stop(self):
+            pass
+
+    folder = tmp_path_factory.mktemp("rendered") / "cache"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("POVGEN_CACHE", str(folder))
+        list(frames.render_all(MovieSpec.parse(SPEC, "x").scenes("paper"), LARGE_RENDERING, 1, runner=Noise()))
+    return folder
 
 
 @pytest.mark.xdist_group("stopped")  # of which frames are rendered once
@@ -261,6 +272,28 @@ def test_stopped_though_the_exception_is_lost(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_stopped_though_the_main_thread_waits(tmp_path):
+    """For a lock, with the signal delivered to another thread. Then Python calls no handler."""
+    program = """if True:
+        import signal, threading, time
+        from povgen import stopping
+        stopping.on_signals()
+
+        def interrupted():
+            time.sleep(0.5)
+            signal.pthread_kill(threading.get_ident(), signal.SIGTERM)
+            time.sleep(60)
+
+        threading.Thread(target=interrupted, daemon=True).start()
+        lock = threading.Lock()
+        lock.acquire()
+        lock.acquire()
+    """
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, timeout=40)
+    assert done.returncode == 128 + signal.SIGTERM and done.stderr.startswith("povgen: stopped")
+
+
 def test_nothing_is_started_once_povgen_stops(tmp_path, monkeypatch):
     monkeypatch.setattr(povray.stopping, "_number", signal.SIGINT)
     with pytest.raises(PovrayError, match="POV-Ray was stopped"):
@@ -288,7 +321,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     over, met = threading.Event(), set()
 
     def strike():
-        while not over.is_set():
+        while not over.wait(0.02):
             for process in processes(place):
                 try:
                     if process not in met and doomed in Path(f"/proc/{process}/cwd/scene.pov").read_text():
@@ -381,12 +414,14 @@ def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     assert np.array_equal(frames.read_png(again), frames.read_png(data)) and frame.read_bytes() == again
 
 
-def test_two_at_once(place):
+def test_two_at_once(place, monkeypatch):
     """Two movies with the same cache and output, while another process clears the cache again and again."""
     both = [start(place) for _ in range(2)]
-    environment = {**os.environ, "POVGEN_CACHE": str(place / "cache")}
+    monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
     while any(process.poll() is None for process in both):
-        subprocess.run([POVGEN, "cache", "clear"], env=environment, check=True, capture_output=True)
+        cache.trim(-1)
+        cache.remove_leftovers()
+        time.sleep(0.1)
     for process in both:
         assert process.wait() == 0, process.stderr.read()
     assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT
@@ -405,14 +440,8 @@ def test_the_cache_keeps_to_its_size(place, monkeypatch):
     list(frames.render_all(scenes[:1], SMALL))
     kept = set(finished(place))
     assert set(first[:4]) <= kept and len(kept) <= 6 and sum(path.stat().st_size for path in kept) <= size
-    environment = dict(os.environ)
-
-    def povgen(*arguments):
-        return subprocess.run([POVGEN, *arguments], env=environment, capture_output=True, text=True)
-
-    assert povgen("cache", "info").stdout.startswith(f"{len(kept)} frames and 0 ray traces, 0.000 of ")
-    assert povgen("cache", "clear").stdout.startswith(f"removed {len(kept)} frames")
+    assert povgen(["cache", "info"], place)[1].startswith(f"{len(kept)} frames and 0 ray traces, 0.000 of ")
+    assert povgen(["cache", "clear"], place)[1].startswith(f"removed {len(kept)} frames")
     assert not finished(place)
-    environment["POVGEN_CACHE_SIZE"] = "much"
-    done = povgen("movie", str(place / "z2.toml"), "-o", str(place / "a.mp4"))
-    assert done.returncode == 2 and "POVGEN_CACHE_SIZE = 'much': allowed" in done.stderr and not finished(place)
+    monkeypatch.setenv("POVGEN_CACHE_SIZE", "much")
+    assert "POVGEN_CACHE_SIZE = 'much': allowed" in refused(MOVIE, place)

@@ -17,8 +17,8 @@ def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
     pixels = probes.pixels(probes.Directions(), SIZE).ravel()
     off = pixels - place
     size = abs(a) ** 2 - abs(b) ** 2
-    told = (np.conj(a) * off - b * np.conj(off)) / size
-    return pixels, np.where(abs(told) < 1.4 * radius, told, np.nan)
+    decoded = (np.conj(a) * off - b * np.conj(off)) / size
+    return pixels, np.where(abs(decoded) < 1.4 * radius, decoded, np.nan)
 
 
 def test_an_object_is_located_to_a_thousandth_of_a_pixel():
@@ -29,24 +29,24 @@ def test_an_object_is_located_to_a_thousandth_of_a_pixel():
 
 
 def test_ghosts_and_stray_light_do_not_move_it(rng):
-    pixels, told = looked_at()
+    pixels, decoded = looked_at()
     _, predicted = looked_at(place=-0.8 + 0.7j, a=0.2, b=0)
-    told = np.where(np.isnan(told), predicted, told)
+    decoded = np.where(np.isnan(decoded), predicted, decoded)
     stripes = np.round(pixels.real * 40) % 3 == 0  # prisms cut the object into slices
-    told[stripes] = np.nan
+    decoded[stripes] = np.nan
     stray = rng.random(len(pixels)) < 0.005  # as many as the object has left
-    told[stray] = rng.uniform(-0.3, 0.3, stray.sum()) + 1j * rng.uniform(-0.3, 0.3, stray.sum())
-    assert abs(locate(pixels, told, 0.3).position - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
-    naive = pixels[abs(told) < 0.3].mean()
+    decoded[stray] = rng.uniform(-0.3, 0.3, stray.sum()) + 1j * rng.uniform(-0.3, 0.3, stray.sum())
+    assert abs(locate(pixels, decoded, 0.3).position - (0.4 - 0.3j)) < 0.05 * 3.85 / 240
+    naive = pixels[abs(decoded) < 0.3].mean()
     assert abs(naive - (0.4 - 0.3j)) > 0.1  # what a centroid makes of it
 
 
 def test_nothing_is_located_where_nothing_is_seen():
-    pixels, told = looked_at()
-    assert locate(pixels, np.full_like(told, np.nan), 0.3) is None
-    assert locate(pixels, told + 5, 0.3) is None
+    pixels, decoded = looked_at()
+    assert locate(pixels, np.full_like(decoded, np.nan), 0.3) is None
+    assert locate(pixels, decoded + 5, 0.3) is None
     row = pixels.imag == pixels.imag[len(pixels) // 2]
-    assert locate(pixels[row], told[row] * 0 + pixels[row].real, 3) is None
+    assert locate(pixels[row], decoded[row] * 0 + pixels[row].real, 3) is None
 
 
 ANGLE = st.floats(-np.pi, np.pi)
@@ -75,7 +75,7 @@ def test_any_affine_image_is_located(place, scale, rotation, astigmatism, axis, 
     beside = np.flatnonzero(pixels.real > side)
     at = random.choice(beside, min(len(beside), int(stray * (abs(decoded) < radius).sum())), replace=False)
     decoded[at] = radius * np.sqrt(random.random(len(at))) * np.exp(2j * np.pi * random.random(len(at)))
-    step = radius / 0.49 / 65535  # as in instruments/*.pov.j2: half of the range of a colour is 0.49
+    step = radius / 0.49 / 65535  # as in probes/*.pov.j2: half of the range of a colour is 0.49
     decoded = step * (np.round(decoded.real / step) + 1j * np.round(decoded.imag / step))
     seen = locate(pixels, decoded, radius)
     assert abs(seen.position - place) < step * (abs(a) + abs(b))
