@@ -16,6 +16,7 @@ from conftest import POVGEN, wait_for
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure import probes
 from povgen.rendering import cache, frames, povray
+from povgen.settings import QUALITIES
 from povgen.video import still
 
 TINY = Rendering(size=(32, 32), antialias="off")
@@ -37,7 +38,7 @@ def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
 
 
 def test_qualities():
-    assert [Rendering(quality=q).size for q in ("draft", "standard", "high")] == [(320, 240), (480, 360), (960, 720)]
+    assert [Rendering(quality=q).size for q in QUALITIES] == [(320, 240), (480, 360), (960, 720), (1920, 1080)]
     assert Rendering(quality="draft").antialias is None and Rendering().antialias is not None
     assert Rendering(quality="draft", size="64x48").size == (64, 48)
 

@@ -148,6 +148,14 @@ def _as_python(kind, block):
     return f"import subprocess\nsubprocess.run(['bash', '-euo', 'pipefail', '-c', {block!r}], check=True)\n"
 
 
+def test_sweeps_are_allowed(tmp_path):
+    """The shard has no frames, so nothing is rendered."""
+    sweeps = [rest for _, *rest in commands(PROJECT / "docs" / "usage.md") if "--sweep" in rest]
+    assert len(sweeps) == 5
+    for line in sweeps:
+        assert povgen([*line, "--shard", "999/999"], tmp_path) == (0, "rendered shard 999/999: 0 frames\n", "")
+
+
 def test_movies_are_specs():
     """The three movies of docs/adding.md sweep the eye, the prisms and their refractive index."""
     toml = [block for kind, block in blocks(PROJECT / "docs" / "adding.md") if kind == "toml"]

@@ -158,6 +158,6 @@ def test_too_many_frames_at_a_quality():
 
 
 def test_the_ends_of_a_range_are_exact():
-    for spacing in ("linear", "log", "cosine"):
-        found = Sweep(parameter="alpha", start=0.1, stop=360, spacing=spacing).in_frames(7)
-        assert (found[0], found[-1]) == (0.1, 360)
+    for spacing, start in (("linear", -350.7), ("log", 0.1), ("cosine", -350.7)):
+        found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7)
+        assert (found[0], found[-1]) == (start, 360)
