@@ -106,9 +106,11 @@ def command(
 def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any]) -> "MovieSpec":
     """Return the movie of a spec, or of a scene and its sweeps, with these values. Raises InputError."""
     from povgen.scene.models import SCENES
-    from povgen.scene.spec import MovieSpec
+    from povgen.scene.spec import MOVIES, MovieSpec
 
     if not sweeps:
+        if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
+            raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
         loaded = MovieSpec.load(spec)
         return validated(MovieSpec, {**dict(loaded), **values}) if values else loaded
     if spec not in SCENES:
