@@ -1,7 +1,7 @@
 # The tasks of povgen; `make help` lists them. `make movies` renders the paper's three movies, `make test` runs the tests.
 # Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
-QUALITY ?= paper
+QUALITY ?= standard
 # more options for povgen's command line, such as --size 64x48
 OPTIONS ?=
 VENV := .venv
@@ -103,7 +103,7 @@ clean:  ## remove movies, frame.png and the virtual environment (rendered frames
 	rm -rf build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
 
 help:  ## this list
-	@echo "QUALITY=draft|paper|high (now $(QUALITY)), OPTIONS='more options of povgen'"
+	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), OPTIONS='more options of povgen'"
 	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
 	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 

@@ -147,7 +147,7 @@ def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
     seconds divided by a converged frame's.
     """
     size = (160, 120)
-    scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("paper")]
+    scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("standard")]
     chosen = tried(scenes, size, tolerance)
     between = [scenes[round((k + 0.5) * (len(scenes) - 1) / 7)] for k in range(7)]
     flip = max(measured(scene, size, (chosen["sheet"], chosen["antialias"]))[1] for scene in between)

@@ -100,8 +100,7 @@ MOVIE = """
 import resource, sys
 from povgen import MovieSpec, movie
 spec = MovieSpec.load("vary-alpha")
-sweep = spec.sweep.model_copy(update={"frames": int(sys.argv[1])})
-movie(spec.model_copy(update={"sweep": sweep, "fixed": {**spec.fixed, "sheet": sys.argv[2]}}), sys.argv[3],
+movie(spec.model_copy(update={"frames": int(sys.argv[1]), "fixed": {**spec.fixed, "sheet": sys.argv[2]}}), sys.argv[3],
       size=(int(sys.argv[4]), int(sys.argv[4]) * 3 // 4))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 """

@@ -48,8 +48,7 @@ povray.run = run
 
 def spec(count: int) -> MovieSpec:
     """Return the paper's first movie, through prisms, with `count` frames."""
-    own = MovieSpec.load("vary-alpha")
-    return own.model_copy(update={"sweep": own.sweep.model_copy(update={"frames": count})})
+    return MovieSpec.load("vary-alpha").model_copy(update={"frames": count})
 
 
 @contextmanager
@@ -127,7 +126,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
 
 def for_nothing(quality: str, workers: int) -> dict[str, float]:
     """Measure a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
-    scenes, rendering = spec(LONG).scenes("paper"), Rendering(quality=quality)
+    scenes, rendering = spec(LONG).scenes("standard"), Rendering(quality=quality)
     with temporary_folder() as folder, speed.empty_cache(folder / "cache"):
         picture = folder / "picture.png"
         picture.write_bytes(still.png(scenes[LONG // 2], rendering))
@@ -146,7 +145,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
                     pass
                 wall = time.monotonic() - start
                 scheduling = (cpu(scheduler) - scheduling) / LONG
-                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("paper"))
+                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("standard"))
                 return {
                     "text, bytes": len(texts[0].encode()),
                     "picture, bytes": picture.stat().st_size,
@@ -164,11 +163,11 @@ def main() -> None:
     cores = len(os.sched_getaffinity(0))
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 17
     console = Console(width=None if sys.stdout.isatty() else 120)
-    costs = {quality: for_nothing(quality, cores) for quality in ("draft", "paper", "high")}
+    costs = {quality: for_nothing(quality, cores) for quality in ("draft", "standard", "high")}
     table = Table(
         "a frame that costs POV-Ray nothing", *costs, title=f"{speed.machine()}, Dask {distributed.__version__}"
     )
-    for name in costs["paper"]:
+    for name in costs["standard"]:
         table.add_row(
             name, *(f"{cost[name]:.3g}" if cost[name] < 100 else f"{cost[name]:.0f}" for cost in costs.values())
         )
@@ -176,7 +175,7 @@ def main() -> None:
 
     rounds = [(whole_movie(count, 1), whole_movie(count, cores)) for _ in range(ROUNDS)]
     client, encoder = (median(each[1][n] for each in rounds) for n in (1, 2))
-    povray = costs["paper"]["POV-Ray, CPU s"]
+    povray = costs["standard"]["POV-Ray, CPU s"]
     found = {
         "1 worker, wall s": median(one[0] for one, _ in rounds),
         f"{cores} workers, wall s": median(more[0] for _, more in rounds),
@@ -186,7 +185,7 @@ def main() -> None:
         "cores that keep the client busy": povray / client,
         "cores that keep an encoder of one core busy": povray / encoder,
     }
-    table = Table("a movie of quality paper", f"{count} frames")
+    table = Table("a movie of quality standard", f"{count} frames")
     for name, value in found.items():
         table.add_row(name, f"{value:.3g}")
     console.print(table)

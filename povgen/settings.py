@@ -1,17 +1,19 @@
-"""How a scene is rendered: the qualities draft, paper and high, picture size, antialiasing, caption and overlay."""
+"""How a scene is rendered: the qualities, picture size, antialiasing, caption and overlay."""
 
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-# Each quality's picture size, antialiasing (POV-Ray's method, threshold and depth) and number of frames, as a multiple
-# of the number that a movie's spec states. No other antialiasing is both faster and more accurate (docs/speed.md).
+# Each quality's picture size and antialiasing (POV-Ray's method, threshold and depth). No other antialiasing is both
+# faster and more accurate (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states.
+# hd states frames a second instead, because players and editors expect 30.
 QUALITIES: dict[str, dict[str, Any]] = {
     "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
-    "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
+    "standard": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
     "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
+    "hd": {"size": (1920, 1080), "antialias": "1,0.1,2", "frame_rate": 30},
 }
-Quality = Literal["draft", "paper", "high"]
+Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 
 
 def _even(pixels: int) -> int:
@@ -41,7 +43,7 @@ class Rendering(BaseModel):
     file: ClassVar[str] = "frame.png"
     format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
 
-    quality: Quality = Field("paper", description="draft, paper or high")
+    quality: Quality = Field("standard", description="draft, standard, high or hd")
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680"
     )
@@ -69,7 +71,7 @@ class Rendering(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _follow_quality(cls, values: dict[str, Any]) -> dict[str, Any]:
-        preset = QUALITIES.get(values.get("quality", "paper"), QUALITIES["paper"])
+        preset = QUALITIES.get(values.get("quality", "standard"), QUALITIES["standard"])
         return {"size": preset["size"], "antialias": preset["antialias"], **values}
 
     @property

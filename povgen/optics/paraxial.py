@@ -38,8 +38,8 @@ def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tu
 
     A short step d on the object appears as a d + b conj(d), with a and b from `image`. Then nu = arg(a). The
     magnification depends on the direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For
-    a pitch of 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is |b|.
-    If |A| = |B|, nu is NaN and M is infinite.
+    a pitch of 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is
+    |b|. If |A| = |B|, nu is NaN and M is infinite.
     """
     A, B = _depths(z1, z2, alpha, prism)
     a, b = image(z1, z2, alpha, prism)

@@ -1,54 +1,105 @@
-"""Movie specs: a TOML file with a scene, its fixed parameters and one swept parameter."""
+"""Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
 import tomllib
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from types import NoneType
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from povgen.errors import InputError, shown, validated
-from povgen.scene.models import SCENES, Scene
+from povgen.scene.models import SCENES, Scene, as_pair
 from povgen.settings import QUALITIES
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
+MAX_FRAMES = 10000
+FRAMES = 61  # of a movie that does not state it
+
+
+def _number_or_pair(value: object) -> object:
+    """Accept text such as 'X,Y', and a complex number."""
+    return as_pair(value) if isinstance(value, complex) or "," in str(value) else value
+
+
+Value = Annotated[float | tuple[float, float], BeforeValidator(_number_or_pair)]
 
 
 class Sweep(BaseModel):
-    """The parameter that changes from frame to frame, and its values."""
+    """A parameter that changes from frame to frame, and its values: numbers, or pairs X, Y for a point."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    parameter: Literal["alpha", "z1", "z2"] = Field(description="the parameter that is swept")
-    start: float = Field(description="its value in the first frame")
-    stop: float = Field(description="its value in the last frame")
-    frames: Annotated[int, Field(ge=2, le=10000)] = Field(description="number of frames at quality paper, 2 to 10000")
-    spacing: Literal["linear", "log"] = Field("linear", description="spacing of the values: linear or log")
+    parameter: str = Field(description="the swept parameter: a number of the scene, or a point")
+    start: Value | None = Field(None, description="its value in the first frame: a number, or [X, Y] for a point")
+    stop: Value | None = Field(None, description="its last value: a number, or [X, Y] for a point")
+    spacing: Literal["linear", "log", "cosine"] = Field(
+        "linear", description="spacing of the values: linear, log, or cosine (starts and stops gently)"
+    )
+    values: Annotated[tuple[Value, ...], Field(min_length=2, max_length=MAX_FRAMES)] | None = Field(
+        None, description=f"its value in every frame, in place of start and stop: 2 to {MAX_FRAMES} values"
+    )
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Return the sweep that a text states, such as alpha=0:180 or eye=-1,0:1,0:cosine. Raises InputError."""
+        name, _, ends = text.partition("=")
+        if ":" not in ends:
+            raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear, :log or :cosine")
+        parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
+        try:
+            return validated(cls, {"parameter": name, **parts})
+        except InputError as error:
+            raise InputError(f"sweep = {shown(text)}: {error}") from None
 
     @model_validator(mode="after")
     def _check_range(self) -> Self:
+        if self.values is not None:
+            if self.start is not None or self.stop is not None or self.spacing != "linear":
+                raise ValueError("values: given with start, stop or spacing; allowed: values, or start and stop")
+            if len(set(self.values)) == 1:
+                raise ValueError(f"values = {shown(self.values)}: all equal, nothing would move; allowed: others")
+            return self
+        for name, value in (("start", self.start), ("stop", self.stop)):
+            if value is None:
+                raise ValueError(f"{name}: missing; allowed: start and stop, or values")
         if self.start == self.stop:
-            raise ValueError(f"stop = {self.stop:g}: equal to start, nothing would move; allowed: any other value")
-        if self.spacing == "log" and min(self.start, self.stop) <= 0 <= max(self.start, self.stop):
-            raise ValueError(
-                f"spacing = 'log': 0 lies between start = {self.start:g} and stop = {self.stop:g}; "
-                "allowed: start and stop both above or both below 0, or spacing = 'linear'"
-            )
+            raise ValueError(f"stop = {_text(self.stop)}: equal to start, nothing would move; allowed: any other value")
+        if self.spacing == "log":
+            if not (isinstance(self.start, float) and isinstance(self.stop, float)):
+                raise ValueError("spacing = 'log': not for points; allowed: linear, cosine")
+            if min(self.start, self.stop) <= 0 <= max(self.start, self.stop):
+                raise ValueError(
+                    f"spacing = 'log': 0 lies between start = {self.start:g} and stop = {self.stop:g}; "
+                    "allowed: start and stop both above or both below 0, or spacing = 'linear'"
+                )
         return self
 
-    def values(self, quality: str) -> list[float]:
-        """Return the parameter's value in each frame. The quality scales the number of steps."""
-        count = round((self.frames - 1) * QUALITIES[quality]["frames"]) + 1
-        space = np.geomspace if self.spacing == "log" else np.linspace
-        values: list[float] = space(self.start, self.stop, max(count, 2)).tolist()
-        return values
+    @property
+    def ends(self) -> tuple[Value, Value]:
+        """The first and the last value."""
+        ends = self.values or (self.start, self.stop)
+        return ends[0], ends[-1]  # type: ignore[return-value]  # neither is None, by _check_range
+
+    def in_frames(self, count: int) -> list[Value]:
+        """Return the parameter's value in each of `count` frames."""
+        if self.values:
+            return list(self.values)
+        start, stop = np.atleast_1d(*self.ends)
+        if self.spacing == "log":
+            rows = np.geomspace(start, stop, count)
+        elif self.spacing == "cosine":
+            rows = start + (stop - start) * (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, count)))[:, np.newaxis]
+            rows[-1] = stop  # without a rounding error, which a range might not allow
+        else:
+            rows = np.linspace(start, stop, count)
+        return [row[0] if len(row) == 1 else tuple(row) for row in rows.tolist()]
 
 
 class MovieSpec(BaseModel):
-    """A movie: its title, scene, fixed parameters, swept parameter and frame rate."""
+    """A movie: its title, scene, fixed parameters, swept parameters, number of frames and frame rate."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -57,10 +108,38 @@ class MovieSpec(BaseModel):
     )
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
     frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(
-        description="frames a second at quality paper, 0.1 to 120"
+        10, description="frames a second at quality standard, 0.1 to 120"
     )
+    frames: Annotated[int, Field(ge=2, le=MAX_FRAMES)] | None = Field(
+        None,
+        description=f"number of frames from start to stop at quality standard, 2 to {MAX_FRAMES} (default {FRAMES}, "
+        "or as many as a sweep has values)",
+    )
+    loop: bool = Field(False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
-    sweep: Sweep = Field(description="the swept parameter")
+    sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
+        description="the swept parameters, a [[sweep]] table for each"
+    )
+
+    @model_validator(mode="after")
+    def _check_sweeps(self) -> Self:
+        numbers = swept_numbers(SCENES[self.scene])
+        names = [sweep.parameter for sweep in self.sweep]
+        for sweep in self.sweep:
+            name = sweep.parameter
+            if name not in numbers:
+                raise ValueError(f"[[sweep]] parameter = {shown(name)}: allowed: {', '.join(numbers)}")
+            if names.count(name) > 1:
+                raise ValueError(f"[[sweep]] parameter = {shown(name)}: more than once; allowed: once")
+            for value in sweep.values or sweep.ends:
+                if np.size(value) != numbers[name]:
+                    kind = "a number" if numbers[name] == 1 else "a pair [X, Y]"
+                    raise ValueError(f"[[sweep]] {name} = {shown(value)}: allowed: {kind}")
+        counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
+        if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
+            text = " and ".join(map(str, sorted(filter(None, counts))))
+            raise ValueError(f"[[sweep]] values: {text} frames; allowed: frames and all lists of values equally long")
+        return self
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -93,43 +172,112 @@ class MovieSpec(BaseModel):
         except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
             raise InputError(f"{name}: not TOML: {error}") from None
         try:
-            if isinstance(values.get("sweep"), dict):
-                with _errors_of_sweep():
-                    values["sweep"] = validated(Sweep, values["sweep"])
+            tables = values.get("sweep")
+            if isinstance(tables, list):
+                values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
             spec = validated(cls, values)
-            spec.scenes("paper")
+            spec.scenes("standard")
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
         return spec
 
+    @classmethod
+    def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, Any]) -> Self:
+        """Return the movie of a scene with sweeps such as alpha=0:180. The values may be text. Raises InputError."""
+        sweeps = [Sweep.parse(text) for text in texts]
+        parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
+        title = f"{scene}, {', '.join(parts)}"[:200]
+        return validated(cls, {"title": title, "scene": scene, "sweep": sweeps, **values})
+
     def with_fixed(self, values: dict[str, Any]) -> Self:
         """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
         spec = self.model_copy(update={"fixed": {**self.fixed, **values}})
-        scene = spec.scenes("paper")[0]
+        scene = spec.scenes("standard")[0]
         return spec.model_copy(update={"fixed": {name: getattr(scene, name) for name in spec.fixed}})
 
     def scenes(self, quality: str) -> list[Scene]:
-        """Return the scene of every frame. Raises InputError for the first frame that is not allowed."""
-        swept = self.sweep.parameter
-        if swept in self.fixed:
-            fixed = shown(self.fixed[swept])
-            raise InputError(f"{swept} = {fixed}: also the swept parameter; allowed: in fixed or in sweep, not in both")
+        """Return the scene of every frame. Raises InputError if one of them is not allowed."""
+        for sweep in self.sweep:
+            if (name := sweep.parameter) in self.fixed:
+                fixed = shown(self.fixed[name])
+                raise InputError(
+                    f"{name} = {fixed}: also a swept parameter; allowed: in fixed or in [[sweep]], not in both"
+                )
+        count = self._frames_there(quality)
+        if count > 3 * MAX_FRAMES:
+            raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
+        # The first and the last value are checked before those between, which then are finite.
+        for n, end in ((1, 0), (count, 1)):
+            self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
+        names = [sweep.parameter for sweep in self.sweep]
+        rows = zip(*(sweep.in_frames(count) for sweep in self.sweep), strict=True)
+        scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
+        return scenes + scenes[-2:0:-1] if self.loop else scenes
+
+    def _scene(self, swept: dict[str, Any], n: int, count: int) -> Scene:
+        """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed."""
         model = SCENES[self.scene]
-        validated(model, {**self.fixed, swept: self.sweep.start})
-        with _errors_of_sweep():
-            validated(model, {**self.fixed, swept: self.sweep.stop})
-        return [validated(model, {**self.fixed, swept: value}) for value in self.sweep.values(quality)]
+        # prisms are counted
+        swept = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in swept.items()}
+        try:
+            return validated(model, {**self.fixed, **swept})
+        except InputError as error:
+            try:
+                validated(model, self.fixed)
+            except InputError as own:
+                if str(own) == str(error):
+                    raise
+            where = ", ".join(f"{name} = {_text(value)}" for name, value in swept.items())
+            raise InputError(f"[[sweep]] frame {n} of {count}, {where}: {error}") from None
+
+    def _frames_there(self, quality: str) -> int:
+        """Return the number of frames from start to stop."""
+        for sweep in self.sweep:
+            if sweep.values:
+                return len(sweep.values)
+        preset, steps = QUALITIES[quality], (self.frames or FRAMES) - 1
+        more: float = preset["frame_rate"] / self.frame_rate if "frame_rate" in preset else preset["frames"]
+        return max(round(steps * more), 1) + 1
+
+    def count(self, quality: str) -> int:
+        """Return the number of frames."""
+        there = self._frames_there(quality)
+        return 2 * there - 2 if self.loop else there
 
     def rate(self, quality: str) -> float:
-        """Return the frames a second at a quality. A movie lasts equally long at each quality."""
-        steps = len(self.sweep.values(quality)) - 1
-        return self.frame_rate * steps / (self.sweep.frames - 1)
+        """Return the frames a second. A movie lasts equally long at each quality."""
+        if any(sweep.values for sweep in self.sweep):
+            return self.frame_rate
+        if "frame_rate" in QUALITIES[quality]:
+            rate: float = QUALITIES[quality]["frame_rate"]
+            return rate
+        return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
 
 
-@contextmanager
-def _errors_of_sweep() -> Iterator[None]:
-    """Let the message of an InputError begin with the TOML table's name."""
+def swept_numbers(scene: type[Scene]) -> dict[str, int]:
+    """Return the scene's parameters that can be swept, and how many numbers a value of each has."""
+    counts = {name: _numbers(field.annotation) for name, field in scene.model_fields.items()}
+    return {name: count for name, count in counts.items() if count}
+
+
+def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
+    """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
+    if kind in (int, float):
+        return 1
+    parts = [part for part in get_args(kind) if part not in (..., NoneType)]
+    if get_origin(kind) is Annotated:
+        return _numbers(parts[0])
+    return sum(map(_numbers, parts)) if get_origin(kind) is not Literal else 0
+
+
+def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
+    """Return a value of a sweep as it is written on the command line."""
+    return ",".join(f"{x:.6g}" for x in np.atleast_1d(value))
+
+
+def _sweep(table: dict[str, Any]) -> Sweep:
+    """Return the sweep of a TOML table. The message of an InputError begins with the table's name."""
     try:
-        yield
+        return validated(Sweep, table)
     except InputError as error:
-        raise InputError(f"[sweep] {error}") from None
+        raise InputError(f"[[sweep]] {error}") from None

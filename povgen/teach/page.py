@@ -101,6 +101,10 @@ def _digest(data: bytes) -> str:
 
 def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
     """Return the scenes of all frames, for each model of the sheets that the page shows. Raises InputError."""
+    names = [sweep.parameter for sweep in spec.sweep]
+    if len(names) > 1 or names[0] not in SWEPT or spec.loop:
+        what = f"sweep of {', '.join(names)}" + ", there and back" * spec.loop
+        raise InputError(f"{spec.title!r}: {what}: not for the page; allowed: one sweep of {', '.join(SWEPT)}, no loop")
     try:
         return {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
     except InputError as error:
@@ -127,18 +131,19 @@ def _page_data(movies: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) -> dict[str, Any]:
     """Return a movie's data for the page: angles in degrees, lengths in tiles, complex numbers as pairs."""
-    scene, sweep = movie["detailed"][0], spec.sweep
+    scene, sweep = movie["detailed"][0], spec.sweep[0]
+    start, stop = sweep.ends
     thing = getattr(scene, "piece", scene.name.removesuffix("s"))
     things = thing + "s" * (len(scene.distances) > 1)
-    ends = (f"{end:g}".replace("-", "−") for end in (sweep.start, sweep.stop))
+    ends = (f"{end:g}".replace("-", "−") for end in (start, stop))
     return {
         "title": spec.title,
         "label": f"{things.capitalize()}, {SWEPT[sweep.parameter].format(*ends)}",
         "thing": thing,
         "marked": f"{thing}'s foot" if hasattr(scene, "piece") else thing,
         "sweep": sweep.parameter,
-        "start": sweep.start,
-        "stop": sweep.stop,
+        "start": start,
+        "stop": stop,
         "rate": spec.rate(rendering.quality),
         "ratio": rendering.size[0] / rendering.size[1],
         "prisms": scene.prisms,

@@ -63,5 +63,5 @@ def movie(
 def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
     """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError."""
     if output.suffix.lower() == ".gif":
-        encode.check_gif(len(spec.sweep.values(quality)), spec.rate(quality))
+        encode.check_gif(spec.count(quality), spec.rate(quality))
     return checked_output(output, encode.FORMATS)

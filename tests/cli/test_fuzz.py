@@ -199,7 +199,10 @@ TEXTS = st.sampled_from(NUMBERS) | st.sampled_from(WORDS) | st.sampled_from(SDL)
 TEXTS |= st.floats().map(repr) | st.integers().map(str) | st.sampled_from(ELSEWHERE)
 SOME = {  # right values for what is no field of a model
     "scene": st.sampled_from([*SCENES]),
-    "spec": st.sampled_from(["spec.toml", "vary-alpha", "spheres", "-"]),
+    "sweep": st.sampled_from(["alpha=5:9", "z1=1:2:log", "eye=-1,0:1,0:cosine", "prisms=50:60", "gap=0.01:0.02"]),
+    "frames": st.integers(2, 5).map(str),
+    "frame_rate": st.floats(0.1, 120).map(repr),
+    "spec": st.sampled_from(["spec.toml", "chess", "vary-alpha", "spheres", "-"]),
     "specs": st.sampled_from(["spec.toml", "vary-z1"]),
     "what": st.sampled_from(["info", "clear"]),
     "numbers": st.sampled_from("123456"),
@@ -210,9 +213,13 @@ SOME = {  # right values for what is no field of a model
     "baselines": st.just("baselines"),
     "output": st.sampled_from(["x.png", "x.mp4", "x.gif", "x.webm", "x.pov", "x", "kept.png", "kept.mp4", "folder"]),
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
-    "quality": st.sampled_from(["draft", "paper"]),
+    "quality": st.sampled_from(["draft", "standard"]),
     "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto"]),
 }
+
+
+# A number of frames that is right, and takes long.
+LONG = re.compile(r"[\"']?\s*\+?0*[0-9_]{2,5}(\.0*)?\s*[\"']?")
 
 
 def text_of(value):
@@ -235,6 +242,7 @@ def words(draw, command, name, values):
     if kind is bool:
         return [draw(st.sampled_from(option.split("/")))]
     value = draw(values)
+    assume(name != "frames" or not LONG.fullmatch(value))
     if kind is Path or name in ("spec", "specs"):
         assume(value in ELSEWHERE or (WORK / value).is_relative_to(WORK) and value.count("..") < 3)
     if not option:
@@ -268,14 +276,14 @@ SPEC = """\
 title = "A movie"
 scene = "chess"
 frame_rate = 10
+frames = 2
 [fixed]
 z1 = 2
 sheet = "ideal"
-[sweep]
+[[sweep]]
 parameter = "alpha"
 start = 5
 stop = 9
-frames = 2
 """
 
 
@@ -526,9 +534,9 @@ KEYS = st.sampled_from(
 )
 KEYS |= st.text(CHARACTERS).map(quoted)
 BASE = {
-    "": {"title": '"A movie"', "scene": '"chess"', "frame_rate": "10"},
+    "": {"title": '"A movie"', "scene": '"chess"', "frame_rate": "10", "frames": "2"},
     "fixed": {"sheet": '"ideal"'},
-    "sweep": {"parameter": '"alpha"', "start": "5", "stop": "9", "frames": "2"},
+    "sweep": {"parameter": '"alpha"', "start": "5", "stop": "9"},
 }
 PLACES = [("", name) for name in MovieSpec.model_fields] + [("sweep", name) for name in Sweep.model_fields]
 PLACES += [(scene, name) for scene, model in SCENES.items() for name in model.model_fields]
@@ -550,13 +558,12 @@ def entries(draw, table, name):
         values = st.integers(2, 5) if name == "frames" else right(field.annotation, field.metadata)
         return name, draw(values.map(literal))
     value = draw(WRONG)
-    # a movie of thousands of frames is right, and takes long
-    assume(name != "frames" or not re.fullmatch(r"[\"']?\s*\+?0*[0-9]{2,4}(\.0*)?\s*[\"']?", value))
+    assume(name != "frames" or not LONG.fullmatch(value))
     return name, value
 
 
 def toml(spec):
-    tables = {"": "", "fixed": "[fixed]\n", "sweep": "[sweep]\n"}
+    tables = {"": "", "fixed": "[fixed]\n", "sweep": "[[sweep]]\n"}
     return "".join(
         head + "".join(f"{key} = {value}\n" for key, value in spec[table].items()) for table, head in tables.items()
     )
@@ -789,8 +796,8 @@ def test_found_in_command_lines(line, words):
         ("z1 = 2", "eye = [true, -1]", ["eye = [True, -1]", "true or false"]),
         ('"A movie"', '"A\\u2028movie"', ["title", "one line"]),
         ('"A movie"', '"A\\u0085movie"', ["title", "one line"]),
-        ("frames = 2", "frames = 2\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),
-        ("[sweep]", "#" * 20_000, ["no movie spec: longer than"]),
+        ("stop = 9", "stop = 9\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),
+        ("[[sweep]]", "#" * 20_000, ["no movie spec: longer than"]),
     ],
     ids=lambda value: str(value)[:20],
 )

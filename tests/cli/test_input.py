@@ -14,13 +14,13 @@ SPEC = """
 title = "A movie"
 scene = "chess"
 frame_rate = 10
+frames = 5
 [fixed]
 z1 = 2
-[sweep]
+[[sweep]]
 parameter = "alpha"
 start = 0
 stop = 180
-frames = 5
 """
 
 
@@ -98,22 +98,23 @@ def test_frame(options, words, tmp_path):
         ("stop = 180", "stop = 0", ["stop", "start"]),
         ("stop = 180", "", ["stop", "missing"]),
         ("stop = 180", "stop = nan", ["stop", "nan"]),
-        ("frames = 5", 'frames = 5\nspacing = "log"', ["log", "0"]),
-        ("frames = 5", 'frames = 5\nspacing = "cubic"', ["spacing", "cubic", "log"]),
+        ("stop = 180", 'stop = 180\nspacing = "log"', ["log", "0"]),
+        ("stop = 180", 'stop = 180\nspacing = "cubic"', ["spacing", "cubic", "log"]),
         ("frames = 5", "frames = 1", ["frames", "1", "2"]),
         ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
         ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
         ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
-        ("stop = 180", "stop = 1800", ["[sweep]", "alpha", "1800", "360"]),
+        ("stop = 180", "stop = 1800", ["[[sweep]] frame 5 of 5, alpha = 1800: alpha = 1800", "360"]),
         ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
-        ("[sweep]", "[sweeps]", ["sweep"]),
+        ("[[sweep]]", "[[sweeps]]", ["sweep"]),
         ("z1 = 2", "z1 = true", ["z1", "True"]),
         ("z1 = 2", '"a\\nb\\nc" = 2', ["unknown"]),
         ("z1 = 2", f"z1 = {'9' * 5000}", ["TOML"]),
         ("z1 = 2", f"z1 = {'[' * 5000}", ["TOML"]),
         ('title = "A movie"', 'title = "A\\u0000movie"', ["title", "one line"]),
-        ("[sweep]", "[sweep", ["TOML"]),
+        ("[[sweep]]", "[[sweep", ["TOML"]),
+        ("[[sweep]]", "[sweep]", ["sweep", "valid tuple", "[[sweep]] table"]),
     ],
 )
 def test_spec(old, new, words, tmp_path):

@@ -63,8 +63,9 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
 
 def test_a_movie_has_them_too(tmp_path):
     spec = MovieSpec.load("spheres")
-    short = spec.sweep.model_copy(update={"start": 60, "stop": 90, "frames": 5})  # 2 at quality draft
-    spec = spec.model_copy(update={"fixed": {"sheet": "ideal"}, "sweep": short})
+    short = spec.sweep[0].model_copy(update={"start": 60, "stop": 90})
+    # 2 frames at quality draft
+    spec = spec.model_copy(update={"fixed": {"sheet": "ideal"}, "sweep": (short,), "frames": 5})
     drawn_over = {"caption": True, "overlay": True}
     made = movie(spec, tmp_path / "a.mp4", quality="draft", size=(320, 240), **drawn_over)
     scene = spec.scenes("draft")[1]

@@ -21,7 +21,7 @@ from povgen.settings import QUALITIES
 pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once
 CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
-PAPER = Rendering(size=SIZE)
+STANDARD = Rendering(size=SIZE)
 SMALL = Rendering(size=(160, 120))
 LADDER = [
     *(("ideal", sampling) for sampling in IDEAL_SAMPLINGS),
@@ -71,7 +71,7 @@ def position_error(scene, sheet):
     ids=str,
 )
 def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
-    chosen, _ = choose([scene], PAPER, Tolerance(px=tolerance))
+    chosen, _ = choose([scene], STANDARD, Tolerance(px=tolerance))
     assert chosen.sheet == sheet
     if sheet == "detailed":
         assert position_error(scene, "ideal") > tolerance
@@ -98,11 +98,11 @@ def test_only_the_choice_keeps_the_picture(scene, tolerance):
 
 def test_a_movie_gets_one_choice_that_holds_in_every_frame():
     scenes = [Chess(alpha=alpha) for alpha in (0, 90, 180)]
-    chosen, why = choose(scenes, PAPER, Tolerance(px=3.5))
-    alone = [choose([scene], PAPER, Tolerance(px=3.5))[0].px for scene in scenes]
+    chosen, why = choose(scenes, STANDARD, Tolerance(px=3.5))
+    alone = [choose([scene], STANDARD, Tolerance(px=3.5))[0].px for scene in scenes]
     assert chosen.sheet == "ideal" and chosen.px == max(alone) > min(alone)
     assert chosen.sheet in why and chosen.antialias in why
-    spheres, _ = choose([Spheres()], PAPER, Tolerance(px=0.01))
+    spheres, _ = choose([Spheres()], STANDARD, Tolerance(px=0.01))
     assert spheres.sheet == "detailed"
 
     tiny, tolerance = Rendering(size=(64, 48)), Tolerance(px=0.01, flip=0.9)
@@ -147,8 +147,8 @@ def test_the_command(tmp_path):
 def test_qualities_lie_on_the_pareto_front():
     """No sampling that was measured costs less and has a smaller error, by RMS or by FLIP."""
     rows = [row for row in csv.DictReader(CHART.open()) if row["method"] == "detailed" and row["height"] == "240"]
-    for quality in ("draft", "paper", "high"):
-        sampling = QUALITIES[quality]["antialias"]
+    for quality, preset in QUALITIES.items():
+        sampling = preset["antialias"]
         (own,) = (row for row in rows if row["antialias"] == sampling)
         cheaper = [row for row in rows if float(row["CPU s"]) < float(own["CPU s"]) and row["antialias"][:3] != "box"]
         assert any(all(float(row[error]) > float(own[error]) for row in cheaper) for error in ("RMS", "FLIP")), quality

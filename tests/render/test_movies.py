@@ -20,13 +20,13 @@ SPEC = MovieSpec.parse(
 title = "Title with \\"quotes\\" and α"
 scene = "chess"
 frame_rate = 12.5
+frames = 13
 [fixed]
 sheet = "ideal"
-[sweep]
+[[sweep]]
 parameter = "alpha"
 start = 0
 stop = 180
-frames = 13
 """,
     "test",
 )
@@ -55,7 +55,7 @@ def test_count_size_codec_rate_and_colour(made):
 
 
 def test_a_decoded_frame_is_its_png(made):
-    scenes = SPEC.scenes("paper")
+    scenes = SPEC.scenes("standard")
     with imageio.v2.get_reader(made, format="FFMPEG") as reader:
         for n in (0, 7, 12):
             png = still.render(scenes[n], size=SIZE)
@@ -77,7 +77,7 @@ def test_colours_come_back(suffix, tmp_path):
 def test_the_movie_carries_its_spec(made):
     words = made.read_bytes()
     text = SPEC.model_dump_json(exclude_none=True)
-    assert text.encode() in words and json.loads(text)["sweep"]["stop"] == 180
+    assert text.encode() in words and json.loads(text)["sweep"][0]["stop"] == 180
     assert SPEC.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
 
 
@@ -89,7 +89,7 @@ def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
 
 
 def test_gif(folder):
-    path = movie(SPEC, folder / "movie.gif", size=SIZE, quality="paper")
+    path = movie(SPEC, folder / "movie.gif", size=SIZE, quality="standard")
     images = iio.imread(path, index=None, plugin="pillow")
     assert images.shape == (13, SIZE[1], SIZE[0], 3)
     meta = iio.immeta(path, plugin="pillow")

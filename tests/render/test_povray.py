@@ -16,6 +16,7 @@ from conftest import POVGEN, wait_for
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure import probes
 from povgen.rendering import cache, frames, povray
+from povgen.settings import QUALITIES
 from povgen.video import still
 
 TINY = Rendering(size=(32, 32), antialias="off")
@@ -37,7 +38,7 @@ def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
 
 
 def test_qualities():
-    assert [Rendering(quality=q).size for q in ("draft", "paper", "high")] == [(320, 240), (480, 360), (960, 720)]
+    assert [Rendering(quality=q).size for q in QUALITIES] == [(320, 240), (480, 360), (960, 720), (1920, 1080)]
     assert Rendering(quality="draft").antialias is None and Rendering().antialias is not None
     assert Rendering(quality="draft", size="64x48").size == (64, 48)
 
@@ -220,8 +221,8 @@ def test_an_interrupted_movie_goes_on(tmp_path):
     cache = tmp_path / "cache"
     spec = tmp_path / "z2.toml"
     spec.write_text(
-        'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
-        '[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = 12\n'
+        'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = 12\n[fixed]\nsheet = "none"\n'
+        '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
     )
     arguments = [POVGEN, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
     environment = {**os.environ, "POVGEN_CACHE": str(cache)}

@@ -27,7 +27,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         "CONVERGED": "1,0.001,5",
         "PRISM_COUNTS": (50, 200),
         "WORKER_COUNTS": (16,),
-        "MOVIE": spec.model_copy(update={"sweep": spec.sweep.model_copy(update={"frames": 3})}),
+        "MOVIE": spec.model_copy(update={"frames": 3}),
         "ROUNDS": 1,
     }
     for name, value in small.items():

@@ -29,10 +29,10 @@ pytestmark = pytest.mark.xdist_group("cluster")  # the shared scheduler is start
 BIN = Path(sys.executable).parent
 COUNT = 16
 SPEC = (
-    'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
-    f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
+    f'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = {COUNT}\n[fixed]\nsheet = "none"\n'
+    '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
 )
-SCENES = MovieSpec.parse(SPEC, "x").scenes("paper")
+SCENES = MovieSpec.parse(SPEC, "x").scenes("standard")
 SMALL = Rendering(size=(64, 48))
 MOVIE = [BIN / "povgen", "movie", "z2.toml", "--size", "64x48"]
 # root may make networks, unless it is a container's

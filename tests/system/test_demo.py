@@ -36,8 +36,8 @@ CHROMIUM = (
 
 
 def spec(scene, fixed, parameter, start, stop, count, title=HOSTILE):
-    sweep = {"parameter": parameter, "start": start, "stop": stop, "frames": count}
-    return MovieSpec(title=title, scene=scene, frame_rate=2.5, fixed=fixed, sweep=sweep)
+    sweep = {"parameter": parameter, "start": start, "stop": stop}
+    return MovieSpec(title=title, scene=scene, frame_rate=2.5, frames=count, fixed=fixed, sweep=[sweep])
 
 
 SPECS = {number: spec(*movie) for number, movie in MOVIES.items()}
@@ -284,7 +284,7 @@ def test_paths_are_parted_at_infinity(page, offset):
 def test_the_slider_moves_all_at_once_and_both_ways(page, movie, sheet):
     opened(page, movie)
     page.locator(f"#{sheet}").click()
-    wanted = scenes(SPECS[movie], "paper")[sheet]
+    wanted = scenes(SPECS[movie], "standard")[sheet]
     forth = [*range(len(wanted))]
     for n in [*forth, *forth[::-1], len(wanted) // 2]:
         chosen = wanted[n].distances.index(wanted[n].z2) if movie in (SPHERES, Z2) else 0
@@ -292,7 +292,7 @@ def test_the_slider_moves_all_at_once_and_both_ways(page, movie, sheet):
 
 
 def test_keys_step(page):
-    wanted = scenes(SPECS[ALPHA], "paper")["detailed"]
+    wanted = scenes(SPECS[ALPHA], "standard")["detailed"]
     n = 0
     for key, n in (("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 4), ("ArrowRight", 4), ("Home", 0)):
         page.keyboard.press(key)
@@ -309,7 +309,7 @@ def test_the_slider_is_dragged(page):
     page.mouse.down()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, steps=5)
     page.mouse.up()
-    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "paper")["detailed"][2], 2)
+    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "standard")["detailed"][2], 2)
 
 
 def test_the_frame_is_the_one_that_is_rendered(page):
@@ -319,7 +319,7 @@ def test_the_frame_is_the_one_that_is_rendered(page):
     page.keyboard.press("o")  # no prediction over it
     for movie in (ALPHA, SPHERES):
         opened(page, movie)
-        for sheet, wanted in scenes(SPECS[movie], "paper").items():
+        for sheet, wanted in scenes(SPECS[movie], "standard").items():
             page.locator(f"#{sheet}").click()
             rendered = [still.render(scene, size=SIZE, antialias="off").astype(float) for scene in wanted]
             for n in range(1, len(wanted)):
@@ -342,7 +342,7 @@ def picture(png):
 
 def test_prisms_or_ideal_sheet(page):
     page.evaluate(MOVE, 2)
-    both = {sheet: made[2] for sheet, made in scenes(SPECS[ALPHA], "paper").items()}
+    both = {sheet: made[2] for sheet, made in scenes(SPECS[ALPHA], "standard").items()}
     for press, sheet in (
         (lambda: page.locator("#ideal").click(), "ideal"),
         (lambda: page.keyboard.press("p"), "detailed"),
@@ -408,7 +408,7 @@ def test_the_path_and_the_rings_of_a_prediction(page):
 
 def test_spheres_are_chosen(page):
     opened(page, SPHERES)
-    wanted = scenes(SPECS[SPHERES], "paper")["detailed"]
+    wanted = scenes(SPECS[SPHERES], "standard")["detailed"]
     page.evaluate(MOVE, 1)
     assert page.locator("#diagram .other").count() == 11
     names = page.locator("#sphere option").all_text_contents()
@@ -435,7 +435,7 @@ def test_play_and_pause(page, press):
     toggle()
     expect(page.get_by_role("button", name="Play")).to_be_visible()
     n = page.evaluate("slider.valueAsNumber")
-    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "paper")["detailed"][n], n)
+    check(page.evaluate(f"({READ})()"), ALPHA, scenes(SPECS[ALPHA], "standard")["detailed"][n], n)
     still = page.evaluate(
         """() => new Promise((done) => {
             const start = performance.now();
@@ -501,7 +501,7 @@ def test_tabs(page):
     tabs.nth(1).click()  # stops it; the keys are the slider's then
     loaded(page)
     page.keyboard.press("ArrowRight")
-    check(page.evaluate(f"({READ})()"), Z1, scenes(SPECS[Z1], "paper")["detailed"][1], 1)
+    check(page.evaluate(f"({READ})()"), Z1, scenes(SPECS[Z1], "standard")["detailed"][1], 1)
     assert "king" in page.locator("#shown").get_attribute("alt")
 
 
@@ -592,7 +592,7 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page):
     unsure = "(z1) => { const now = moment(); return unsure({ ...now, z1, r: now.z2 / z1 }); }"
     for movie in (ALPHA, POLE):
         opened(page, movie)
-        for sheet, wanted in scenes(SPECS[movie], "paper").items():
+        for sheet, wanted in scenes(SPECS[movie], "standard").items():
             page.locator(f"#{sheet}").click()
             for n, scene in enumerate(wanted):
                 page.evaluate(MOVE, n)
@@ -636,6 +636,11 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
         ([], "one or more"),
         (["no-such-movie"], "vary-alpha"),
         ([spec("chess", {"prisms": 5, "sheet": "ideal"}, "alpha", 0, 9, 2, title="Few")], "'Few': z1 = 2"),
+        ([spec("chess", {}, "prisms", 10, 99, 2, title="N")], "'N': sweep of prisms: not for the page; allowed"),
+        (
+            [SPECS[ALPHA].model_copy(update={"loop": True, "title": "O"})],
+            "'O': sweep of alpha, there and back: not for",
+        ),
     ):
         with pytest.raises(InputError, match=re.escape(words)):
             demo(specs, folder)
@@ -653,8 +658,8 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
 
 def test_the_command(tmp_path):
     (tmp_path / "short.toml").write_text(
-        'title = "Short"\nscene = "chess"\nframe_rate = 10\n'
-        '[sweep]\nparameter = "alpha"\nstart = 10\nstop = 20\nframes = 2\n'
+        'title = "Short"\nscene = "chess"\nframe_rate = 10\nframes = 2\n'
+        '[[sweep]]\nparameter = "alpha"\nstart = 10\nstop = 20\n'
     )
     arguments = ["demo", "short.toml", "--quality", "draft", "--size", "64x48", "-o", "a page"]
     done = subprocess.run([POVGEN, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)

@@ -25,8 +25,8 @@ from povgen.video import encode, still
 
 COUNT = 12
 SPEC = (
-    'title = "x"\nscene = "chess"\nframe_rate = 10\n[fixed]\nsheet = "none"\n'
-    f'[sweep]\nparameter = "z2"\nstart = 4\nstop = 6\nframes = {COUNT}\n'
+    f'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = {COUNT}\n[fixed]\nsheet = "none"\n'
+    '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
 )
 # whether this user may mount file systems; in many containers no user may
 CAN_MOUNT = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
@@ -91,7 +91,7 @@ def test_killed_at_any_moment(place):
     assert {path.name for path in place.iterdir()} == {"a.mp4", "cache", "z2.toml"}
     assert not list(place.glob("cache/.povgen-*")), "folders of the killed are left"
 
-    undisturbed = MovieSpec.parse(SPEC, "x").scenes("paper")
+    undisturbed = MovieSpec.parse(SPEC, "x").scenes("standard")
     for scene in undisturbed:
         (killed,) = (path for path in finished(place) if path.name == cache.frame_path(to_pov(scene), SMALL).name)
         assert np.array_equal(still.render(scene, size=(64, 48)), frames.read_png(killed))
@@ -193,7 +193,7 @@ def rendered(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rendered") / "cache"
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("POVGEN_CACHE", str(folder))
-        list(frames.render_all(MovieSpec.parse(SPEC, "x").scenes("paper"), LARGE_RENDERING, 1, runner=Noise()))
+        list(frames.render_all(MovieSpec.parse(SPEC, "x").scenes("standard"), LARGE_RENDERING, 1, runner=Noise()))
     return folder
 
 
@@ -320,7 +320,7 @@ def test_an_ignored_signal_is_ignored(place):
 def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
     """One frame's POV-Ray is killed, or hangs, at each try."""
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
-    scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
+    scenes = MovieSpec.parse(SPEC, "x").scenes("standard")
     doomed = f"#declare Z2         = {scenes[4].z2:.15g};"
     over, met = threading.Event(), set()
 
@@ -403,7 +403,7 @@ def test_no_room(place, what):
 @pytest.mark.parametrize("damage", ["truncated", "a bit turned", "empty", "another file"])
 def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
-    (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("paper")
+    (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("standard")
     data, frame = still.png(scene, SMALL), cache.frame_path(to_pov(scene), SMALL)
     middle = len(data) // 2
     frame.write_bytes(
@@ -434,7 +434,7 @@ def test_two_at_once(place, monkeypatch):
 
 def test_the_cache_keeps_to_its_size(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
-    scenes = MovieSpec.parse(SPEC, "x").scenes("paper")
+    scenes = MovieSpec.parse(SPEC, "x").scenes("standard")
     pictures = list(frames.render_all(scenes, SMALL))
     first = [cache.frame_path(to_pov(scene), SMALL) for scene in scenes[:-1]]
     for path, picture in zip(first[:4], pictures, strict=False):

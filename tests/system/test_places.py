@@ -17,11 +17,11 @@ SPEC = """
 title = "A film"
 scene = "chess"
 frame_rate = 10
-[sweep]
+frames = 3
+[[sweep]]
 parameter = "z1"
 start = 2
 stop = 4
-frames = 3
 """
 
 

@@ -146,7 +146,7 @@ def test_each_limit_warns_in_words(scene, rendering, words):
 
 
 def test_antialiasing_quiets_the_warning_of_aliasing():
-    assert not said(Chess(prisms=400), Rendering(quality="paper"))
+    assert not said(Chess(prisms=400), Rendering(quality="standard"))
 
 
 def test_settings_follow_the_maps():

@@ -1,42 +1,163 @@
-"""A movie's spec: the values of the swept parameter, and the paper's three movies."""
+"""A movie's spec: the values of the swept parameters, and the paper's three movies."""
 
 import numpy as np
 import pytest
 
-from povgen import MovieSpec
+from povgen import InputError, MovieSpec
+from povgen.scene.models import SCENES
+from povgen.scene.spec import Sweep, swept_numbers
+from povgen.settings import QUALITIES
 
-SPEC = MovieSpec.parse(
-    """
-title = "Title with \\"quotes\\" and α"
-scene = "chess"
-frame_rate = 12.5
-[fixed]
-sheet = "ideal"
-[sweep]
-parameter = "alpha"
-start = 0
-stop = 180
-frames = 13
-""",
-    "test",
-)
+HEAD = 'title = "A movie"\nscene = "chess"\nframe_rate = 12.5\nframes = 13\n'
+SPEC = MovieSpec.parse(HEAD + '[[sweep]]\nparameter = "alpha"\nstart = 0\nstop = 180\n', "test")
+
+
+def swept(text, scene="chess", quality="standard", **values):
+    """Return the values of the first swept parameter in the scenes of a movie."""
+    texts = text.split()
+    movie = MovieSpec.of_sweeps(scene, texts, values)
+    return [getattr(each, texts[0].partition("=")[0]) for each in movie.scenes(quality)]
 
 
 def test_spec_values():
-    assert SPEC.sweep.values("paper") == pytest.approx(np.arange(0, 181, 15))
-    assert len(SPEC.sweep.values("draft")) == 4 and len(SPEC.sweep.values("high")) == 37
-    log = MovieSpec.load("vary-z1").sweep.values("paper")
+    alphas = {quality: [scene.alpha for scene in SPEC.scenes(quality)] for quality in QUALITIES}
+    assert alphas["standard"] == pytest.approx(np.arange(0, 181, 15))
+    assert [len(alphas[quality]) for quality in ("draft", "standard", "high", "hd")] == [4, 13, 37, 30]
+    log = [scene.z1 for scene in MovieSpec.load("vary-z1").scenes("standard")]
     assert len(log) == 61 and log[0] == pytest.approx(0.6) and log[60] == pytest.approx(60)
     assert np.ptp(np.diff(np.log(log))) < 1e-12
-    # a movie lasts as long at each quality
-    for quality in ("draft", "paper", "high"):
-        steps = len(SPEC.sweep.values(quality)) - 1
-        assert steps / SPEC.rate(quality) == pytest.approx(12 / 12.5)
+
+
+@pytest.mark.parametrize("spec", [SPEC, SPEC.model_copy(update={"loop": True})])
+def test_a_movie_lasts_as_long_at_each_quality(spec):
+    for quality in ("draft", "standard", "high"):
+        steps = len(spec.scenes(quality)) - (0 if spec.loop else 1)
+        assert steps / spec.rate(quality) == pytest.approx((24 if spec.loop else 12) / 12.5)
+        assert spec.count(quality) == len(spec.scenes(quality))
+    # hd has 30 frames a second, whatever the movie's frame rate is
+    assert spec.rate("hd") == 30 and abs(28.8 - (len(SPEC.scenes("hd")) - 1)) < 0.5
+    assert MovieSpec.load("vary-alpha").count("hd") == 181
 
 
 def test_own_movies_are_the_papers():
     alpha, z1, spheres = (MovieSpec.load(name) for name in ("vary-alpha", "vary-z1", "spheres"))
-    assert [(s.alpha, s.z1, s.z2) for s in alpha.scenes("paper")][::30] == [(0, 2, 6), (90, 2, 6), (180, 2, 6)]
-    assert {(s.alpha, s.z2) for s in z1.scenes("paper")} == {(90, 6)}
-    for scene in spheres.scenes("paper"):
+    assert [(s.alpha, s.z1, s.z2) for s in alpha.scenes("standard")][::30] == [(0, 2, 6), (90, 2, 6), (180, 2, 6)]
+    assert {(s.alpha, s.z2) for s in z1.scenes("standard")} == {(90, 6)}
+    for scene in spheres.scenes("standard"):
         assert scene.distances == tuple(2.0**n * 6 for n in range(-5, 6)) and scene.prisms == 100
+
+
+def test_the_eye_moves_sideways():
+    spec = MovieSpec.parse(
+        HEAD + 'loop = true\n[[sweep]]\nparameter = "eye"\nstart = [-1, 0.5]\nstop = [1, 0.5]\nspacing = "cosine"\n',
+        "eye",
+    )
+    eyes = [scene.eye for scene in spec.scenes("standard")]
+    assert eyes[0] == (-1, 0.5) and eyes[12] == (1, 0.5) and eyes[6] == pytest.approx((0, 0.5))
+    assert eyes[13:] == eyes[11:0:-1]  # back, without the two ends
+    x = np.array(eyes[:13])[:, 0]
+    assert x == pytest.approx(-np.cos(np.linspace(0, np.pi, 13)))
+    assert swept("line=-1,0:1,1", "spheres", frames="3") == [(-1, 0), (0, 0.5), (1, 1)]
+
+
+def test_prisms_from_10_to_1000():
+    spec = '[[sweep]]\nparameter = "prisms"\nstart = 10\nstop = 1000\nspacing = "log"\n[fixed]\nz1 = 4\n'
+    found = [scene.prisms for scene in MovieSpec.parse(HEAD + spec, "prisms").scenes("standard")]
+    assert found[:3] + found[-1:] == [10, 15, 22, 1000]
+
+
+def test_index_from_vacuum_like_to_diamond_like():
+    spec = '[[sweep]]\nparameter = "index"\nstart = 1.3\nstop = 2\n'
+    found = [scene.index for scene in MovieSpec.parse(HEAD + spec, "n").scenes("standard")]
+    assert found == pytest.approx(np.linspace(1.3, 2, 13))
+
+
+def test_several_parameters_and_explicit_values():
+    both = MovieSpec.of_sweeps("chess", ["alpha=0:180", "z1=1:16:log"], {"frames": 5, "fixed": {"z2": 8}})
+    assert [(s.alpha, round(s.z1, 9), s.z2) for s in both.scenes("standard")] == [
+        *((0, 1, 8), (45, 2, 8), (90, 4, 8), (135, 8, 8), (180, 16, 8))
+    ]
+    assert both.title == "chess, alpha from 0 to 180, z1 from 1 to 16"
+    tables = (
+        '[[sweep]]\nparameter = "prisms"\nvalues = [10, 50.4, 20]\n[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n'
+    )
+    listed = MovieSpec.parse(HEAD.replace("frames = 13\n", "") + tables, "values")
+    for quality in QUALITIES:  # a list has the same frames at each quality
+        assert [(s.prisms, s.z1) for s in listed.scenes(quality)] == [(10, 4), (50, 5), (20, 6)]
+        assert listed.rate(quality) == 12.5 and listed.count(quality) == 3
+
+
+def test_every_number_of_a_scene_can_be_swept():
+    assert swept_numbers(SCENES["chess"]) == {
+        **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
+        **{"eye": 2, "z1": 1, "x": 1},
+    }
+    assert swept_numbers(SCENES["spheres"])["line"] == 2
+    assert [each[0] for each in swept("z1=2:4", "spheres", frames=3)] == [2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("alpha=0:400", "frame 61 of 61, alpha = 400: alpha = 400.0: should be less than or equal to 360"),
+        (
+            "z2=6:0.1",
+            "frame 61 of 61, z2 = 0.1: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.13",
+        ),
+        (
+            "eye=0,0:0,-2 alpha=0:90",
+            "frame 61 of 61, eye = 0,-2, alpha = 90: eye = 0,-2: the eye would be under the floor",
+        ),
+        ("prisms=1000:5", "frame 61 of 61, prisms = 5: z1 = 2: the knight would touch the window frame"),
+        ("piece=1:2", "parameter = 'piece': allowed: alpha, z2, prisms"),
+        ("eye=1:2", "eye = 1.0: allowed: a pair"),
+        ("alpha=1,2:3,4", "alpha = (1.0, 2.0): allowed: a number"),
+        ("alpha=0:90 alpha=0:9", "parameter = 'alpha': more than once"),
+        ("alpha=0", "sweep = 'alpha=0': allowed: NAME=START:STOP"),
+        ("alpha=0:9:cubic", "sweep = 'alpha=0:9:cubic': spacing = 'cubic': should be 'linear', 'log' or 'cosine'"),
+        ("eye=0,1:1,1:log", "spacing = 'log': not for points; allowed: linear, cosine"),
+        ("alpha=5:5", "stop = 5: equal to start"),
+    ],
+)
+def test_what_cannot_be_is_refused(text, words):
+    with pytest.raises(InputError) as error:
+        swept(text)
+    assert words in str(error.value) and len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        ("values = [1, 2, 3]", "values: 3 and 13 frames"),
+        ("values = [1, 2, 3]\nstart = 1", "values: given with start"),
+        ("values = [2, 2]", "values = (2.0, 2.0): all equal"),
+        ("start = 2", "stop: missing"),
+        ("start = true\nstop = 2", "start = True: should not be true or false"),
+        ("start = 1\nstop = 'two'", "stop = 'two': should be a valid number"),
+    ],
+)
+def test_a_table_that_is_none(sweep, words):
+    with pytest.raises(InputError) as error:
+        MovieSpec.parse(HEAD + f'[[sweep]]\nparameter = "z1"\n{sweep}\n', "a.toml")
+    assert str(error.value).startswith("a.toml: [[sweep]]") and words in str(error.value)
+
+
+def test_a_frame_in_the_middle_that_cannot_be_is_refused():
+    pole = {"frames": 5, "fixed": {"alpha": 180, "predicted_image": True}}
+    spec = MovieSpec.of_sweeps("chess", ["z1=3:9"], pole)
+    with pytest.raises(
+        InputError, match="frame 3 of 5, z1 = 6: predicted_image = true: at alpha = 180 and z1 = z2 = 6"
+    ):
+        spec.scenes("standard")
+
+
+def test_too_many_frames_at_a_quality():
+    slow = MovieSpec.of_sweeps("chess", ["alpha=0:180"], {"frames": 10000, "frame_rate": 0.1})
+    with pytest.raises(InputError, match="quality = 'hd': 2999701 frames; allowed: up to 30000"):
+        slow.scenes("hd")
+
+
+def test_the_ends_of_a_range_are_exact():
+    for spacing, start in (("linear", -350.7), ("log", 0.1), ("cosine", -350.7)):
+        found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7)
+        assert (found[0], found[-1]) == (start, 360)

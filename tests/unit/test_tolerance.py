@@ -9,7 +9,7 @@ from povgen.measure.auto import MAX_SHARE, MOSAIC_SIDES, Tolerance, choose, mosa
 from povgen.measure.probes import window
 
 SIZE = (320, 240)
-PAPER = Rendering(size=SIZE)
+STANDARD = Rendering(size=SIZE)
 
 
 @pytest.mark.parametrize("size", [(160, 120), (640, 480), (1920, 1080), (64, 48)], ids=str)
@@ -33,7 +33,7 @@ def test_a_trial_renders_little_and_all_over_the_window(size):
 def test_nothing_is_tried_where_nothing_is_seen():
     hidden = Chess(eye=(0, 7.67), z2=0.3)
     assert mosaic(hidden, SIZE) is None
-    assert choose([hidden], PAPER, Tolerance(flip=0.01))[0].antialias == "off"
+    assert choose([hidden], STANDARD, Tolerance(flip=0.01))[0].antialias == "off"
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ def command(
         Path, typer.Option("-o", "--output", metavar="FOLDER", help="the folder for pictures and captions")
     ] = Path("figures"),
     quality: Annotated[
-        str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, paper or high")
+        str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, standard, high or hd")
     ] = "high",
 ) -> None:
     """Make figures of the paper as PNG, line drawings also as SVG, and captions with the measured agreement."""

@@ -2,7 +2,7 @@
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,14 +12,37 @@ from povgen.errors import InputError, validated
 
 if TYPE_CHECKING:
     from povgen.scene.models import Scene
+    from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
 
 
 @takes("scenes", "rendering")
 def command(
     spec: Annotated[
-        str, typer.Argument(metavar="SPEC", help="a movie's TOML file, or the name of one of povgen's own movies")
+        str,
+        typer.Argument(
+            metavar="SPEC",
+            help="a movie's TOML file, the name of one of povgen's own movies; for --sweep, chess or spheres",
+        ),
     ],
+    sweep: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=START:STOP[:SPACING]",
+            help="a parameter that changes from START to STOP, such as alpha=0:180 or eye=-1,0:1,0:cosine; SPACING is "
+            "linear, log or cosine; once for each parameter; SPEC is then a scene",
+        ),
+    ] = None,
+    frames: Annotated[
+        str | None,
+        typer.Option(metavar="N", help="number of frames from start to stop at quality standard, 2 to 10000"),
+    ] = None,
+    frame_rate: Annotated[
+        str | None, typer.Option(metavar="RATE", help="frames a second at quality standard, 0.1 to 120")
+    ] = None,
+    loop: Annotated[
+        bool | None, typer.Option("--loop/--no-loop", help="whether the movie goes there and back", show_default=False)
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -47,13 +70,14 @@ def command(
     """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
-    from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
     from povgen.video.build import checked_movie
     from povgen.video.build import movie as make
 
     values, options = split(values)
-    loaded, count = MovieSpec.load(spec), worker_count(workers)
+    given = {"frames": frames, "frame_rate": frame_rate, "loop": loop}
+    loaded = _movie_of(spec, sweep, {name: value for name, value in given.items() if value is not None})
+    count = worker_count(workers)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
         checked_movie(output, loaded, validated(Rendering, options).quality)
@@ -77,6 +101,21 @@ def command(
         make(made, output, workers=count, done=done, scheduler=scheduler, **options)
     if not quiet:
         print(f"wrote {output}")
+
+
+def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any]) -> "MovieSpec":
+    """Return the movie of a spec, or of a scene and its sweeps, with these values. Raises InputError."""
+    from povgen.scene.models import SCENES
+    from povgen.scene.spec import MOVIES, MovieSpec
+
+    if not sweeps:
+        if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
+            raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
+        loaded = MovieSpec.load(spec)
+        return validated(MovieSpec, {**dict(loaded), **values}) if values else loaded
+    if spec not in SCENES:
+        raise InputError(f"sweep = {sweeps[0]!r}: not for the movie {spec!r}; allowed: for {' or '.join(SCENES)}")
+    return MovieSpec.of_sweeps(spec, sweeps, values)
 
 
 def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:

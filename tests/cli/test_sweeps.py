@@ -1,0 +1,56 @@
+"""Movies without a file: povgen movie SCENE --sweep NAME=START:STOP."""
+
+import json
+
+import imageio_ffmpeg
+import pytest
+from conftest import povgen, refused
+
+from povgen import MovieSpec, Rendering
+from povgen.cli.report import warn
+
+TINY = ["--sheet", "none", "--size", "64x48", "--antialias", "off"]
+
+
+def test_a_movie_without_a_file(tmp_path):
+    sweeps = ["--sweep", "eye=-1,0:1,0:cosine", "--sweep", "index=1.3:2"]
+    status, out, _ = povgen(
+        ["movie", "chess", *sweeps, "--frames", "3", "--frame-rate", "5", "--loop", *TINY], tmp_path
+    )
+    assert (status, out) == (0, "wrote chess.mp4\n")
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "chess.mp4")) == (4, pytest.approx(0.8, abs=0.02))
+    data = (tmp_path / "chess.mp4").read_bytes()
+    start = data.index(b'{"title":"chess, eye from -1,0 to 1,0, index from 1.3 to 2"')
+    spec, _ = json.JSONDecoder().raw_decode(data[start : start + 2000].decode(errors="replace"))
+    assert MovieSpec(**spec).scenes("standard")[1].index == 1.65
+
+
+def test_a_spec_with_another_number_of_frames(tmp_path):
+    status, _, err = povgen(["movie", "vary-z1", "--frames", "2", "-o", "a.gif", *TINY], tmp_path)
+    assert status == 0 and "a.gif: 2/2 frames" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["chess", "--sweep", "alpha"], ["sweep = 'alpha': allowed: NAME=START:STOP"]),
+        (["chess", "--sweep", "knights=1:2"], ["'knights'", "allowed: alpha, z2, prisms"]),
+        (["chess", "--sweep", "z2=6:0.05"], ["frame 61 of 61, z2 = 0.05", "window frame"]),
+        (["chess", "--sweep", "alpha=0:9", "--alpha", "3"], ["alpha = '3'", "in fixed or in [[sweep]]"]),
+        (["chess", "--sweep", "alpha=0:9", "--frames", "1"], ["frames = '1'", "2 to 10000"]),
+        (["chess", "--frames", "5"], ["chess: a scene, no movie spec; allowed: with sweeps"]),
+        (["vary-z1", "--frame-rate", "0"], ["frame_rate = '0'", "0.1 to 120"]),
+        (["vary-z1", "--sweep", "alpha=0:9"], ["not for the movie 'vary-z1'; allowed: for chess or spheres"]),
+    ],
+)
+def test_what_cannot_be_is_refused(options, words, tmp_path):
+    message = refused(["movie", *options], tmp_path)
+    assert all(word in message for word in words), message
+
+
+def test_a_sweep_of_prisms_warns_once(capsys):
+    """Not once for each frame with too many prisms for its pixels."""
+    spec = MovieSpec.of_sweeps("chess", ["prisms=10:1000:log"], {"frames": 6, "fixed": {"z1": 4}})
+    warn(spec.scenes("standard"), Rendering(size=(96, 72), antialias="off"))
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("povgen: warning: prisms = 63: ") and line.endswith("(so in 4 of 6 frames)")
