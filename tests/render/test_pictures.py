@@ -96,6 +96,19 @@ def test_no_sky_below_the_horizon(x, height, alpha):
     assert down.sum() > 5000 and not (sky & down).any()
 
 
+@pytest.mark.parametrize("sheet", ["detailed", "ideal", "none"])
+def test_half_the_view_is_the_middle_of_the_picture(sheet):
+    """Its pixels are those of the middle, for an eye anywhere."""
+    scene = Chess(sheet=sheet, eye=(0.4, -0.3))
+    whole, half = (
+        render(scene.model_copy(update={"view": view}), size=size, antialias="off").astype(int)
+        for view, size in ((VIEW, SIZE), (VIEW / 2, (WIDTH // 2, HEIGHT // 2)))
+    )
+    middle = whole[HEIGHT // 4 : 3 * HEIGHT // 4, WIDTH // 4 : 3 * WIDTH // 4]
+    # the first row and the last column of POV-Ray's mesh camera are wrong
+    assert (abs(half - middle).max(axis=-1) > 2)[1:, :-1].mean() < 6e-3
+
+
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
 def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     scene = Spheres(alpha=alpha, sheet="ideal", z1=3, line=(-0.5, 0.3))
