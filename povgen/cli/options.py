@@ -107,7 +107,9 @@ def _about(field: "FieldInfo") -> str:
     if isinstance(default, tuple):
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    return about if default in (None, False, PydanticUndefined) else f"{about} (default {default})"
+    return (
+        about if default in (None, False, PydanticUndefined) or "default" in about else f"{about} (default {default})"
+    )
 
 
 def scene_of(name: str, values: dict[str, Any]) -> "Scene":

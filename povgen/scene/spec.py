@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from povgen.errors import InputError, shown, validated
+from povgen.model import Model
 from povgen.scene.models import SCENES, Scene
 from povgen.settings import QUALITIES
 
@@ -17,10 +18,8 @@ MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # of a spec; Python's TOML parser can take minutes for much longer ones
 
 
-class Sweep(BaseModel):
+class Sweep(Model):
     """The parameter that changes from frame to frame, and its values."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: Literal["alpha", "z1", "z2"] = Field(description="the parameter that is swept")
     start: float = Field(description="its value in the first frame")
@@ -47,10 +46,8 @@ class Sweep(BaseModel):
         return values
 
 
-class MovieSpec(BaseModel):
+class MovieSpec(Model):
     """A movie: its title, scene, fixed parameters, swept parameter and frame rate."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     title: Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")] = Field(
         description="the movie's title, one line of up to 200 characters"

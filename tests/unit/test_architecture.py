@@ -22,7 +22,7 @@ LAYERS = {
     "teach": {"optics", "scene", "rendering", "video", "measure"},
     "cli": {"optics", "scene", "rendering", "video", "measure", "teach"},
 }
-BASE = {"errors", "files", "settings", "stopping"}
+BASE = {"errors", "files", "model", "settings", "stopping"}
 TOP = {"__init__", "__main__"}  # they may import everything
 
 
