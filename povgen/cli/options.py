@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen.cli.report import say
 from povgen.errors import InputError, validated
+from povgen.progress import say
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo

@@ -212,7 +212,7 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
     for count in WORKER_COUNTS:
         with temporary_folder() as folder, empty_cache(folder / "cache"):
             before, start = _cpu(), time.monotonic()
-            movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count)
+            movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count, progress=False)
             wall = time.monotonic() - start
             yield count, wall, (_cpu() - before) / wall / cores
         done(f"a movie with {count} workers")

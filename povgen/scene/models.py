@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics import prism
 from povgen.optics.prism import Prism
@@ -314,6 +315,13 @@ class Spheres(Scene):
         for z1 in self.distances:
             self._check_clear("the sphere", z1, nearest)
         return self
+
+
+def checked_scene(scene: object) -> Scene:
+    """Return the scene. Raises InputError if it is none."""
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
+    return scene
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.scene import prediction
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, checked_scene
 from povgen.settings import Rendering
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -52,7 +52,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     """
     return (
         _environment()
-        .get_template(f"{scene.name}.pov.j2")
+        .get_template(f"{checked_scene(scene).name}.pov.j2")
         .render(
             scene=scene,
             mosaic=mosaic,

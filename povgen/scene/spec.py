@@ -16,6 +16,7 @@ from povgen.settings import QUALITIES
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # of a spec; Python's TOML parser can take minutes for much longer ones
+FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 
 
 class Sweep(Model):
@@ -53,9 +54,7 @@ class MovieSpec(Model):
         description="the movie's title, one line of up to 200 characters"
     )
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
-    frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(
-        description="frames a second at quality paper, 0.1 to 120"
-    )
+    frame_rate: FrameRate = Field(description="frames a second at quality paper, 0.1 to 120")
     fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
     sweep: Sweep = Field(description="the swept parameter")
 
