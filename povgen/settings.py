@@ -13,6 +13,7 @@ QUALITIES: dict[str, dict[str, Any]] = {
     "paper": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
     "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
 }
+SAMPLING = ("quality", "size", "antialias")  # the fields of Rendering that decide POV-Ray's options
 Quality = Literal["draft", "paper", "high"]
 
 

@@ -36,6 +36,8 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 def takes(*models: str) -> Callable[[Command], Command]:
     """Mark a command that has an option for every field of these models: 'scenes' (all scenes) or 'rendering'.
 
+    'sampling' is the part of 'rendering' that POV-Ray does without povgen: quality, size and antialias.
+
     The command gets the given values in its **values, as text.
     """
 
@@ -73,13 +75,13 @@ def with_options(command: Command) -> Command:
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Return, by each field's name, the scenes that have it ('' for Rendering) and the field of each."""
     from povgen.scene.models import SCENES
-    from povgen.settings import Rendering
+    from povgen.settings import SAMPLING, Rendering
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
-    named = {"scenes": SCENES.values(), "rendering": [Rendering]}
-    for model in [model for name in models for model in named[name]]:
-        for name, field in model.model_fields.items():
-            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
+    for group in models:
+        for model in SCENES.values() if group == "scenes" else [Rendering]:
+            for name in SAMPLING if group == "sampling" else model.model_fields:
+                fields.setdefault(name, []).append((getattr(model, "name", ""), model.model_fields[name]))
     return fields
 
 
