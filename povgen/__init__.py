@@ -15,19 +15,35 @@ if TYPE_CHECKING:
     from povgen.scene.sdl import to_pov
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
-    from povgen.video.build import movie
-    from povgen.video.still import render
+    from povgen.video.build import Movie, movie
+    from povgen.video.still import render, save, show
 
-__all__ = ["Chess", "InputError", "MovieSpec", "PovrayError", "Rendering", "Spheres", "movie", "render", "to_pov"]
+__all__ = [
+    "Chess",
+    "InputError",
+    "Movie",
+    "MovieSpec",
+    "PovrayError",
+    "Rendering",
+    "Spheres",
+    "movie",
+    "render",
+    "save",
+    "show",
+    "to_pov",
+]
 _MODULES = {
     "Chess": "scene.models",
     "InputError": "errors",
+    "Movie": "video.build",
     "MovieSpec": "scene.spec",
     "PovrayError": "errors",
     "Rendering": "settings",
     "Spheres": "scene.models",
     "movie": "video.build",
     "render": "video.still",
+    "save": "video.still",
+    "show": "video.still",
     "to_pov": "scene.sdl",
 }
 

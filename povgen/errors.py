@@ -1,12 +1,8 @@
 """Errors that are not faults of povgen, and the text of their messages."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:  # slow to load
-    from pydantic import BaseModel
-
-Model = TypeVar("Model", bound="BaseModel")
+Model = TypeVar("Model")
 
 
 class InputError(ValueError):
@@ -28,34 +24,7 @@ def validated(model: type[Model], values: dict[str, Any]) -> Model:
 
     Raises InputError with one line about the first value that is not allowed.
     """
-    from pydantic import ValidationError
-
-    for name, value in values.items():
-        field = model.model_fields.get(name)
-        parts = value if isinstance(value, (list, tuple)) else [value]
-        # pydantic would read true as 1 and false as 0
-        if field and field.annotation is not bool and any(isinstance(part, bool) for part in parts):
-            raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
-    try:
-        return model.model_validate(values)
-    except ValidationError as error:
-        raise InputError(_message(model, values, error.errors()[0])) from None
-
-
-def _message(model: "type[BaseModel]", values: dict[str, Any], fault: Mapping[str, Any]) -> str:
-    """Return the message for one of pydantic's errors."""
-    message = str(fault["msg"]).removeprefix("Value error, ").removeprefix("Input ")
-    if not fault["loc"]:  # a check of several values together; its message names them
-        return message
-    name = str(fault["loc"][0])
-    if fault["type"] == "extra_forbidden":
-        return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
-    if fault["type"] == "missing":  # a part of the value is missing
-        message = "has too few parts"
-    about = model.model_fields[name].description
-    if name not in values:
-        return f"{name}: missing ({about})"
-    return f"{name} = {shown(values[name])}: {message} ({about})"
+    return model(**values)
 
 
 def shown(value: object) -> str:

@@ -2,7 +2,9 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from povgen.model import Model
 
 # Each quality's picture size and antialiasing (POV-Ray's method, threshold and depth). No other antialiasing is both
 # faster and more accurate (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states.
@@ -13,6 +15,7 @@ QUALITIES: dict[str, dict[str, Any]] = {
     "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
     "hd": {"size": (1920, 1080), "antialias": "1,0.1,2", "frame_rate": 30},
 }
+SAMPLING = ("quality", "size", "antialias")  # the fields of Rendering that decide POV-Ray's options
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 
 
@@ -35,17 +38,16 @@ def _antialias(value: object) -> object:
 Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
 
 
-class Rendering(BaseModel):
+class Rendering(Model):
     """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     file: ClassVar[str] = "frame.png"
     format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
 
     quality: Quality = Field("standard", description="draft, standard, high or hd")
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
-        description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680"
+        QUALITIES["standard"]["size"],
+        description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680 (default: the quality's)",
     )
     antialias: Annotated[
         tuple[
@@ -55,7 +57,11 @@ class Rendering(BaseModel):
         ]
         | None,
         BeforeValidator(_antialias),
-    ] = Field(description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9")
+    ] = Field(
+        QUALITIES["standard"]["antialias"],
+        description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
+        "(default: the quality's)",
+    )
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
         1800, description="time limit for a frame, above 0 to 1e6 seconds"
     )

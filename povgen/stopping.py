@@ -12,6 +12,7 @@ import sys
 import time
 from contextlib import suppress
 from threading import RLock
+from typing import Any
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 LONGEST = 1.5  # seconds after the signal; then povgen ends in any case
@@ -20,6 +21,7 @@ MESSAGE = b"povgen: stopped; the same command goes on from the frames that are f
 # Held while a process is started or a work folder is made. It is reentrant because the signal handler takes it in the
 # main thread, which may hold it already.
 lock = RLock()
+processes: set[Any] = set()  # POV-Rays that run, of type subprocess.Popen, which is slow to load
 folders: set[str] = set()  # work folders; whoever made one removes it, or this module if that takes too long
 _number = 0  # of the signal; 0 before it came
 _raised = False  # whether the handler has raised its exception, or is to raise none
@@ -108,8 +110,14 @@ def _remove_folders() -> None:
 
 
 def _kill_children() -> None:
-    """Kill povgen's child processes, POV-Rays and the encoder, so that no thread waits for them."""
-    for thread in os.listdir("/proc/self/task"):
+    """Kill povgen's child processes, POV-Rays and the encoder, so that no thread waits for them.
+
+    Only Linux lists the children. Elsewhere the encoder ends by itself, at the end of its input.
+    """
+    for process in list(processes):
+        with suppress(OSError):
+            process.kill()
+    for thread in os.listdir("/proc/self/task") if os.path.isdir("/proc/self/task") else []:
         with suppress(OSError), open(f"/proc/self/task/{thread}/children") as children:
             for child in children.read().split():
                 with suppress(ProcessLookupError):

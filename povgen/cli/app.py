@@ -17,8 +17,9 @@ from typer.core import TyperCommand, TyperGroup
 
 from povgen import __version__, stopping
 from povgen.cli.options import with_options
-from povgen.cli.report import one_line, say
+from povgen.cli.report import one_line
 from povgen.errors import InputError, PovrayError
+from povgen.progress import say
 
 COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
 

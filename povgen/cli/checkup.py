@@ -22,6 +22,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
             ("POV-Ray", povray.version, "install it: apt-get install povray"),
             ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
             ("sandbox", _sandbox, "report it as an issue of povgen"),
+            ("limits", _limits, "install util-linux, or a shell"),
             (
                 "frame",
                 lambda: _frame(frame),
@@ -44,7 +45,14 @@ def _cache() -> str:
 def _sandbox() -> str:
     """Return which sandbox POV-Ray runs in. A kernel without Landlock is no fault, but the user should know."""
     version = sandbox.version()
-    return f"Landlock {version}" if version else "none: this kernel has no Landlock; render only scenes that you trust"
+    return f"Landlock {version}" if version else "none: this system has no Landlock; render only scenes that you trust"
+
+
+def _limits() -> str:
+    """Return which limits POV-Ray runs under. It is no fault if one is missing, but the user should know."""
+    if missing := povray.missing_protection():
+        return f"only a shell's, because setpriv and prlimit (util-linux) are missing; {'; '.join(missing)}"
+    return "time, memory and size of files; POV-Ray ends when povgen ends"
 
 
 def _frame(frame: Path) -> str:

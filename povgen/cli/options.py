@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen.cli.report import say
 from povgen.errors import InputError, validated
+from povgen.progress import say
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
@@ -35,6 +35,8 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
 
 def takes(*models: str) -> Callable[[Command], Command]:
     """Mark a command that has an option for every field of these models: 'scenes' (all scenes) or 'rendering'.
+
+    'sampling' is the part of 'rendering' that POV-Ray does without povgen: quality, size and antialias.
 
     The command gets the values that the user gives as text, in its **values.
     """
@@ -74,13 +76,13 @@ def with_options(command: Command) -> Command:
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
     from povgen.scene.models import SCENES
-    from povgen.settings import Rendering
+    from povgen.settings import SAMPLING, Rendering
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
-    named = {"scenes": SCENES.values(), "rendering": [Rendering]}
-    for model in [model for name in models for model in named[name]]:
-        for name, field in model.model_fields.items():
-            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
+    for group in models:
+        for model in SCENES.values() if group == "scenes" else [Rendering]:
+            for name in SAMPLING if group == "sampling" else model.model_fields:
+                fields.setdefault(name, []).append((getattr(model, "name", ""), model.model_fields[name]))
     return fields
 
 
@@ -111,7 +113,9 @@ def _about(field: "FieldInfo") -> str:
     if isinstance(default, tuple):
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    return about if default in (None, False, PydanticUndefined) else f"{about} (default {default})"
+    return (
+        about if default in (None, False, PydanticUndefined) or "default" in about else f"{about} (default {default})"
+    )
 
 
 def scene_of(name: str, values: dict[str, Any]) -> "Scene":

@@ -1,23 +1,12 @@
-"""What the command line prints on standard error: messages, warnings and progress."""
+"""The command line's messages and warnings."""
 
-import os
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+from povgen.progress import say
 
 if TYPE_CHECKING:
     from povgen.scene.models import Scene
     from povgen.settings import Rendering
-
-
-def say(message: str) -> None:
-    """Print on standard error. If that fails, the program continues."""
-    try:
-        print(message, file=sys.stderr, flush=True)
-    except OSError:
-        # otherwise Python writes again when it ends, fails, and exits with status 120
-        sys.stderr = open(os.devnull, "w")
 
 
 def one_line(message: str) -> str:
@@ -42,29 +31,3 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     for texts in texts_by_limit.values():
         also = f" (in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
         say(f"povgen: warning: {texts[0]}{also}")
-
-
-@contextmanager
-def progress(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Show a progress bar on a terminal, up to ten lines elsewhere. Yield the function to call after each frame."""
-    if quiet:
-        yield lambda: None
-    elif sys.stderr.isatty():
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        name = TextColumn("{task.description}", markup=False)
-        columns = name, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-        with Progress(*columns, console=Console(stderr=True)) as progress:
-            task = progress.add_task(what, total=total)
-            yield lambda: progress.advance(task)
-    else:
-        count = 0
-
-        def say_each_tenth() -> None:
-            nonlocal count
-            count += 1
-            if count == total or count * 10 // total > (count - 1) * 10 // total:
-                say(f"{what}: {count}/{total} frames")
-
-        yield say_each_tenth

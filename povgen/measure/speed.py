@@ -27,7 +27,7 @@ from povgen.files import temporary_folder
 from povgen.measure import probes
 from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
-from povgen.rendering import povray
+from povgen.rendering import parallel, povray
 from povgen.rendering.frames import read_png
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
@@ -77,7 +77,7 @@ class Point:
 
 def machine() -> str:
     """Describe this machine in one line."""
-    cores = len(os.sched_getaffinity(0))
+    cores = parallel.cores()
     return f"{platform.machine()}, {cores} cores, POV-Ray {povray.version()}, Python {platform.python_version()}"
 
 
@@ -215,11 +215,11 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
 
     The movie has 61 small frames. povgen's cache is not used.
     """
-    cores = len(os.sched_getaffinity(0))
+    cores = parallel.cores()
     for count in WORKER_COUNTS:
         with temporary_folder() as folder, empty_cache(folder / "cache"):
             before, start = _cpu(), time.monotonic()
-            movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count)
+            movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count, progress=False)
             wall = time.monotonic() - start
             yield count, wall, (_cpu() - before) / wall / cores
         done(f"a movie with {count} workers")

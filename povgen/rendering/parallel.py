@@ -23,9 +23,16 @@ class Runner(Protocol):
         """Stop at once all that runs, and start nothing more."""
 
 
+def cores() -> int:
+    """Return the number of processor cores that povgen may use."""
+    if hasattr(os, "sched_getaffinity"):  # not on macOS
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def default_workers() -> int:
     """Return how many POV-Rays run at once if --workers does not say."""
-    return POVRAYS_PER_CORE * len(os.sched_getaffinity(0))
+    return POVRAYS_PER_CORE * cores()
 
 
 @contextmanager

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 from functools import cache
+from math import ceil
 from pathlib import Path
 
 from povgen import stopping
@@ -61,9 +62,9 @@ def binary(name: str = "povray") -> str:
     """Return the path of a program, by default POV-Ray. Raises PovrayError if it is not installed."""
     found = shutil.which(name)
     if found is None:
-        package = "povray" if name == "povray" else "util-linux"
         what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
-        raise PovrayError(f"{what}: no {name!r} on the PATH. On Debian: apt-get install {package}")
+        remedy = ". On Debian: apt-get install povray. On macOS: brew install povray" if name == "povray" else ""
+        raise PovrayError(f"{what}: no {name!r} on the PATH{remedy}")
     return str(Path(found).absolute())  # absolute, because the program is started in other folders
 
 
@@ -87,10 +88,40 @@ def _mebibytes(count: int) -> str:
     return f"{count / 2**20:.6g} MiB"
 
 
-def _limits() -> list[str]:
-    """Return the start of a command line. It sets limits, and kills the command if the thread that starts it ends."""
-    limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
-    return [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), *limits, "--"]
+@cache
+def has_util_linux() -> bool:
+    """Whether util-linux's setpriv and prlimit are installed. BusyBox has a setpriv that cannot do the same."""
+    if not (shutil.which("setpriv") and shutil.which("prlimit")):
+        return False
+    trial = [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), "--core=0", "--", binary("prlimit"), "-V"]
+    return subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode == 0
+
+
+def missing_protection() -> list[str]:
+    """Return what povgen cannot do on this machine to limit POV-Ray and to end it, one phrase for each."""
+    if has_util_linux():
+        return []
+    missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout"]
+    trial = [binary("sh"), "-c", f"ulimit -v {max_memory() >> 10}"]
+    if subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode:
+        missing.append("POV-Ray's memory is not limited")
+    return missing
+
+
+def _starter(timeout: float) -> tuple[list[str], list[str]]:
+    """Return the start of a command line that sets limits, and the programs that it runs.
+
+    It also kills the command if its thread in povgen ends. The shell, which takes the place of util-linux if that is
+    not installed, cannot do so. It limits the CPU time, so that POV-Ray ends even then.
+    """
+    if has_util_linux():
+        programs = [binary("setpriv"), binary("prlimit")]
+        limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
+        return [programs[0], "--pdeathsig", "KILL", programs[1], *limits, "--"], programs
+    # in KiB, blocks of 512 bytes and seconds
+    values = {"v": max_memory() >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout), "c": 0}
+    script = "".join(f"ulimit -{name} {value} 2>/dev/null; " for name, value in values.items())
+    return [binary("sh"), "-c", f'{script}exec "$@"', "sh"], [binary("sh")]
 
 
 @cache
@@ -156,10 +187,10 @@ class Runner:
         (folder / SCENE).write_text(source)
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
-        limits = _limits()
-        programs = [Path(program).resolve() for program in (limits[0], limits[3], binary())]
+        start, starters = _starter(rendering.timeout)
+        programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
-            lambda: self._process([*limits, *command(binary(), rendering)], folder, rendering.timeout),
+            lambda: self._process([*start, *command(binary(), rendering)], folder, rendering.timeout),
             read=READ,
             run=[*programs, *RUN],
             write=[folder, Path(os.devnull)],
@@ -183,6 +214,7 @@ class Runner:
                 stderr=subprocess.PIPE,
             )
             self._running.add(process)
+            stopping.processes.add(process)
         try:
             _, messages = process.communicate(timeout=timeout)
         except subprocess.TimeoutExpired:
@@ -192,6 +224,7 @@ class Runner:
             process.wait()
             with stopping.lock:
                 self._running.discard(process)
+                stopping.processes.discard(process)
         self._check()
         return process.returncode, messages
 

@@ -6,7 +6,9 @@ that are named, and so can every process that it starts. povgen starts each POV-
 
 import ctypes
 import os
+import sys
 from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 from threading import Thread
 from typing import TypeVar
@@ -26,7 +28,10 @@ RIGHTS = {
 ABSTRACT_SOCKETS_AND_SIGNALS, NETWORK = 3, 3
 PR_SET_NO_NEW_PRIVS = 38
 
-_libc = ctypes.CDLL(None, use_errno=True)
+
+@cache
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None, use_errno=True)
 
 
 class _Ruleset(ctypes.Structure):
@@ -40,7 +45,9 @@ class _PathBeneath(ctypes.Structure):
 
 def version() -> int:
     """Return Landlock's version in this kernel, or 0 if the kernel has none."""
-    return max(0, int(_libc.syscall(CREATE_RULESET, None, 0, 1)))
+    if sys.platform != "linux":  # elsewhere the number is that of another system call
+        return 0
+    return max(0, int(_libc().syscall(CREATE_RULESET, None, 0, 1)))
 
 
 def within(
@@ -78,14 +85,14 @@ def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -
     every = RIGHTS[max(number for number in RIGHTS if number <= abi)]
     rules = _Ruleset(every, NETWORK if abi >= 4 else 0, ABSTRACT_SOCKETS_AND_SIGNALS if abi >= 6 else 0)
     size = 8 if abi < 4 else 16 if abi < 6 else 24
-    ruleset = _checked(_libc.syscall(CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), 0))
+    ruleset = _checked(_libc().syscall(CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), 0))
     try:
         look = READ_FILE | READ_DIR
         for paths, rights in ((read, look), (run, look | EXECUTE), (write, every & ~EXECUTE)):
             for path in paths:
                 _allow(ruleset, path, rights)
-        _checked(_libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))
-        _checked(_libc.syscall(RESTRICT_SELF, ruleset, 0))
+        _checked(_libc().prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))
+        _checked(_libc().syscall(RESTRICT_SELF, ruleset, 0))
     finally:
         os.close(ruleset)
 
@@ -100,7 +107,7 @@ def _allow(ruleset: int, path: Path, rights: int) -> None:
         if not path.is_dir():
             rights &= EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE  # a file has only these
         rule = _PathBeneath(rights, opened)
-        _checked(_libc.syscall(ADD_RULE, ruleset, 1, ctypes.byref(rule), 0))
+        _checked(_libc().syscall(ADD_RULE, ruleset, 1, ctypes.byref(rule), 0))
     finally:
         os.close(opened)
 

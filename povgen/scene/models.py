@@ -7,8 +7,10 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from povgen.errors import InputError, shown
+from povgen.model import Model
 from povgen.optics import prism
 from povgen.optics.prism import Prism
 from povgen.scene import limits
@@ -45,10 +47,8 @@ def _as_tuple(value: object) -> object:
     return (value,) if isinstance(value, (int, float, str)) else value
 
 
-class Scene(BaseModel):
+class Scene(Model):
     """What all scenes share: the eye, the window and the sheets in it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     alpha: Annotated[float, Field(ge=-360, le=360)] = Field(
         66, description="ray-rotation angle alpha, -360 to 360 degrees"
@@ -322,6 +322,13 @@ class Spheres(Scene):
         for z1 in self.distances:
             self._check_clear("the sphere", z1, nearest)
         return self
+
+
+def checked_scene(scene: object) -> Scene:
+    """Return the scene. Raises InputError if it is none."""
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
+    return scene
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

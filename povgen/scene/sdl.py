@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.scene import prediction
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, checked_scene
 from povgen.settings import Rendering
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -26,8 +26,7 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
-    options = " ".join(Rendering.model_validate({}).picture_options)
-    environment.globals.update(version=__version__, options=options, raw=_raw)
+    environment.globals.update(version=__version__, raw=_raw)
     return environment
 
 
@@ -44,19 +43,22 @@ class Mosaic(NamedTuple):
     blocks: Sequence[Sequence[tuple[int, int]]]  # rows of blocks: column and row of each block's upper left pixel
 
 
-def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None) -> str:
+def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None, **options: object) -> str:
     """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
 
+    The header names the command for the picture. Its options are those of `Rendering`: size, quality and antialias.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
+    Raises InputError if an option is not allowed.
     """
     return (
         _environment()
-        .get_template(f"{scene.name}.pov.j2")
+        .get_template(f"{checked_scene(scene).name}.pov.j2")
         .render(
             scene=scene,
             mosaic=mosaic,
             sheet_macro=sheet_macro,
+            options=" ".join(Rendering(**options).picture_options),
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
             solid="merge" if getattr(scene, "predicted_image", False) else "union",

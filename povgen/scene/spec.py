@@ -7,15 +7,17 @@ from types import NoneType
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown, validated
+from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, as_pair
 from povgen.settings import QUALITIES
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
 MAX_FRAMES = 10000
+FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
 
 
@@ -27,10 +29,8 @@ def _number_or_pair(value: object) -> object:
 Value = Annotated[float | tuple[float, float], BeforeValidator(_number_or_pair)]
 
 
-class Sweep(BaseModel):
+class Sweep(Model):
     """A parameter that changes from frame to frame, and its values: numbers, or pairs X, Y for a point."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: str = Field(description="the swept parameter: a number of the scene, or a point")
     start: Value | None = Field(None, description="its value in the first frame: a number, or [X, Y] for a point")
@@ -98,18 +98,14 @@ class Sweep(BaseModel):
         return [row[0] if len(row) == 1 else tuple(row) for row in rows.tolist()]
 
 
-class MovieSpec(BaseModel):
+class MovieSpec(Model):
     """A movie: its title, scene, fixed parameters, swept parameters, number of frames and frame rate."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     title: Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")] = Field(
         description="the movie's title, one line of up to 200 characters"
     )
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
-    frame_rate: Annotated[float, Field(ge=0.1, le=120)] = Field(
-        10, description="frames a second at quality standard, 0.1 to 120"
-    )
+    frame_rate: FrameRate = Field(10, description="frames a second at quality standard, 0.1 to 120")
     frames: Annotated[int, Field(ge=2, le=MAX_FRAMES)] | None = Field(
         None,
         description=f"number of frames from start to stop at quality standard, 2 to {MAX_FRAMES} (default {FRAMES}, "

@@ -1,45 +1,87 @@
 """Make a movie from its spec."""
 
-from collections.abc import Callable
+from base64 import b64encode
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
+from dataclasses import dataclass
 from pathlib import Path
 
+from pydantic import Field
+
 from povgen import __version__
-from povgen.errors import validated
+from povgen.errors import InputError, shown
 from povgen.files import checked_output, save
+from povgen.model import Model
+from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.frames import render_all
-from povgen.scene.spec import MovieSpec
+from povgen.scene.models import Scene, checked_scene
+from povgen.scene.spec import FrameRate, MovieSpec
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.still import picture
 
 
+class _FrameRate(Model):
+    frame_rate: FrameRate = Field(25, description="frames a second, 0.1 to 120")
+
+
+@dataclass(frozen=True)
+class Movie:
+    """A movie's file. Jupyter plays it; functions that take a path take it."""
+
+    path: Path
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def _repr_html_(self) -> str:
+        """Return HTML that holds the movie itself, so that a saved notebook plays it as well."""
+        kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+        if kind == "gif":
+            return f'<img src="data:image/gif;base64,{data}">'
+        return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
+
+
 def movie(
-    spec: MovieSpec | str | Path,
+    spec: MovieSpec | str | Path | Sequence[Scene],
     output: str | Path,
     *,
+    frame_rate: float | None = None,
     workers: int | None = None,
-    done: Callable[[], object] = lambda: None,
     scheduler: str | None = None,
+    progress: bool = True,
     **options: object,
-) -> Path:
-    """Render a movie to .mp4, .webm or .gif and return its path. The file is written atomically.
+) -> Movie:
+    """Render a movie to .mp4, .webm or .gif. Jupyter plays the result. The file is written atomically.
 
-    Options are the fields of `Rendering`. `done` is called after each frame. `scheduler` is the address of a Dask
-    scheduler, whose workers then render instead of this machine.
+    The movie is a spec, the name of one of povgen's own movies, the path of a TOML file, or a list with the scene of
+    every frame. `frame_rate` replaces the spec's; for a list it is 25 a second unless given. `workers` frames are
+    rendered at once. `scheduler` is the address of a Dask scheduler, whose workers then render instead of this
+    machine. `progress=False` shows no progress bar. Other options are the fields of `Rendering`.
     Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
     fails.
     """
-    if not isinstance(spec, MovieSpec):
-        spec = MovieSpec.load(spec)
-    rendering = validated(Rendering, options)
-    scenes = spec.scenes(rendering.quality)
-    output, rate = checked_movie(Path(output), spec, rendering.quality), spec.rate(rendering.quality)
+    rendering = Rendering(**options)
+    output = Path(output)
+    if isinstance(spec, (list, tuple)):
+        rate = _FrameRate(**{} if frame_rate is None else {"frame_rate": frame_rate}).frame_rate
+        scenes = [checked_scene(scene) for scene in spec]
+        if not scenes:
+            raise InputError("no scenes; allowed: one or more")
+        title, comment = output.stem, f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
+    elif isinstance(spec, (MovieSpec, str, Path)):
+        spec = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
+        spec = spec if frame_rate is None else spec.replace(frame_rate=frame_rate)
+        scenes, rate = spec.scenes(rendering.quality), spec.rate(rendering.quality)
+        title, comment = spec.title, spec.model_dump_json(exclude_none=True)
+    else:
+        raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
+    output = _checked_output(output, len(scenes), rate)
     sampling = "off" if rendering.antialias is None else ",".join(f"{x:g}" for x in rendering.antialias)
     tags = {
-        "title": spec.title,
-        "comment": spec.model_dump_json(exclude_none=True),
+        "title": title,
+        "comment": comment,
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}",
     }
     target = output.resolve()
@@ -50,6 +92,7 @@ def movie(
 
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
+        done = opened.enter_context(bar(output.name, len(scenes), not progress))
         frames = render_all(scenes, rendering, workers, done, cluster)
         folder = opened.enter_context(cache.work_folder())  # counts towards the cache's size if povgen is killed
         opened.enter_context(closing(frames))
@@ -57,11 +100,15 @@ def movie(
         pictures = (picture(frame, scene, rendering) for frame, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
         save(part, target)
-    return output
+    return Movie(output)
 
 
 def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
     """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError."""
+    return _checked_output(output, spec.count(quality), spec.rate(quality))
+
+
+def _checked_output(output: Path, frames: int, rate: float) -> Path:
     if output.suffix.lower() == ".gif":
-        encode.check_gif(spec.count(quality), spec.rate(quality))
+        encode.check_gif(frames, rate)
     return checked_output(output, encode.FORMATS)

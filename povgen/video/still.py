@@ -1,29 +1,53 @@
 """Render one picture of a scene, with its caption and overlay if they are wanted."""
 
 from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.errors import validated
+from povgen import files
 from povgen.rendering.frames import read_png, render_all
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, checked_scene
 from povgen.settings import Rendering
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 def render(scene: Scene, **options: object) -> NDArray[np.uint8]:
     """Return the scene's picture: (height, width, 3) bytes of red, green and blue.
 
-    Options are the fields of `Rendering`. Raises InputError if an option is not allowed, and PovrayError if POV-Ray
-    fails.
+    Options are the fields of `Rendering`: size=(640, 480), quality="high" and others. Raises InputError if an option is
+    not allowed, and PovrayError if POV-Ray fails.
     """
-    rendering = validated(Rendering, options)
+    scene, rendering = checked_scene(scene), Rendering(**options)
     return picture(_frame(scene, rendering), scene, rendering).copy()  # the caller may write to it
+
+
+def show(scene: Scene, **options: object) -> "Image":
+    """Return the scene's picture as an image of Pillow's, which Jupyter shows. Options and errors are `render`'s."""
+    from PIL.Image import fromarray
+
+    return fromarray(render(scene, **options))
+
+
+def save(scene: Scene, path: str | Path, **options: object) -> Path:
+    """Write the scene's picture to a PNG file and return its path. The file is written atomically.
+
+    Options and errors are `render`'s. Raises InputError, before anything is rendered, if the file cannot be written.
+    """
+    scene, rendering = checked_scene(scene), Rendering(**options)
+    output = files.checked_output(Path(path), [".png"])
+    target = output.resolve()  # the current folder may change meanwhile
+    files.save(png(scene, rendering), target)
+    return output
 
 
 def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
     """Return the scene's picture as the bytes of a PNG file. Raises PovrayError if POV-Ray fails."""
-    rendering = rendering or validated(Rendering, {})
+    rendering = rendering or Rendering()
     plain = _frame(scene, rendering)
     if not rendering.annotated:
         return plain

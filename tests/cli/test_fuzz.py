@@ -288,7 +288,8 @@ stop = 9
 
 
 def skeleton(source):
-    """A scene's text without its numbers."""
+    """A scene's text without its numbers, and without the options of the command in its header."""
+    source = re.sub(r"(?m)^(//   povray)( [-+][\w.]+)+$", r"\1", source)
     source = re.sub(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]\d+)?\b", "#", source)
     return re.sub(r"(  { #, # },?\n)+", "  spheres\n", source)
 

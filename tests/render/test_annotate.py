@@ -69,6 +69,6 @@ def test_a_movie_has_them_too(tmp_path):
     drawn_over = {"caption": True, "overlay": True}
     made = movie(spec, tmp_path / "a.mp4", quality="draft", size=(320, 240), **drawn_over)
     scene = spec.scenes("draft")[1]
-    decoded = iio.imread(made, plugin="FFMPEG", index=1).astype(float)
+    decoded = iio.imread(made.path, plugin="FFMPEG", index=1).astype(float)
     with_, without = (render(scene, quality="draft", size=(320, 240), **over) for over in (drawn_over, {}))
     assert np.sqrt(((decoded - with_) ** 2).mean()) < 8 < np.sqrt(((decoded - without) ** 2).mean())

@@ -3,13 +3,38 @@
 import re
 import subprocess
 
-from povgen import Chess, render, to_pov
+import pytest
+from conftest import povgen, refused
+
+from povgen import Chess, InputError, render, to_pov
 from povgen.rendering import frames
+
+
+def drawn(source, folder):
+    """Run the command in the source's header, and return its picture."""
+    (folder / "scene.pov").write_text(source)
+    (command,) = re.findall(r"^//   (povray .*)$", source, flags=re.M)
+    subprocess.run([*command.split(), "-D", "+Oown.png"], cwd=folder, check=True, capture_output=True)
+    return frames.read_png(folder / "own.png")
 
 
 def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
     scene = Chess(sheet="none")
-    (tmp_path / "scene.pov").write_text(to_pov(scene))
-    (command,) = re.findall(r"^//   (povray .*)$", to_pov(scene), flags=re.M)
-    subprocess.run([*command.split(), "-D", "+Oown.png"], cwd=tmp_path, check=True, capture_output=True)
-    assert (frames.read_png(tmp_path / "own.png") == render(scene)).all()
+    assert (drawn(to_pov(scene), tmp_path) == render(scene)).all()
+    options = {"size": (64, 48), "antialias": "2,0.1,3"}
+    assert (drawn(to_pov(scene, **options), tmp_path) == render(scene, **options)).all()
+    with pytest.raises(InputError, match="size = 3"):
+        to_pov(scene, size=3)
+
+
+@pytest.mark.parametrize("options", [["--size", "64x48", "--antialias", "2,0.3,2"], ["--quality", "draft"]])
+def test_the_command_makes_the_picture_of_povgen_frame(options, tmp_path):
+    scene = ["chess", "--sheet", "ideal", *options]
+    status, source, _ = povgen(["pov", *scene], tmp_path)
+    assert status == 0 and povgen(["frame", *scene], tmp_path)[0] == 0
+    assert (drawn(source, tmp_path) == frames.read_png(tmp_path / "frame.png")).all()
+
+
+def test_what_only_povgen_draws_is_no_option_of_pov(tmp_path):
+    assert "--caption" in refused(["pov", "chess", "--caption"], tmp_path)
+    assert "size = '3x3'" in refused(["pov", "chess", "--size", "3x3"], tmp_path)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import made_folder
-from povgen.cli.report import say
+from povgen.progress import say
 
 
 def command(

@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import Quiet, Workers, takes, worker_count
-from povgen.cli.report import progress, warn
+from povgen.cli.report import warn
 from povgen.errors import validated
+from povgen.progress import bar
 
 
 @takes("rendering")
@@ -41,7 +42,7 @@ def command(
     checked_page(output)
     if not quiet:
         warn(shown, rendering)
-    with progress(output.name, len(shown), quiet) as done:
+    with bar(output.name, len(shown), quiet) as done:
         page = make(loaded, output, workers=count, done=done, **options)
     if not quiet:
         print(f"wrote {page}")

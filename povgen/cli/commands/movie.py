@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
-from povgen.cli.report import progress, warn
+from povgen.cli.report import warn
 from povgen.errors import InputError, validated
+from povgen.progress import bar
 
 if TYPE_CHECKING:
     from povgen.scene.models import Scene
@@ -97,8 +98,7 @@ def command(
         return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
-    with progress(output.name, len(scenes), quiet) as done:
-        make(made, output, workers=count, done=done, scheduler=scheduler, **options)
+    make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)
     if not quiet:
         print(f"wrote {output}")
 
@@ -122,7 +122,7 @@ def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", coun
     """Render the frames of a shard into the cache."""
     from povgen.rendering.frames import render_all
 
-    with progress(f"shard {part}", len(scenes), quiet) as done:
+    with bar(f"shard {part}", len(scenes), quiet) as done:
         for _ in render_all(scenes, rendering, count, done):
             pass
     if not quiet:

@@ -5,22 +5,26 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import SceneName, scene_of, takes
+from povgen.cli.options import SceneName, scene_of, split, takes
 from povgen.cli.report import warn
 
 
-@takes("scenes")
+@takes("scenes", "sampling")
 def command(
     scene: SceneName,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = None,
     **values: object,
 ) -> None:
-    """Write a scene's POV-Ray source to standard output, or to the file of -o."""
+    """Write a scene's POV-Ray source to standard output, or to the file of -o.
+
+    Its header has the command that makes the picture of povgen frame with the same options.
+    """
     from povgen.files import checked_output, save
     from povgen.scene.sdl import to_pov
 
+    values, options = split(values)
     made = scene_of(scene, values)
-    text = to_pov(made)
+    text = to_pov(made, **options)
     warn([made])
     if output is None:
         print(text, end="")

@@ -1,0 +1,92 @@
+"""The base of povgen's models: values are checked, errors have one line, and help() names each parameter."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from inspect import Parameter, Signature, cleandoc
+from typing import Any, Self, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from povgen.errors import InputError, shown
+
+
+class Model(BaseModel):
+    """Values that a user gave. They never change; variants are copies.
+
+    Values may be text. A value that is not allowed raises InputError, with one line about the first such value.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, /, **values: Any) -> None:  # noqa: ANN401
+        with _errors(type(self), values):
+            super().__init__(**values)
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+        """Return a model made from a dictionary. Raises InputError."""
+        with _errors(cls, obj if isinstance(obj, dict) else {}):
+            return super().model_validate(obj, **options)
+
+    def replace(self, /, **changes: Any) -> Self:  # noqa: ANN401
+        """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
+        return type(self)(**{**dict(self), **changes})
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:  # noqa: ANN401
+        """Describe the parameters in the class's docstring and signature, for help() and editors."""
+        fields = cls.model_fields
+        about = []
+        for name, field in fields.items():
+            text = field.description or ""
+            default = "" if field.is_required() or "default" in text else f" = {field.default!r}"
+            about.append(f"- `{name}{default}`: {text}")
+        own = cleandoc(cls.__dict__.get("__doc__") or "")
+        cls.__doc__ = "\n".join([own, "", "Parameters:", "", *about]) if about else own
+
+        def called() -> None: ...
+
+        called.__annotations__ = {name: field.annotation for name, field in fields.items()}
+        kinds = get_type_hints(called)  # without the ranges
+        cls.__signature__ = Signature(
+            [
+                Parameter(
+                    name,
+                    Parameter.KEYWORD_ONLY,
+                    default=Parameter.empty if field.is_required() else field.default,
+                    annotation=kinds[name],
+                )
+                for name, field in fields.items()
+            ]
+        )
+
+
+@contextmanager
+def _errors(model: type[BaseModel], values: dict[str, Any]) -> Iterator[None]:
+    """Raise InputError in place of pydantic's error, and for a Boolean in place of a number or a name."""
+    for name, value in values.items():
+        field = model.model_fields.get(name)
+        parts = value if isinstance(value, (list, tuple)) else [value]
+        # pydantic would read it as 0 or 1
+        if field and field.annotation is not bool and any(isinstance(part, bool) for part in parts):
+            raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
+    try:
+        yield
+    except ValidationError as error:
+        raise InputError(_message(model, values, error.errors()[0])) from None
+
+
+def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str, Any]) -> str:
+    """Return the message for one of pydantic's errors."""
+    message = str(fault["msg"]).removeprefix("Value error, ").removeprefix("Input ")
+    if not fault["loc"]:  # a check of several values together; its message names them
+        return message
+    name = str(fault["loc"][0])
+    if fault["type"] == "extra_forbidden":
+        return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
+    if fault["type"] == "missing":  # a part of the value is missing
+        message = "has too few parts"
+    about = model.model_fields[name].description
+    if name not in values:
+        return f"{name}: missing ({about})"
+    return f"{name} = {shown(values[name])}: {message} ({about})"

@@ -1,0 +1,60 @@
+"""Messages and progress bars on standard error and in notebooks."""
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib import import_module
+
+
+def say(message: str) -> None:
+    """Print on standard error. If that fails, the program goes on."""
+    try:
+        print(message, file=sys.stderr, flush=True)
+    except OSError:
+        # otherwise Python writes again when it ends, fails, and exits with status 120
+        sys.stderr = open(os.devnull, "w")
+
+
+@contextmanager
+def bar(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[], None]]:
+    """Show a progress bar in a notebook or on a terminal, up to ten lines elsewhere.
+
+    Yield the function to call after each frame.
+    """
+    if quiet:
+        yield lambda: None
+    elif _in_notebook():
+        # rich would need ipywidgets
+        shown = import_module("IPython.display").ProgressBar(total)
+        shown.display()
+
+        def advance() -> None:
+            shown.progress += 1
+
+        yield advance
+    elif sys.stderr is not None and sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        name = TextColumn("{task.description}", markup=False)
+        columns = name, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        with Progress(*columns, console=Console(stderr=True)) as progress:
+            task = progress.add_task(what, total=total)
+            yield lambda: progress.advance(task)
+    else:
+        count = 0
+
+        def say_each_tenth() -> None:
+            nonlocal count
+            count += 1
+            if count == total or count * 10 // total > (count - 1) * 10 // total:
+                say(f"{what}: {count}/{total} frames")
+
+        yield say_each_tenth
+
+
+def _in_notebook() -> bool:
+    """Whether this process is a Jupyter kernel."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    return hasattr(shell, "kernel")

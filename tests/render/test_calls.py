@@ -1,0 +1,115 @@
+"""What a person calls in Python: an array, an image, a file, and a movie that plays in Jupyter."""
+
+import io
+import json
+import os
+import sys
+from base64 import b64decode
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from povgen import Chess, InputError, Movie, movie, progress, render, save, show, to_pov
+
+SCENE = Chess(sheet="none")
+SMALL = {"size": (32, 32), "antialias": "off"}
+SCENES = [SCENE.replace(x=x) for x in (0, 0.5, 1)]
+
+
+def test_the_same_picture_as_array_image_and_file(tmp_path):
+    array = render(SCENE, **SMALL, caption=True)
+    assert array.shape == (32, 32, 3) and array.dtype == np.uint8
+    image = show(SCENE, **SMALL, caption=True)
+    assert isinstance(image, Image.Image) and (np.asarray(image) == array).all()
+    path = save(SCENE, str(tmp_path / "a.png"), **SMALL, caption=True)
+    assert path == tmp_path / "a.png" and (np.asarray(Image.open(path)) == array).all()
+    assert os.listdir(tmp_path) == ["a.png"]
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: render("chess"), ["scene = 'chess'", "Chess(...)"]),
+        (lambda: show(None), ["scene = None"]),
+        (lambda: save(3, "a.png"), ["scene = 3"]),
+        (lambda: to_pov("chess"), ["scene = 'chess'"]),
+        (lambda: render(SCENE, size=(1, 1)), ["size = (1, 1)"]),
+        (lambda: show(SCENE, sise=(32, 32)), ["'sise': unknown", "size"]),
+        (lambda: save(SCENE, "a.jpg"), ["output = 'a.jpg'", ".png"]),
+        (lambda: save(SCENE, "nowhere/a.png"), ["nowhere/a.png"]),
+        (lambda: movie(3, "a.mp4"), ["spec = 3"]),
+        (lambda: movie([], "a.mp4"), ["no scenes"]),
+        (lambda: movie([SCENE, "chess"], "a.mp4"), ["scene = 'chess'"]),
+        (lambda: movie([SCENE], "a.avi"), ["a.avi", ".mp4"]),
+        (lambda: movie([SCENE], "a.mp4", frame_rate=0), ["frame_rate = 0", "120"]),
+        (lambda: movie("vary-alpha", "a.mp4", frame_rate="fast"), ["frame_rate = 'fast'", "120"]),
+        (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
+    ],
+)
+def test_an_error_has_one_line_and_nothing_is_written(call, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as raised:
+        call()
+    assert all(word in str(raised.value) for word in words) and len(str(raised.value).splitlines()) == 1
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize(("kind", "start"), [("mp4", "<video"), ("webm", "<video"), ("gif", "<img")])
+def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
+    made = movie(SCENES, tmp_path / f"a.{kind}", frame_rate=10, **SMALL)
+    assert made == Movie(tmp_path / f"a.{kind}") and os.fspath(made) == str(made.path)
+    assert made._repr_html_().startswith(start)
+    data = b64decode(made._repr_html_().split("base64,")[1].split('"')[0])
+    assert data == open(made, "rb").read()
+    if kind == "gif":
+        with Image.open(io.BytesIO(data)) as image:
+            assert (image.n_frames, image.info["duration"]) == (3, 100)
+    else:
+        assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
+
+
+def test_another_frame_rate_of_a_spec(tmp_path):
+    options = {"quality": "draft", "size": (32, 32)}
+    toml = tmp_path / "a.toml"
+    toml.write_text(
+        'title = "a"\nscene = "chess"\nframe_rate = 4\nfixed = { sheet = "none" }\n'
+        '[sweep]\nparameter = "z1"\nstart = 2\nstop = 3\nframes = 9\n'
+    )
+    made = movie(toml, tmp_path / "a.gif", frame_rate=40, **options)
+    with Image.open(made) as image:  # a quarter of the frames, and of the rate
+        assert (image.n_frames, image.info["duration"]) == (3, 100)
+
+
+def test_the_progress_in_a_script(tmp_path, capsys):
+    movie(SCENES, tmp_path / "a.gif", **SMALL)
+    assert capsys.readouterr().err == "".join(f"a.gif: {n}/3 frames\n" for n in (1, 2, 3))
+    movie(SCENES, tmp_path / "a.gif", **SMALL, progress=False)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_progress_on_a_terminal(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", terminal := io.StringIO())
+    monkeypatch.setattr(terminal, "isatty", lambda: True)
+    with progress.bar("[b]a.gif", 2) as done:
+        done()
+        done()
+    assert "[b]a.gif" in terminal.getvalue() and "2/2" in terminal.getvalue()
+
+
+NOTEBOOK = """
+from povgen import Chess, movie
+movie([Chess(sheet="none", x=x) for x in (0, 1)], "a.mp4", size=(32, 32), antialias="off")
+"""
+
+
+def test_a_movie_in_a_notebook(tmp_path):
+    import nbclient
+    import nbformat
+
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(NOTEBOOK)])
+    nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = json.dumps(notebook.cells[0].outputs)
+    assert "<progress" in shown and "max='2'" in shown and "value='2'" in shown
+    assert "<video controls loop src=" in shown and "ipywidgets" not in shown

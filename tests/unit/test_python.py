@@ -1,0 +1,67 @@
+"""Calls from Python: errors of one line, copies, and what help() says."""
+
+import inspect
+import pickle
+import pydoc
+
+import pytest
+
+from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
+from povgen.model import Model
+
+SWEEP = {"parameter": "alpha", "start": 0, "stop": 1, "frames": 2}
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Chess(alpha=400), ["alpha = 400", "360 degrees"]),
+        (lambda: Chess(alfa=3), ["'alfa': unknown", "alpha"]),
+        (lambda: Chess(alpha="x" * 999), ["alpha = 'xxx", "number"]),
+        (lambda: Chess(z1=True), ["z1 = True", "true or false"]),
+        (lambda: Chess(self=3), ["'self': unknown"]),
+        (lambda: Chess(z1=0.1), ["z1 = 0.1", "knight"]),
+        (lambda: Chess.model_validate({"alpha": 400}), ["alpha = 400", "360 degrees"]),
+        (lambda: Chess.model_validate("chess"), ["Chess"]),
+        (lambda: Chess().replace(alpha=400), ["alpha = 400"]),
+        (lambda: Chess().replace(alfa=4), ["'alfa': unknown"]),
+        (lambda: Spheres(z1=[]), ["z1 = []"]),
+        (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
+        (lambda: Rendering(quality=3), ["quality = 3", "draft"]),
+        (lambda: MovieSpec(title="a"), ["missing"]),
+    ],
+)
+def test_an_error_has_one_line(call, words):
+    with pytest.raises(InputError) as raised:
+        call()
+    message = str(raised.value)
+    assert all(word in message for word in words), message
+    assert len(message.splitlines()) == 1 and "pydantic" not in message
+    assert raised.value.__suppress_context__ or not raised.value.__context__
+
+
+def test_a_copy_with_changes():
+    scene = Chess(alpha=66, z1="3")
+    assert scene.replace(alpha=90) == Chess(alpha=90, z1=3) and scene.alpha == 66
+    assert scene.replace() == scene and type(Spheres().replace(z1=2)) is Spheres
+    assert Rendering(quality="high").replace(caption=True) == Rendering(quality="high", caption=True)
+    for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy(), Chess.model_validate(scene)):
+        assert copied == scene
+
+
+@pytest.mark.parametrize("model", [Chess, Spheres, Rendering, MovieSpec])
+def test_help_names_each_parameter(model):
+    assert issubclass(model, Model)
+    text, signature = pydoc.plain(pydoc.render_doc(model)), inspect.signature(model)
+    assert list(signature.parameters) == list(model.model_fields)
+    for name, field in model.model_fields.items():
+        (line,) = [line for line in text.splitlines() if line.strip(" |").startswith(f"- `{name}")]
+        assert line.endswith(field.description)
+        assert field.is_required() == (signature.parameters[name].default is inspect.Parameter.empty)
+    assert "Annotated" not in str(signature)
+
+
+def test_the_signature_has_types_and_defaults():
+    assert "alpha: float = 66" in str(inspect.signature(Chess))
+    assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
+    assert Rendering() == Rendering(quality="standard")
