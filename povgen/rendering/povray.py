@@ -153,7 +153,7 @@ class Runner:
         for part in (folder, folder / ".povray", config.parent):
             part.mkdir(exist_ok=True)  # not parents=True: a work folder that has been removed must not be made again
         config.write_text(CONFIG)
-        (folder / SCENE).write_text(source)
+        (folder / SCENE).write_text(source, "utf-8")
         # POV-Ray writes its progress there, 20 bytes a pixel, so that a render can be continued. povgen never does.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         limits = _limits()
@@ -210,7 +210,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
 
     def refused(message: str) -> PovrayError:
         error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")
-        error.line = int(place[2]) if place else None
+        error.line = int(place[2]) if place and place[1] == SCENE else None
         return error
 
     if NO_MEMORY.search(said + messages):

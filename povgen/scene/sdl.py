@@ -9,7 +9,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.scene import prediction
-from povgen.scene.models import Scene
+from povgen.scene.models import Chess, Scene
+from povgen.scene.pieces import PieceFile
 from povgen.settings import Rendering
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -27,6 +28,8 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     options = " ".join(Rendering.model_validate({}).picture_options)
+    environment.filters["repr"] = repr
+    environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
     environment.globals.update(version=__version__, options=options, raw=_raw)
     return environment
 
@@ -74,10 +77,21 @@ def to_caption(number: int, data: dict[str, Any]) -> str:
     return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 
 
-def template_of(source: str, line: int) -> str:
-    """Return the template of a line, counted from 1, of `to_pov`'s text. Each template's text begins with its name."""
+def origin_of(scene: Scene, source: str, line: int) -> tuple[str, int | None]:
+    """Return where a line, counted from 1, of the scene's text (`to_pov`) comes from.
+
+    This is a user's file (`PieceFile`) and the line there, or a template and None. Each template's text begins with its
+    name.
+    """
+    pieces = [standing.piece for standing in scene.pieces] if isinstance(scene, Chess) else []
+    for piece in pieces:
+        if isinstance(piece, PieceFile):
+            before, _, _ = source.partition(f"// ---- A piece from {piece.path!r} ----\n{piece.text}")
+            first = before.count("\n") + 2
+            if first <= line < first + piece.text.count("\n"):
+                return repr(piece.path), line - first + 1
     name = "header.pov.j2"
-    for text in source.splitlines()[:line]:
+    for text in source.split("\n")[:line]:  # POV-Ray ends a line only there
         if text.startswith("// ---- ") and text.endswith(") ----"):
             name = text[text.rindex("(") + 1 : -len(") ----")]
-    return name
+    return name, None

@@ -13,7 +13,7 @@ from povgen.errors import InputError, validated
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.rendering.frames import render_all
 from povgen.scene import limits
-from povgen.scene.models import Scene
+from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
@@ -102,7 +102,10 @@ def _digest(data: bytes) -> str:
 def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
     """Return the scenes of all frames, for each model of the sheets that the page shows. Raises InputError."""
     try:
-        return {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
+        movies = {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
+        if any(len({L for L, _ in scene.objects}) > 1 for frames in movies.values() for scene in frames):
+            raise InputError("x: several values, but the page shows objects on one line; allowed: one value")
+        return movies
     except InputError as error:
         raise InputError(f"{spec.title!r}: {error}") from None
 
@@ -128,14 +131,16 @@ def _page_data(movies: list[dict[str, Any]]) -> dict[str, Any]:
 def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rendering) -> dict[str, Any]:
     """Return a movie's data for the page: angles in degrees, lengths in tiles, complex numbers as pairs."""
     scene, sweep = movie["detailed"][0], spec.sweep
-    thing = getattr(scene, "piece", scene.name.removesuffix("s"))
+    thing = scene.name.removesuffix("s")
+    if isinstance(scene, Chess):
+        thing = scene.piece if isinstance(scene.piece, str) else "piece"
     things = thing + "s" * (len(scene.distances) > 1)
     ends = (f"{end:g}".replace("-", "−") for end in (sweep.start, sweep.stop))
     return {
         "title": spec.title,
         "label": f"{things.capitalize()}, {SWEPT[sweep.parameter].format(*ends)}",
         "thing": thing,
-        "marked": f"{thing}'s foot" if hasattr(scene, "piece") else thing,
+        "marked": f"{thing}'s foot" if isinstance(scene, Chess) else thing,
         "sweep": sweep.parameter,
         "start": sweep.start,
         "stop": sweep.stop,
