@@ -131,6 +131,9 @@ class Scene(BaseModel):
     eye: Point = Field(
         (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
     )
+    background: Literal["scene", "transparent", "black", "white"] = Field(
+        "scene", description="what is behind the scene: scene (its own sky), transparent (PNG only), black or white"
+    )
 
     name: ClassVar[str]
     subject: ClassVar[str]

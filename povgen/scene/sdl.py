@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__
+from povgen.errors import InputError
 from povgen.scene import prediction
 from povgen.scene.models import Chess, Scene
 from povgen.scene.pieces import PieceFile
@@ -52,7 +53,13 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
 
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
+    Raises InputError for a transparent background, because povgen composes it from two scenes.
     """
+    if scene.background == "transparent":
+        raise InputError(
+            "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
+            "white; allowed: 'scene', 'black' or 'white'"
+        )
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
