@@ -684,14 +684,22 @@ def test_what_is_right_is_done(data):
 @pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.annotation in (int, float)])
 def test_numbers(name):
     """An accepted value is a number, as Python reads it, within the bounds that the help states."""
-    low, high = {"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "timeout": (0, 1e6)}[name]
+    low, high = {
+        "alpha": (-360, 360),
+        "z2": (0, 150),
+        "prisms": (1, 3000),
+        "z1": (0, 5000),
+        "timeout": (0, 1e6),
+        "eye_distance": (0, 5),
+    }[name]
 
     @cases(60)
     @given(
         st.sampled_from(NUMBERS) | st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * int(high)).map(str)
     )
     def fuzz(text):
-        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name}={text}"]
+        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name.replace('_', '-')}={text}"]
+        line += ["--stereo=pair"] * (name == "eye_distance")
         if tried(line, test="numbers")[0] == 0:
             assert low <= float(text) <= high
 
