@@ -1,6 +1,7 @@
 """Chess pieces: several of them, their colours, and pieces from a user's file."""
 
 import os
+import re
 
 import numpy as np
 import pytest
@@ -8,6 +9,9 @@ from conftest import povgen, refused
 
 from povgen import Chess, InputError, render, to_pov
 from povgen.errors import validated
+from povgen.optics import rotation
+from povgen.scene.spec import MovieSpec
+from povgen.teach import page
 from povgen.video import overlay
 
 SMALL = {"size": (96, 96), "antialias": "off"}
@@ -37,6 +41,29 @@ def test_each_piece_has_a_predicted_image():
     )
     columns = differs(plain, predicted)
     assert columns.min() < 40 and columns.max() > 56
+    source = to_pov(Chess(sheet="ideal", alpha=90, z1=[2, 3], predicted_image=True))
+    steps = [re.search(rf"SeenRight_{n} += <(.*), (.*)>;", source).groups() for n in (1, 2)]
+    expected = [rotation.one_minus_P(6 / z1, np.pi / 2) for z1 in (2, 3)]
+    assert np.allclose([complex(*map(float, step)) for step in steps], expected)
+
+
+def test_z1_is_swept_for_all_pieces():
+    scene = Chess(sheet="ideal", x=[-0.6, 0.6], z1=[2])
+    assert scene.z1 == 2 and scene.distances == (2, 2)
+    spec = MovieSpec.load("vary-z1").with_fixed({"x": ["-0.6", "0.6"], "color": ["red", "blue"]})
+    frames = spec.scenes("draft")
+    assert all(len(frame.objects) == 2 and len({z1 for _, z1 in frame.objects}) == 1 for frame in frames)
+    assert frames[0].distances != frames[-1].distances
+
+
+def test_the_caption_has_the_range_of_z1():
+    assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5"
+
+
+def test_the_page_shows_pieces_at_one_x():
+    spec = MovieSpec.load("vary-alpha").with_fixed({"x": [0, 1]})
+    with pytest.raises(InputError, match="x: several values"):
+        page.scenes(spec, "draft")
 
 
 @pytest.mark.parametrize(
@@ -66,7 +93,7 @@ def test_options_more_than_once(tmp_path):
 
 
 def test_a_piece_from_a_file(tmp_path):
-    file = tmp_path / "a (b) ----.inc"
+    file = tmp_path / "a\n#error (b) ----.inc"
     file.write_bytes(CUBE.replace("\n", "\r\n").encode("utf-8-sig"))
     scene = Chess(sheet="none", piece=str(file), x=-0.5)
     assert scene == Chess(sheet="none", piece=file, x=-0.5)
