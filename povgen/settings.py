@@ -1,6 +1,6 @@
 """How a scene is rendered: the qualities, picture size, antialiasing, caption and overlay."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -74,11 +74,29 @@ class Rendering(Model):
         description="mark predicted positions inside the window, and the curves on which they move",
     )
 
+    stereo: Literal["none", "pair", "anaglyph"] = Field(
+        "none",
+        description="what two eyes see: pair (the left eye's picture beside the right eye's), anaglyph (for glasses "
+        "with red on the left, cyan on the right) or none (one eye)",
+    )
+    eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
+        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles"
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _follow_quality(cls, values: dict[str, Any]) -> dict[str, Any]:
         preset = QUALITIES.get(values.get("quality", "standard"), QUALITIES["standard"])
         return {"size": preset["size"], "antialias": preset["antialias"], **values}
+
+    @model_validator(mode="after")
+    def _check_eyes(self) -> Self:
+        if self.stereo == "none" and "eye_distance" in self.model_fields_set:
+            raise ValueError(
+                f"eye_distance = {self.eye_distance:g}: stereo = 'none' has one eye; "
+                "allowed: with stereo = 'pair' or 'anaglyph'"
+            )
+        return self
 
     @property
     def picture_options(self) -> list[str]:

@@ -4,7 +4,7 @@ import inspect
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
@@ -58,9 +58,8 @@ def with_options(command: Command) -> Command:
 
     def called(**arguments: object) -> None:
         given: dict[str, Any] = {name: arguments.pop(name) for name in fields}
-        if given.get("z1") and len(given["z1"]) == 1:
-            given["z1"] = given["z1"][0]
         given = {name: value for name, value in given.items() if value not in (None, [])}
+        given = {name: x[0] if isinstance(x, list) and len(x) == 1 else x for name, x in given.items()}
         command(**arguments, **given)
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
@@ -98,11 +97,17 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
     if owners[0][1].annotation is bool:
         kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
-        # the spheres scene takes several z1
-        kind, info = list[str] if name == "z1" else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
+        several = any(_takes_several(field.annotation) for _, field in owners)
+        kind, info = list[str] if several else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
     # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def _takes_several(annotation: object) -> bool:
+    """Whether a field's type allows a tuple of any length."""
+    parts = get_args(annotation)
+    return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
 
 
 def _about(field: "FieldInfo") -> str:

@@ -81,6 +81,8 @@ class PiecePositions(Chess):
     name: ClassVar[str] = "probes/piece"
     subject: ClassVar[str] = "a chess piece whose colours encode positions on it"
     extent: ClassVar[float] = 2.0
+    z1: float = 2
+    piece: str = "knight"
 
 
 def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:

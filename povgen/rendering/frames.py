@@ -16,7 +16,7 @@ from povgen.errors import InputError, PovrayError, TransientError
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.scene.models import Scene
-from povgen.scene.sdl import template_of, to_pov
+from povgen.scene.sdl import origin_of, to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
@@ -52,8 +52,11 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
             return png, cache.store(picture, cache.frame_path(source, rendering))
         except PovrayError as error:
             values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
-            origin = f"from {template_of(source, error.line)}, " if error.line else ""
-            raise type(error)(f"{error}\n  {origin}in the frame with {values}") from None
+            name, line = origin_of(scene, source, error.line) if error.line else ("", None)
+            message, origin = str(error), f"from {name}, " if name else ""
+            if line is not None:  # in a user's file
+                message, origin = message.replace(f"{povray.SCENE}, line {error.line}", f"{name}, line {line}"), ""
+            raise type(error)(f"{message}\n  {origin}in the frame with {values}") from None
 
 
 def is_whole(png: bytes, size: tuple[int, int]) -> bool:

@@ -184,7 +184,7 @@ class Runner:
         for part in (folder, folder / ".povray", config.parent):
             part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
         config.write_text(CONFIG)
-        (folder / SCENE).write_text(source)
+        (folder / SCENE).write_text(source, "utf-8")
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
         (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
         start, starters = _starter(rendering.timeout)
@@ -243,7 +243,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
 
     def refused(message: str) -> PovrayError:
         error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")
-        error.line = int(place[2]) if place else None
+        error.line = int(place[2]) if place and place[1] == SCENE else None
         return error
 
     if NO_MEMORY.search(said + messages):

@@ -5,24 +5,31 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from math import radians, remainder
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainSerializer,
+    Tag,
+    model_validator,
+)
 
 from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics import prism
 from povgen.optics.prism import Prism
 from povgen.scene import limits
+from povgen.scene.pieces import PIECES, PieceFile, PieceName, as_piece, radius
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
 
     from povgen.optics.rotation import Booleans, Complexes, Floats
 
-# Radius of each piece's foot, tiles. The foot must not touch the window frame.
-PIECES = {"pawn": 0.38, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-PieceName = Literal[*PIECES]  # type: ignore[valid-type]
+T = TypeVar("T")
 SheetModel = Literal["detailed", "ideal", "single", "none"]
 APERTURE = 2.4  # the default side of the window, tiles
 VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
@@ -45,6 +52,44 @@ Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
 def _as_tuple(value: object) -> object:
     """Accept a single value in place of a list."""
     return (value,) if isinstance(value, (int, float, str)) else value
+
+
+def _without_list(value: object) -> object:
+    """Accept a list of a single value in place of this value."""
+    return value[0] if isinstance(value, (list, tuple)) and len(value) == 1 else value
+
+
+def _kind(value: object) -> str:
+    return "several" if isinstance(value, (list, tuple)) else "one"
+
+
+def _colour(value: str) -> str:
+    """Check a colour's name or code."""
+    rgb(value)
+    return value
+
+
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Return red, green and blue (sRGB, 0 to 1) of a colour's name or code. Raises ValueError for any other text."""
+    from PIL import ImageColor
+
+    try:
+        parts = ImageColor.getrgb(colour)
+        if len(parts) > 3 or max(parts) > 255:
+            raise ValueError
+    except ValueError:
+        raise ValueError("should be a colour's name or code, and opaque") from None
+    return parts[0] / 255, parts[1] / 255, parts[2] / 255
+
+
+# one value, or one for each object
+OneOrMore = Annotated[
+    Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
+    Discriminator(_kind),
+    BeforeValidator(_without_list),
+]
+PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece), PlainSerializer(str)]
+Colour = Annotated[str, AfterValidator(_colour)]
 
 
 class Scene(Model):
@@ -86,18 +131,26 @@ class Scene(Model):
     eye: Point = Field(
         (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
     )
+    background: Literal["scene", "transparent", "black", "white"] = Field(
+        "scene", description="what is behind the scene: scene (its own sky), transparent (PNG only), black or white"
+    )
 
     name: ClassVar[str]
     subject: ClassVar[str]
     rim: ClassVar[float] = 0.13  # width of the window frame's sides, tiles
 
-    if TYPE_CHECKING:  # each scene defines the point L (object), projected onto z = 0, and every z1
+    if TYPE_CHECKING:  # each scene defines the point L of its first object, projected onto z = 0, and every z1
 
         @property
         def L(self) -> complex: ...
 
         @property
         def distances(self) -> tuple[float, ...]: ...
+
+    @property
+    def objects(self) -> tuple[tuple[complex, float], ...]:
+        """L (projected onto z = 0) and z1 of every object, tiles."""
+        return tuple((self.L, z1) for z1 in self.distances)
 
     @property
     def E(self) -> complex:
@@ -218,23 +271,63 @@ class Scene(Model):
         return self
 
 
+class Standing(NamedTuple):
+    """A piece on the floor. Lengths are in tiles."""
+
+    piece: str | PieceFile
+    x: float
+    z1: float
+    colour: tuple[float, float, float]  # red, green and blue (sRGB), 0 to 1
+
+
 class Chess(Scene):
-    """A chess piece on a chessboard floor, seen through the window (figures 3 and 4). L is the centre of its foot."""
+    """Chess pieces on a chessboard floor, seen through the window (figures 3 and 4). L is the centre of a foot.
+
+    Each of x, z1, piece and color is one value for all pieces, or a list with a value for each.
+    """
 
     name: ClassVar[str] = "chess"
     subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
 
-    z1: Z1 = Field(2, description="distance from the sheets to the piece's axis, up to 5000 tiles")
-    x: Aside = Field(0, description="where the piece stands, to the right of the window's centre, -10 to 10 tiles")
-    piece: PieceName = Field("knight", description=f"the chess piece: {', '.join(PIECES)}")
+    z1: OneOrMore[Z1] = Field(
+        2, description="distance from the sheets to the piece's axis, up to 5000 tiles; one, or one for each piece"
+    )
+    x: OneOrMore[Aside] = Field(
+        0,
+        description="where the piece stands, to the right of the window's centre, -10 to 10 tiles; "
+        "one, or one for each piece",
+    )
+    piece: OneOrMore[PieceValue] = Field(
+        "knight",
+        description=f"the chess piece: {', '.join(PIECES)}, or a file that declares Piece in POV-Ray's language; "
+        "one, or one for each piece",
+    )
+    color: OneOrMore[Colour] = Field(
+        "#e7b56f", description="colour of the piece: a name, or a code such as #c87529; one, or one for each piece"
+    )
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"
     )
 
     @property
+    def pieces(self) -> tuple[Standing, ...]:
+        """Every piece that stands on the floor."""
+        values = [
+            value if isinstance(value, tuple) else (value,) for value in (self.piece, self.x, self.z1, self.color)
+        ]
+        count = max(map(len, values))
+        shared = [value * count if len(value) == 1 else value for value in values]
+        return tuple(Standing(piece, x, z1, rgb(color)) for piece, x, z1, color in zip(*shared, strict=True))
+
+    @property
     def L(self) -> complex:
-        """Centre of the piece's foot, projected onto z = 0."""
-        return complex(self.x, self.floor)
+        """Centre of the first piece's foot, projected onto z = 0."""
+        return self.objects[0][0]
+
+    @property
+    def objects(self) -> tuple[tuple[complex, float], ...]:
+        """L (the centre of the foot, projected onto z = 0) and z1 of every piece, tiles."""
+        return tuple((complex(piece.x, self.floor), piece.z1) for piece in self.pieces)
 
     @property
     def floor(self) -> float:
@@ -243,30 +336,36 @@ class Chess(Scene):
 
     @property
     def distances(self) -> tuple[float, ...]:
-        """z1 of the piece, tiles."""
-        return (self.z1,)
+        """z1 of every piece, tiles."""
+        return tuple(piece.z1 for piece in self.pieces)
 
-    @property
-    def apparent_steps(self) -> tuple[complex, complex]:
-        """The predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at the piece."""
-        right, up = (complex(self.apparent_position(self.E + step, self.z1)) - self.E for step in (1, 1j))
+    def apparent_steps(self, z1: float) -> tuple[complex, complex]:
+        """Return the predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at z1."""
+        right, up = (complex(self.apparent_position(self.E + step, z1)) - self.E for step in (1, 1j))
         return right, up
 
     @model_validator(mode="after")
-    def _check_piece(self) -> Self:
+    def _check_pieces(self) -> Self:
+        values = {name: getattr(self, name) for name in ("piece", "x", "z1", "color")}
+        counts = {name: len(value) for name, value in values.items() if isinstance(value, tuple)}
+        if len(set(counts.values())) > 1:
+            given = ", ".join(f"{count} values of {name}" for name, count in counts.items())
+            raise ValueError(f"{given}: allowed: one value of each, or equal numbers of values")
         if self.eye[1] <= self.floor:
             raise ValueError(
                 f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
             )
-        self._check_clear(f"the {self.piece}", self.z1, self.depth / 2 + PIECES[self.piece])
+        for piece, _, z1, _ in self.pieces:
+            what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
+            self._check_clear(what, z1, self.depth / 2 + radius(piece))
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
                 "allowed: sheet = 'detailed' or 'ideal'"
             )
-        if self.predicted_image and self.z1 == self.z2 and abs(self.alpha) == 180:
+        if self.predicted_image and self.z2 in self.distances and abs(self.alpha) == 180:
             raise ValueError(
-                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z1:g} the piece appears at "
+                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z2:g} the piece appears at "
                 "infinity (the pole of eq. 7); allowed: any other alpha or z1"
             )
         return self

@@ -153,7 +153,8 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
 
     from povgen.optics import rotation
 
-    z1, alpha = np.array(scene.distances), radians(scene.alpha)
+    L, z1 = np.array([L for L, _ in scene.objects]), np.array(scene.distances)
+    alpha = radians(scene.alpha)
     with np.errstate(all="ignore"):
         if scene.sheet == "ideal":
             found = rotation.condition(scene.z2 / z1, alpha)
@@ -162,10 +163,10 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
             limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
-            thin = rotation.apparent_position(scene.L, scene.E, z1, scene.z2, alpha)
+            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha)
             # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
             moved = (
-                scene.apparent_position(scene.L, z1) - thin
+                scene.apparent_position(L, z1) - thin
                 if two
                 else scene.prism.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
             )

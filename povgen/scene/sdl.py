@@ -8,8 +8,10 @@ from typing import Any, NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__
+from povgen.errors import InputError
 from povgen.scene import prediction
-from povgen.scene.models import Scene, checked_scene
+from povgen.scene.models import Chess, Scene, checked_scene
+from povgen.scene.pieces import PieceFile
 from povgen.settings import Rendering
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -26,6 +28,8 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
+    environment.filters["repr"] = repr
+    environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
     environment.globals.update(version=__version__, raw=_raw)
     return environment
 
@@ -49,8 +53,14 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     The header names the command for the picture. Its options are those of `Rendering`: size, quality and antialias.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
-    Raises InputError if an option is not allowed.
+    Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
+    two scenes.
     """
+    if scene.background == "transparent":
+        raise InputError(
+            "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
+            "white; allowed: 'scene', 'black' or 'white'"
+        )
     return (
         _environment()
         .get_template(f"{checked_scene(scene).name}.pov.j2")
@@ -76,10 +86,21 @@ def to_caption(number: int, data: dict[str, Any]) -> str:
     return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 
 
-def template_of(source: str, line: int) -> str:
-    """Return the template of a line, counted from 1, of `to_pov`'s text. Each template's text begins with its name."""
+def origin_of(scene: Scene, source: str, line: int) -> tuple[str, int | None]:
+    """Return where a line, counted from 1, of the scene's text (`to_pov`) comes from.
+
+    This is a user's file (`PieceFile`) and the line there, or a template and None. Each template's text begins with its
+    name.
+    """
+    pieces = [standing.piece for standing in scene.pieces] if isinstance(scene, Chess) else []
+    for piece in pieces:
+        if isinstance(piece, PieceFile):
+            before, _, _ = source.partition(f"// ---- A piece from {piece.path!r} ----\n{piece.text}")
+            first = before.count("\n") + 2
+            if first <= line < first + piece.text.count("\n"):
+                return repr(piece.path), line - first + 1
     name = "header.pov.j2"
-    for text in source.splitlines()[:line]:
+    for text in source.split("\n")[:line]:  # POV-Ray ends a line only there
         if text.startswith("// ---- ") and text.endswith(") ----"):
             name = text[text.rindex("(") + 1 : -len(") ----")]
-    return name
+    return name, None

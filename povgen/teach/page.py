@@ -13,7 +13,7 @@ from povgen.errors import InputError, validated
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.rendering.frames import render_all
 from povgen.scene import limits
-from povgen.scene.models import Scene
+from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
@@ -46,7 +46,7 @@ def demo(
     after its frames. The frames of an earlier page are then removed, unless the user changed them or the new page
     shows them. All other files in the folder stay.
     """
-    rendering = validated(Rendering, options)
+    rendering = one_eyed(validated(Rendering, options))
     loaded = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
     movies = [scenes(spec, rendering.quality) for spec in loaded]
     if not movies:
@@ -62,7 +62,7 @@ def demo(
     rendered = render_all([scene for _, scene, _ in wanted], rendering, workers, done)
     with work_folder(frames) as made, closing(rendered):
         for (name, scene, frame_data), frame in zip(wanted, rendered, strict=True):
-            data = encode.webp(picture(frame, scene, rendering))
+            data = encode.webp(picture([frame], scene, rendering))
             file = f"{name}-{_digest(data)}.webp"
             (made / file).write_bytes(data)
             frame_data["file"] = f"{frames.name}/{file}"
@@ -106,9 +106,21 @@ def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
         what = f"sweep of {', '.join(names)}" + ", there and back" * spec.loop
         raise InputError(f"{spec.title!r}: {what}: not for the page; allowed: one sweep of {', '.join(SWEPT)}, no loop")
     try:
-        return {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
+        movies = {sheet: spec.with_fixed({"sheet": sheet}).scenes(quality) for sheet in SHEETS}
+        if any(len({L for L, _ in scene.objects}) > 1 for frames in movies.values() for scene in frames):
+            raise InputError("x: several values, but the page shows objects on one line; allowed: one value")
+        if any(scene.background == "transparent" for frames in movies.values() for scene in frames):
+            raise InputError("background = 'transparent': allowed on the page: 'scene', 'black' or 'white'")
+        return movies
     except InputError as error:
         raise InputError(f"{spec.title!r}: {error}") from None
+
+
+def one_eyed(rendering: Rendering) -> Rendering:
+    """Return the rendering. Raises InputError if it is for two eyes: the page's diagrams are for one."""
+    if rendering.stereo != "none":
+        raise InputError(f"stereo = {rendering.stereo!r}: the page shows what one eye sees; allowed: 'none'")
+    return rendering
 
 
 def checked_page(folder: Path) -> tuple[Path, Path]:
@@ -133,14 +145,16 @@ def _movie_data(spec: MovieSpec, movie: dict[str, list[Scene]], rendering: Rende
     """Return a movie's data for the page: angles in degrees, lengths in tiles, complex numbers as pairs."""
     scene, sweep = movie["detailed"][0], spec.sweep[0]
     start, stop = sweep.ends
-    thing = getattr(scene, "piece", scene.name.removesuffix("s"))
+    thing = scene.name.removesuffix("s")
+    if isinstance(scene, Chess):
+        thing = scene.piece if isinstance(scene.piece, str) else "piece"
     things = thing + "s" * (len(scene.distances) > 1)
     ends = (f"{end:g}".replace("-", "−") for end in (start, stop))
     return {
         "title": spec.title,
         "label": f"{things.capitalize()}, {SWEPT[sweep.parameter].format(*ends)}",
         "thing": thing,
-        "marked": f"{thing}'s foot" if hasattr(scene, "piece") else thing,
+        "marked": f"{thing}'s foot" if isinstance(scene, Chess) else thing,
         "sweep": sweep.parameter,
         "start": start,
         "stop": stop,

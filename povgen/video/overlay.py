@@ -149,25 +149,28 @@ def positions(scene: Scene) -> list[complex]:
 
     Objects that the window frame hides from the eye are left out.
     """
-    return [complex(scene.apparent_position(scene.L, z1)) for z1 in scene.distances if scene.visible(scene.L, z1)]
+    return [complex(scene.apparent_position(L, z1)) for L, z1 in scene.objects if scene.visible(L, z1)]
 
 
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
-    The first curve is for constant alpha: z1 changes along it. If there is a single object, the second curve is for
-    constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles, at most `step` apart.
-    It ends where the window frame begins to hide the object.
+    The first curves are for constant alpha, one for each L: z1 changes along them. If there is a single object, the
+    second curve is for constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles,
+    at most `step` apart. It ends where the window frame begins to hide the object.
     """
     alpha, prism = radians(scene.alpha), scene.prism if scene.sheet == "detailed" else Prism(0.0)
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prism).real)
 
-    def constant_alpha(z1: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
-        return scene.apparent_position(scene.L, z1), scene.visible(scene.L, z1)
+    def constant_alpha(L: complex) -> Curve:
+        return lambda z1: (scene.apparent_position(L, z1), scene.visible(L, z1))
 
-    curves = [(_visible_parts(scene, constant_alpha, ends, infinite, step), ALPHA_COLOUR)]
-    if len(scene.distances) == 1 and scene.sheet in ("detailed", "ideal"):
+    curves = [
+        (_visible_parts(scene, constant_alpha(L), ends, infinite, step), ALPHA_COLOUR)
+        for L in dict.fromkeys(L for L, _ in scene.objects) or [scene.L]
+    ]
+    if len(scene.objects) == 1 and scene.sheet in ("detailed", "ideal"):
         z1 = scene.distances[0]
         far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prism).real)
 

@@ -1,5 +1,6 @@
 """Render one picture of a scene, with its caption and overlay if they are wanted."""
 
+from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,19 +12,20 @@ from povgen import files
 from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Scene, checked_scene
 from povgen.settings import Rendering
+from povgen.video.views import composed, views
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 
 def render(scene: Scene, **options: object) -> NDArray[np.uint8]:
-    """Return the scene's picture: (height, width, 3) bytes of red, green and blue.
+    """Return the scene's picture: (height, width, 3) bytes of red, green and blue, or 4 with alpha if transparent.
 
     Options are the fields of `Rendering`: size=(640, 480), quality="high" and others. Raises InputError if an option is
     not allowed, and PovrayError if POV-Ray fails.
     """
     scene, rendering = checked_scene(scene), Rendering(**options)
-    return picture(_frame(scene, rendering), scene, rendering).copy()  # the caller may write to it
+    return picture(_frames(scene, rendering), scene, rendering).copy()  # the caller may write to it
 
 
 def show(scene: Scene, **options: object) -> "Image":
@@ -48,24 +50,28 @@ def save(scene: Scene, path: str | Path, **options: object) -> Path:
 def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
     """Return the scene's picture as the bytes of a PNG file. Raises PovrayError if POV-Ray fails."""
     rendering = rendering or Rendering()
-    plain = _frame(scene, rendering)
-    if not rendering.annotated:
-        return plain
+    frames = _frames(scene, rendering)
+    if len(frames) == 1 and not rendering.annotated:
+        return frames[0]
     from povgen.video import encode
 
-    return encode.png(picture(plain, scene, rendering))
+    return encode.png(picture(frames, scene, rendering))
 
 
-def picture(frame: bytes, scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
-    """Return a rendered frame of the scene as an array, with the caption and overlay that `rendering` asks for."""
-    plain = read_png(frame)
-    if not rendering.annotated:
-        return plain
-    from povgen.video.overlay import annotated
+def picture(frames: Sequence[bytes], scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
+    """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
-    return annotated(plain, scene, rendering)
+    Each frame gets the caption and the overlay that `rendering` asks for.
+    """
+    pictures = [read_png(frame) for frame in frames]
+    if rendering.annotated:
+        from povgen.video.overlay import annotated
+
+        shown = views(scene, rendering)
+        pictures = [annotated(plain, view, rendering) for plain, view in zip(pictures, shown, strict=True)]
+    return composed(pictures, scene, rendering)
 
 
-def _frame(scene: Scene, rendering: Rendering) -> bytes:
-    with closing(render_all([scene], rendering)) as frames:
-        return next(frames)
+def _frames(scene: Scene, rendering: Rendering) -> list[bytes]:
+    with closing(render_all(views(scene, rendering), rendering)) as frames:
+        return list(frames)

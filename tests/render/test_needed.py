@@ -10,7 +10,7 @@ import pytest
 
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.rendering import frames, povray
-from povgen.scene.models import PIECES
+from povgen.scene.pieces import PIECES
 
 RENDERING = Rendering(size=(320, 240), antialias="off")
 OBJECT = (

@@ -15,7 +15,7 @@ import pytest
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
-from povgen import MovieSpec
+from povgen import Chess, MovieSpec
 from povgen.cli.app import COMMANDS
 
 PAGES = [
@@ -203,3 +203,13 @@ def test_the_notebook_is_the_lesson_and_runs(tmp_path, environment, monkeypatch)
     assert sum("image/png" in out.data for out in shown) > 10
     printed = "".join(out.text for cell in made.cells for out in cell.get("outputs", []) if out.output_type == "stream")
     assert "designed path" in printed and "nan" not in printed and "Traceback" not in printed
+
+
+def test_the_table_of_parallaxes():
+    rows = re.findall(r"^\| (\d+)° \|(.*)\|$", (PROJECT / "docs" / "usage.md").read_text().replace("−", "-"), re.M)
+    assert [alpha for alpha, _ in rows] == ["0", "66", "90", "180"]
+    for alpha, row in rows:
+        scenes = [Chess(sheet="ideal", alpha=float(alpha), z1=2, z2=6, eye=(x, 0)) for x in (-0.2, 0.2)]
+        left, right = (complex(scene.apparent_position(scene.L, 2)) for scene in scenes)
+        places = [left.real, left.imag, right.real, right.imag, (right - left).real, (right - left).imag]
+        assert [float(text) for text in re.split(r"[|,]", row)] == pytest.approx(places, abs=6e-4)

@@ -7,8 +7,8 @@ import pytest
 
 from povgen import Chess, Spheres, to_pov
 from povgen.measure.probes import Directions, PiecePositions, Positions
-from povgen.scene.models import PIECES
-from povgen.scene.sdl import TEMPLATES, Mosaic, template_of
+from povgen.scene.pieces import PIECES
+from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
 SHEETS = ("detailed", "ideal", "single", "none")
 
@@ -110,8 +110,9 @@ def test_parameters_name_their_unit():
                 assert "degrees" in line
 
 
-def test_the_template_of_a_line():
-    text = to_pov(Chess(piece="king"))
+def test_the_origin_of_a_line():
+    scene = Chess(piece="king")
+    text = to_pov(scene)
     lines = text.splitlines()
     for part, template in (
         ("mesh {", "sheets.pov.j2"),
@@ -119,7 +120,7 @@ def test_the_template_of_a_line():
         ("checker", "floor.pov.j2"),
     ):
         number = next(n for n, line in enumerate(lines, 1) if part in line)
-        assert template_of(text, number) == template
+        assert origin_of(scene, text, number) == (template, None)
 
 
 def test_every_part_begins_with_its_name():

@@ -32,11 +32,11 @@ def command(
     from povgen.rendering import cache
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
-    from povgen.teach.page import OWN, checked_page, scenes
+    from povgen.teach.page import OWN, checked_page, one_eyed, scenes
     from povgen.teach.page import demo as make
 
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
-    rendering = validated(Rendering, options)
+    rendering = one_eyed(validated(Rendering, options))
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
     cache.check()  # before the page's folder is made
     checked_page(output)

@@ -25,17 +25,20 @@ def command(
     from povgen.rendering import cache
     from povgen.settings import Rendering
     from povgen.video.still import png
+    from povgen.video.views import views
 
     values, options = split(values)
     output = checked_output(output, [".png"])
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = scene_of(scene, values | {"sheet": "detailed"})
-        values["sheet"], options["antialias"] = chosen([prisms], options, limit, quiet)
+        shown = views(prisms, validated(Rendering, options))
+        values["sheet"], options["antialias"] = chosen(shown, options, limit, quiet)
     made = scene_of(scene, values)
     rendering = validated(Rendering, options)
+    shown = views(made, rendering)
     cache.check()
     if not quiet:
-        warn([made], rendering)
+        warn(shown, rendering)
     save(png(made, rendering), output)
     if not quiet:
         print(f"wrote {output}")

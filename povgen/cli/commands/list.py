@@ -3,7 +3,8 @@
 
 def command() -> None:
     """List the scenes with their parameters, the chess pieces, and povgen's own movies."""
-    from povgen.scene.models import PIECES, SCENES
+    from povgen.scene.models import SCENES
+    from povgen.scene.pieces import PIECES
     from povgen.scene.spec import MOVIES, MovieSpec
 
     for name, scene in SCENES.items():

@@ -1,6 +1,7 @@
 """The command povgen movie."""
 
 import logging
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -72,7 +73,7 @@ def command(
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
     from povgen.settings import Rendering
-    from povgen.video.build import checked_movie
+    from povgen.video.build import checked_movie, movie_views
     from povgen.video.build import movie as make
 
     values, options = split(values)
@@ -86,16 +87,18 @@ def command(
         raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = loaded.with_fixed(values | {"sheet": "detailed"})
-        through_prisms = prisms.scenes(validated(Rendering, options).quality)
-        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
+        asked = validated(Rendering, options)
+        through_prisms = movie_views(prisms.scenes(asked.quality), asked)
+        values["sheet"], options["antialias"] = chosen(list(chain(*through_prisms)), options, limit, quiet)
     made = loaded.with_fixed(values)
     rendering = validated(Rendering, options)
     scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
+    shown = list(chain(*movie_views(scenes, rendering)))
     cache.check()
     if not quiet:
-        warn(scenes, rendering)
+        warn(shown, rendering)
     if part is not None:
-        return _render_shard(part, scenes, rendering, count, quiet)
+        return _render_shard(part, shown, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
     make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)

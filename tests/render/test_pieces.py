@@ -1,0 +1,140 @@
+"""Chess pieces: several of them, their colours, and pieces from a user's file."""
+
+import os
+import re
+
+import numpy as np
+import pytest
+from conftest import povgen, refused
+
+from povgen import Chess, InputError, render, to_pov
+from povgen.errors import validated
+from povgen.optics import rotation
+from povgen.scene.spec import MovieSpec
+from povgen.teach import page
+from povgen.video import overlay
+
+SMALL = {"size": (96, 96), "antialias": "off"}
+CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
+
+
+def differs(first, second):
+    """Return the columns in which two pictures differ."""
+    return np.flatnonzero((first != second).any((0, 2)))
+
+
+def test_several_pieces_stand_where_each_is_put():
+    left, right = (Chess(sheet="none", x=x, piece="pawn") for x in (-0.6, 0.6))
+    both = Chess(sheet="none", x=[-0.6, 0.6], piece="pawn", color=["red", "#00f"])
+    assert both.objects == left.objects + right.objects
+    assert overlay.positions(both) == overlay.positions(left) + overlay.positions(right)
+    assert len(overlay.loci(both)) == 2  # a curve of constant alpha for each
+    picture = render(both, **SMALL).astype(int)
+    red, blue = (picture[..., a] - picture[..., 2 - a] for a in (0, 2))
+    assert np.argwhere(red > 60)[:, 1].max() < 48 < np.argwhere(blue > 60)[:, 1].min()
+
+
+def test_each_piece_has_a_predicted_image():
+    plain, predicted = (
+        render(Chess(sheet="ideal", alpha=0, x=[-0.6, 0.6], z1=[2, 3], predicted_image=shown), **SMALL)
+        for shown in (False, True)
+    )
+    columns = differs(plain, predicted)
+    assert columns.min() < 40 and columns.max() > 56
+    source = to_pov(Chess(sheet="ideal", alpha=90, z1=[2, 3], predicted_image=True))
+    steps = [re.search(rf"SeenRight_{n} += <(.*), (.*)>;", source).groups() for n in (1, 2)]
+    expected = [rotation.one_minus_P(6 / z1, np.pi / 2) for z1 in (2, 3)]
+    assert np.allclose([complex(*map(float, step)) for step in steps], expected)
+
+
+def test_z1_is_swept_for_all_pieces():
+    scene = Chess(sheet="ideal", x=[-0.6, 0.6], z1=[2])
+    assert scene.z1 == 2 and scene.distances == (2, 2)
+    spec = MovieSpec.load("vary-z1").with_fixed({"x": ["-0.6", "0.6"], "color": ["red", "blue"]})
+    frames = spec.scenes("draft")
+    assert all(len(frame.objects) == 2 and len({z1 for _, z1 in frame.objects}) == 1 for frame in frames)
+    assert frames[0].distances != frames[-1].distances
+
+
+def test_the_caption_has_the_range_of_z1():
+    assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5"
+
+
+def test_the_page_shows_pieces_at_one_x():
+    spec = MovieSpec.load("vary-alpha").with_fixed({"x": [0, 1]})
+    with pytest.raises(InputError, match="x: several values"):
+        page.scenes(spec, "draft")
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"x": [0, 1], "z1": [2, 3, 4]}, "2 values of x, 3 values of z1"),
+        ({"x": [0, 1], "z1": [2, 0.1]}, "z1 = 0.1"),
+        ({"z1": []}, "z1 = []"),
+        ({"x": [0, "a"]}, "x = "),
+        ({"color": "reddish"}, "color = 'reddish'"),
+        ({"color": "#11223344"}, "opaque"),
+        ({"color": "rgb(300,0,0)"}, "color"),
+        ({"color": ["red", 3]}, "color"),
+    ],
+)
+def test_what_does_not_fit_is_refused(values, said):
+    with pytest.raises(InputError) as error:
+        validated(Chess, values)
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_options_more_than_once(tmp_path):
+    options = ["--x=-0.5", "--x=0.5", "--z1=2", "--piece=pawn", "--piece=king", "--color=red", "--color=blue"]
+    status, source, _ = povgen(["pov", "chess", "--sheet=none", *options], tmp_path)
+    assert status == 0 and source.count("  Piece\n") == 2 and "<0, 0, 1>;" in source
+    assert "--x" not in refused(["pov", "chess", "--x=1", "--x=2", "--z1=3", "--z1=4", "--z1=5"], tmp_path)
+
+
+def test_a_piece_from_a_file(tmp_path):
+    file = tmp_path / "a\n#error (b) ----.inc"
+    file.write_bytes(CUBE.replace("\n", "\r\n").encode("utf-8-sig"))
+    scene = Chess(sheet="none", piece=str(file), x=-0.5)
+    assert scene == Chess(sheet="none", piece=file, x=-0.5)
+    file.unlink()  # its text is in the scene
+    assert CUBE in to_pov(scene)
+    columns = differs(render(scene, **SMALL), render(Chess(sheet="none", x=-9, z1=400), **SMALL))
+    assert 22 < columns.min() < columns.max() < 54
+
+
+def test_an_error_names_the_users_file_and_its_line(tmp_path):
+    file = tmp_path / "mine.inc"
+    file.write_text(CUBE + "// ---- Not a template (x.pov.j2) ----\n//\u2028\x0b\n#declare Other = sphere { 0 }\n")
+    status, _, err = povgen(
+        ["frame", "chess", "--sheet=none", "--piece=pawn", f"--piece={file}", "--size=32x32", "--quiet"], tmp_path
+    )
+    assert status == 1 and f"POV-Ray: '{file}', line 5: " in err and "scene.pov" not in err
+    file.write_text(CUBE)
+    assert povgen(["frame", "chess", f"--piece={file}", "--sheet=none", "--size=32x32", "--quiet"], tmp_path)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "No such file"),
+        (b"", "declares Piece"),
+        (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
+        (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
+        (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
+        (b"#declare Piece = sphere { 0, 1 } // \0", "declares Piece"),
+        (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
+        ("folder", "file"),
+        ("fifo", "regular file"),
+    ],
+)
+def test_a_file_that_is_no_piece_is_refused(tmp_path, content, said):
+    path = tmp_path / "piece.inc"
+    if content == "folder":
+        path.mkdir()
+    elif content == "fifo":
+        os.mkfifo(path)
+    elif content is not None:
+        path.write_bytes(content)
+    message = refused(["pov", "chess", f"--piece={path}"], tmp_path)
+    assert "piece = " in message and said in message and len(message.splitlines()) == 1
