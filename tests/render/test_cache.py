@@ -147,7 +147,7 @@ def test_a_user_without_a_home(monkeypatch, tmp_path):
     assert not rendered()[1]
     for spoil in (lambda: own.chmod(0o755), lambda: own.rename(tmp_path / "a") and own.symlink_to(tmp_path / "a")):
         spoil()
-        with pytest.raises(PermissionError, match="alone.*POVGEN_CACHE"):
+        with pytest.raises(PermissionError, match="other users can use it.*POVGEN_CACHE"):
             rendered()
 
 

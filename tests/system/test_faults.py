@@ -263,9 +263,9 @@ def test_stopped_though_the_exception_is_lost(pause, tmp_path):
         from povgen import files, stopping
         stopping.on_signals()
         with files.work_folder(Path.cwd()) as folder:
-            (folder / "part").touch()
             while True:
                 try:
+                    (folder / "part").touch()
                     time.sleep(60)
                 except BaseException:
                     pass
