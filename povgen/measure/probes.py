@@ -16,7 +16,8 @@ from pydantic import Field
 
 from povgen.errors import PovrayError
 from povgen.files import temporary_folder
-from povgen.optics import prism, trace
+from povgen.optics import trace
+from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
 from povgen.scene.models import Chess, Scene
@@ -45,7 +46,7 @@ class _Probe(Scene):
     prisms: int = 100
     z2: float = 6
     alpha: float = 66
-    gap: float = prism.AIR_GAP
+    gap: float = Prism.gap
     trace_level: int | None = None  # None: the level that povgen sets for the scene
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
 

@@ -6,11 +6,6 @@ The paper states neither the base angle nor the refractive index. povgen's defau
 from dataclasses import dataclass
 from math import asin, cos, radians, tan
 
-INDEX = 1.5  # refractive index n
-BASE_ANGLE = 45.0  # between the base and the slanted facets, degrees
-AIR_GAP = 0.01  # air between neighbouring prisms, and between the two sheets, in units of the pitch
-ASPECT = 1.0  # length of a prism, in units of its length at full aperture
-
 
 @dataclass(frozen=True)
 class Prism:
@@ -22,10 +17,10 @@ class Prism:
     """
 
     pitch: float  # from one prism to the next; a pitch of 0 is the limit of infinitely small prisms
-    index: float = INDEX
-    base_angle: float = BASE_ANGLE
-    gap: float = AIR_GAP  # in units of the pitch
-    aspect: float = ASPECT
+    index: float = 1.5  # refractive index n
+    base_angle: float = 45.0  # between the base and the slanted facets, degrees
+    gap: float = 0.01  # air between neighbouring prisms, and between two sheets, in units of the pitch
+    aspect: float = 1.0  # length, in units of the length at full aperture
 
     @property
     def height(self) -> float:

@@ -19,7 +19,6 @@ from pydantic import (
 
 from povgen.errors import InputError, shown
 from povgen.model import Model
-from povgen.optics import prism
 from povgen.optics.prism import Prism
 from povgen.scene import limits
 from povgen.scene.pieces import PIECES, PieceFile, PieceName, as_piece, radius
@@ -109,16 +108,16 @@ class Scene(Model):
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
     index: Annotated[float, Field(ge=1.1, le=4)] = Field(
-        prism.INDEX, description="refractive index n of the prisms, 1.1 to 4"
+        Prism.index, description="refractive index n of the prisms, 1.1 to 4"
     )
     base_angle: Annotated[float, Field(ge=15, le=75)] = Field(
-        prism.BASE_ANGLE, description="angle between a prism's base and its slanted facets, 15 to 75 degrees"
+        Prism.base_angle, description="angle between a prism's base and its slanted facets, 15 to 75 degrees"
     )
     gap: Annotated[float, Field(ge=limits.MIN_GAP, le=0.5)] = Field(
-        prism.AIR_GAP, description=f"air between prisms, in units of their pitch, {limits.MIN_GAP:g} to 0.5"
+        Prism.gap, description=f"air between prisms, in units of their pitch, {limits.MIN_GAP:g} to 0.5"
     )
     aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
-        prism.ASPECT,
+        Prism.aspect,
         description="length of a prism, in units of its length at full aperture: "
         "below 2, and so long that the slanted facets do not cross",
     )

@@ -5,7 +5,7 @@ import pytest
 
 from povgen import Chess, Spheres
 from povgen.measure import probes, verify
-from povgen.optics import prism
+from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.scene import limits, prediction
 from povgen.settings import Rendering
@@ -151,7 +151,7 @@ def test_antialiasing_quiets_the_warning_of_aliasing():
 
 def test_settings_follow_the_maps():
     level, cells = prediction.max_trace_level, prediction.camera_cells
-    assert limits.MIN_GAP < prism.AIR_GAP < limits.WIDE_GAP
+    assert limits.MIN_GAP < Prism.gap < limits.WIDE_GAP
     assert 8 == level(Chess(z2=60)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
     assert level(Chess(z2=60, z1=40, eye=(0, 8.67))) > 20  # an eye aside looks aslant, however far
     assert level(Chess(sheet="single")) < level(Chess())
