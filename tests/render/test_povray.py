@@ -151,8 +151,9 @@ def test_one_render_does_not_stop_another(tmp_path):
         still.png(Chess(sheet="none", z1=7), TINY)
         next(probes.decoded([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
+        assert process.poll() is None  # only halted
         process.send_signal(signal.SIGCONT)
-        assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try
+        assert other.result(60).name == TINY.file
 
 
 def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
