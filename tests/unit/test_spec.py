@@ -2,36 +2,21 @@
 
 import numpy as np
 import pytest
+from conftest import ALPHA_MOVIE
 
 from povgen import MovieSpec
 
-SPEC = MovieSpec.parse(
-    """
-title = "Title with \\"quotes\\" and α"
-scene = "chess"
-frame_rate = 12.5
-[fixed]
-sheet = "ideal"
-[sweep]
-parameter = "alpha"
-start = 0
-stop = 180
-frames = 13
-""",
-    "test",
-)
-
 
 def test_spec_values():
-    assert SPEC.sweep.values("paper") == pytest.approx(np.arange(0, 181, 15))
-    assert len(SPEC.sweep.values("draft")) == 4 and len(SPEC.sweep.values("high")) == 37
+    assert ALPHA_MOVIE.sweep.values("paper") == pytest.approx(np.arange(0, 181, 15))
+    assert len(ALPHA_MOVIE.sweep.values("draft")) == 4 and len(ALPHA_MOVIE.sweep.values("high")) == 37
     log = MovieSpec.load("vary-z1").sweep.values("paper")
     assert len(log) == 61 and log[0] == pytest.approx(0.6) and log[60] == pytest.approx(60)
     assert np.ptp(np.diff(np.log(log))) < 1e-12
     # a movie lasts as long at each quality
     for quality in ("draft", "paper", "high"):
-        steps = len(SPEC.sweep.values(quality)) - 1
-        assert steps / SPEC.rate(quality) == pytest.approx(12 / 12.5)
+        steps = len(ALPHA_MOVIE.sweep.values(quality)) - 1
+        assert steps / ALPHA_MOVIE.rate(quality) == pytest.approx(12 / 12.5)
 
 
 def test_own_movies_are_the_papers():
