@@ -148,14 +148,8 @@ def lines() -> Iterator[Line]:
         memory[0] / memory[1],
         1.1,
     )
-    yield (
-        "povgen --help, CPU s",
-        "a second",
-        median(help_seconds() for _ in range(15)),
-        1,
-        median(help_seconds() for _ in range(15)),
-        0.3,
-    )
+    seconds = median(help_seconds() for _ in range(15))
+    yield "povgen --help, CPU s", "a second", seconds, 1, seconds, 0.3
     seconds = traced()
     yield "ray trace, a million rays, CPU s", "a second", seconds, 1, seconds, 5
 

@@ -201,6 +201,6 @@ def _copy_permissions(part: Path, target: Path) -> None:
             os.chown(part, before.st_uid, -1)
         try:
             os.chown(part, -1, before.st_gid)
-        except PermissionError:  # the new file's group is another one: give it only the rights of all other users
+        except PermissionError:  # the group differs: it gets only the rights of all other users
             mode = mode & ~stat.S_IRWXG | (mode & stat.S_IRWXO) << 3
         part.chmod(mode)

@@ -12,9 +12,25 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from povgen import MovieSpec
 from povgen.cli import app
 
 PROJECT = Path(__file__).parents[1]
+ALPHA_MOVIE = MovieSpec.parse(
+    """
+title = "Title with \\"quotes\\" and α"
+scene = "chess"
+frame_rate = 12.5
+frames = 13
+[fixed]
+sheet = "ideal"
+[[sweep]]
+parameter = "alpha"
+start = 0
+stop = 180
+""",
+    "test",
+)
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.

@@ -32,12 +32,12 @@ class _Command(TyperCommand):
         self._function = function
 
     @cached_property
-    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command; its module depends on typer's release)
+    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
         alone = typer.Typer(add_completion=False)
         alone.command(self.name)(with_options(self._function))
         return typer.main.get_command(alone)
 
-    def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401
+    def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401  (as click declares it)
         return self._with_options.make_context(*arguments, **options)
 
 

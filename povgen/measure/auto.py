@@ -95,7 +95,7 @@ def choose(
     scenes. If `antialias` is given, no other sampling is tried.
     Raises InputError if no candidate meets the tolerance or flip-evaluator is missing; PovrayError.
     """
-    # at alpha = 0 the ideal sheet changes nothing, so it is left out
+    # at alpha = 0 the ideal sheet changes nothing, and no sheet costs less; but a predicted image needs a sheet
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)
     substitute = "none" if plain else "ideal"
     position_errors = {
@@ -142,9 +142,9 @@ class _Trial:
         for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
             blocks = _flip(picture, right, part.side)
             if candidate.sheet == "detailed":
-                # FLIP depends on a pixel's surroundings. If different blocks surround a block, FLIP is too high because
-                # of noise at the edges. If copies of the block surround it, FLIP is too low by the same amount (3 %,
-                # mean of 14 scenes). So the two values are averaged.
+                # FLIP depends on a pixel's surroundings. Between the mosaic's other blocks it is too high (noise at the
+                # edges). Between copies of the block it is too low by the same amount (3 %, mean of 14 scenes). So the
+                # two values are averaged.
                 blocks = (blocks + _flip(picture, right, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)

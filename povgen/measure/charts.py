@@ -151,7 +151,7 @@ def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
     """Write each label beside its point where it covers no other label or point, with a line to the point."""
-    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
     for ax, labels in labelled:

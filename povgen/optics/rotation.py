@@ -72,7 +72,7 @@ def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
 def one_minus_P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return E - P for L = 0 and E = 1.
 
-    The eye at E sees the object L at P, with P - E = (L - E) (1 - P).
+    For any L and E, the eye sees L at E + (L - E) (1 - P), with P of eq. 7.
     """
     r, alpha, touching = _checked(r, alpha)
     finite = np.where(touching, 1, r)

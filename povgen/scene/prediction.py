@@ -65,7 +65,7 @@ def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, pris
     glass = trace.sheets(sheet, radians(alpha), prism)
     found = trace.trace(eye, direction, glass, window, prism)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
-    # 0.8 is a margin: a picture can lose a little more than this sample of rays
+    # 0.8 is a margin: pictures can lose a larger fraction than this sample
     lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
@@ -75,7 +75,7 @@ def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, pris
 
 
 def max_trace_level(scene: Scene) -> int:
-    """Return POV-Ray's max_trace_level, at least 5: POV-Ray shows only rays that meet fewer faces.
+    """Return POV-Ray's max_trace_level (5 or more). Rays that meet as many faces are not shown.
 
     A probe (a scene for measuring) can set it with `trace_level`.
     """
@@ -98,9 +98,10 @@ def camera_cells(scene: Scene) -> int:
 def grid_error(scene: Scene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis. POV-Ray interpolates between unit vectors at the corners of triangles. A ray then
-    has the direction that belongs to another point, up to d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with
-    the longest side d (docs/sheets.md). An object appears displaced by |P| times this distance.
+    This is for an eye off the axis; on the axis the interpolation is exact. POV-Ray interpolates between unit vectors
+    at the corners of triangles. Off the axis, a ray then has the direction that belongs to another point, up to
+    d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
+    displaced by |P| times this distance.
     """
     half = scene.aperture / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)
@@ -158,7 +159,7 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     with np.errstate(all="ignore"):
         if scene.sheet == "ideal":
             found = rotation.condition(scene.z2 / z1, alpha)
-            # for an eye off the axis, the camera's error can reach a pixel at a smaller condition number
+            # for an eye off the axis, a camera error above one pixel also counts
             right = found / grid_error(scene, camera_cells(scene)) if scene.E else np.inf
             limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"

@@ -71,4 +71,5 @@ def test_a_movie_has_them_too(tmp_path):
     scene = spec.scenes("draft")[1]
     decoded = iio.imread(made.path, plugin="FFMPEG", index=1).astype(float)
     with_, without = (render(scene, quality="draft", size=(320, 240), **over) for over in (drawn_over, {}))
+    # the encoder's losses are below 8 of 255 levels (RMS), what is drawn over the picture changes it by more
     assert np.sqrt(((decoded - with_) ** 2).mean()) < 8 < np.sqrt(((decoded - without) ** 2).mean())

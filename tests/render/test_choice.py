@@ -120,6 +120,7 @@ def test_a_mosaic_is_parts_of_the_picture(scene):
     _, whole = speed.sample(to_pov(scene), "off", size)
     _, parts = speed.sample(to_pov(scene, Mosaic(size, side, blocks)), "off", (32, 32))
     right = np.vstack([np.hstack([whole[y : y + side, x : x + side] for x, y in row]) for row in blocks])
+    # a pixel at an edge may fall on its other side; others agree to a few of 255 levels
     assert (abs(parts.astype(int) - right).max(-1) < 8).mean() > 0.9
 
 

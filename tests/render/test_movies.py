@@ -7,29 +7,15 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from conftest import ALPHA_MOVIE
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
 
-from povgen import InputError, MovieSpec, movie
+from povgen import InputError, movie
 from povgen.video import encode, still
 
 pytestmark = pytest.mark.xdist_group("movies")  # one process makes the movies
-SPEC = MovieSpec.parse(
-    """
-title = "Title with \\"quotes\\" and α"
-scene = "chess"
-frame_rate = 12.5
-frames = 13
-[fixed]
-sheet = "ideal"
-[[sweep]]
-parameter = "alpha"
-start = 0
-stop = 180
-""",
-    "test",
-)
 SIZE = (96, 72)
 
 
@@ -40,8 +26,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["mp4", "webm"])
 def made(request, folder):
-    path = movie(SPEC, folder / f"a movie.{request.param}", size=SIZE, workers=8).path
-    return path
+    return movie(ALPHA_MOVIE, folder / f"a movie.{request.param}", size=SIZE, workers=8).path
 
 
 def test_count_size_codec_rate_and_colour(made):
@@ -53,7 +38,7 @@ def test_count_size_codec_rate_and_colour(made):
 
 
 def test_a_decoded_frame_is_its_png(made):
-    scenes = SPEC.scenes("standard")
+    scenes = ALPHA_MOVIE.scenes("standard")
     with imageio.v2.get_reader(made, format="FFMPEG") as reader:
         for n in (0, 7, 12):
             png = still.render(scenes[n], size=SIZE)
@@ -74,20 +59,20 @@ def test_colours_come_back(suffix, tmp_path):
 
 def test_the_movie_carries_its_spec(made):
     words = made.read_bytes()
-    text = SPEC.model_dump_json(exclude_none=True)
+    text = ALPHA_MOVIE.model_dump_json(exclude_none=True)
     assert text.encode() in words and json.loads(text)["sweep"][0]["stop"] == 180
-    assert SPEC.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
+    assert ALPHA_MOVIE.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
 
 
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
-    data = movie(SPEC, folder / "seek.mp4", size=SIZE).path.read_bytes()
+    data = movie(ALPHA_MOVIE, folder / "seek.mp4", size=SIZE).path.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")
     stss = data.index(b"stss")
     assert int.from_bytes(data[stss + 8 : stss + 12]) == 3  # keyframes at 0, 6 and 12
 
 
 def test_gif(folder):
-    path = movie(SPEC, folder / "movie.gif", size=SIZE, quality="standard").path
+    path = movie(ALPHA_MOVIE, folder / "movie.gif", size=SIZE, quality="standard").path
     images = iio.imread(path, index=None, plugin="pillow")
     assert images.shape == (13, SIZE[1], SIZE[0], 3)
     meta = iio.immeta(path, plugin="pillow")

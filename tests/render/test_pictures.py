@@ -89,7 +89,8 @@ def test_no_sky_below_the_horizon(x, height, alpha):
     """A ray that runs downwards meets the floor, the piece or the window frame, however low the eye is."""
     scene = Chess(sheet="ideal", alpha=alpha, x=x, eye=(0, FLOOR + height))
     image = picture(scene)
-    sky = image[..., 2] > image[..., 0] + 70  # below the horizon it is of a deep blue
+    # The sky below the horizon would be a deep blue. Floor, piece and window frame are brown, grey or black.
+    sky = image[..., 2] > image[..., 0] + 70
     inside, direction = probes.rays(scene, SIZE)
     down = Y < scene.E.imag
     down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
@@ -166,7 +167,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 """
     text = to_pov(scene, sheet_macro=macro.replace("Sheet", "OwnSheet", 1) + only_near)
     image = frames.read_png(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
-    red = image[..., 0] > 100 + image[..., 1]
+    red = image[..., 0] > 100 + image[..., 1]  # glowing glass is (255, 0, 0); the rest is brown, grey or blue
     inside = (abs(X) < HALF) & (abs(Y) < HALF)
     corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)
     # one gap between prisms is seen edge-on by the eye

@@ -6,7 +6,6 @@ import signal
 import stat
 import subprocess
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -153,21 +152,20 @@ def test_one_render_does_not_stop_another(tmp_path):
         still.png(Chess(sheet="none", z1=7), TINY)
         next(probes.decoded([probes.Directions(sheet="none")], TINY.size))
         list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
+        assert process.poll() is None  # only halted
         process.send_signal(signal.SIGCONT)
-        assert other.result(60) == tmp_path / "1" / TINY.file  # at the first try
+        assert other.result(60).name == TINY.file
 
 
 def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
-    """It ends no other child process."""
+    """It ends no other child process. If it waited for POV-Ray, whose timeout is long, the test would time out."""
     other = subprocess.Popen(["sleep", "60"])
     good = frames.to_pov
     monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("#while (1) #end" if scene.z1 > 10 else ""))
     scenes = [EMPTY.model_copy(update={"z1": z1}) for z1 in (10, 11, 12, 13)]
-    rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 20.0}), 2)
+    rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 1e4}), 2)
     next(rendered)
-    at = time.monotonic()
     rendered.close()
-    assert time.monotonic() - at < 15
     children = Path(f"/proc/{os.getpid()}/task").glob("*/children")
     assert " ".join(file.read_text() for file in children).split() == [str(other.pid)]
     other.kill()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import ALPHA_MOVIE
 
 from povgen import InputError, MovieSpec
 from povgen.scene.models import SCENES
@@ -9,7 +10,6 @@ from povgen.scene.spec import Sweep, swept_numbers
 from povgen.settings import QUALITIES
 
 HEAD = 'title = "A movie"\nscene = "chess"\nframe_rate = 12.5\nframes = 13\n'
-SPEC = MovieSpec.parse(HEAD + '[[sweep]]\nparameter = "alpha"\nstart = 0\nstop = 180\n', "test")
 
 
 def swept(text, scene="chess", quality="standard", **values):
@@ -20,7 +20,7 @@ def swept(text, scene="chess", quality="standard", **values):
 
 
 def test_spec_values():
-    alphas = {quality: [scene.alpha for scene in SPEC.scenes(quality)] for quality in QUALITIES}
+    alphas = {quality: [scene.alpha for scene in ALPHA_MOVIE.scenes(quality)] for quality in QUALITIES}
     assert alphas["standard"] == pytest.approx(np.arange(0, 181, 15))
     assert [len(alphas[quality]) for quality in ("draft", "standard", "high", "hd")] == [4, 13, 37, 30]
     log = [scene.z1 for scene in MovieSpec.load("vary-z1").scenes("standard")]
@@ -28,14 +28,14 @@ def test_spec_values():
     assert np.ptp(np.diff(np.log(log))) < 1e-12
 
 
-@pytest.mark.parametrize("spec", [SPEC, SPEC.model_copy(update={"loop": True})])
+@pytest.mark.parametrize("spec", [ALPHA_MOVIE, ALPHA_MOVIE.model_copy(update={"loop": True})])
 def test_a_movie_lasts_as_long_at_each_quality(spec):
     for quality in ("draft", "standard", "high"):
         steps = len(spec.scenes(quality)) - (0 if spec.loop else 1)
         assert steps / spec.rate(quality) == pytest.approx((24 if spec.loop else 12) / 12.5)
         assert spec.count(quality) == len(spec.scenes(quality))
     # hd has 30 frames a second, whatever the movie's frame rate is
-    assert spec.rate("hd") == 30 and abs(28.8 - (len(SPEC.scenes("hd")) - 1)) < 0.5
+    assert spec.rate("hd") == 30 and abs(28.8 - (len(ALPHA_MOVIE.scenes("hd")) - 1)) < 0.5
     assert MovieSpec.load("vary-alpha").count("hd") == 181
 
 
