@@ -30,7 +30,8 @@ class Model(BaseModel):
 
     def replace(self, /, **changes: Any) -> Self:  # noqa: ANN401
         """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
-        return type(self)(**{**dict(self), **changes})
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return type(self)(**{**given, **changes})
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:  # noqa: ANN401

@@ -83,11 +83,11 @@ class Rendering(Model):
         0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles"
     )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _follow_quality(cls, values: dict[str, Any]) -> dict[str, Any]:
-        preset = QUALITIES.get(values.get("quality", "standard"), QUALITIES["standard"])
-        return {"size": preset["size"], "antialias": preset["antialias"], **values}
+    @model_validator(mode="after")
+    def _follow_quality(self) -> Self:
+        for name in {"size", "antialias"} - self.model_fields_set:
+            object.__setattr__(self, name, QUALITIES[self.quality][name])  # the model is frozen
+        return self
 
     @model_validator(mode="after")
     def _check_eyes(self) -> Self:

@@ -18,6 +18,7 @@ import types
 import typing
 import warnings
 from collections import Counter
+from concurrent.futures import Future
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from importlib import import_module
@@ -380,8 +381,11 @@ def place(tmp_path_factory):
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(frames, "is_whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
-        client = mock.MagicMock(**{"nthreads.return_value": {"worker": 1}, "run.return_value": {}})
-        patch.setattr(cluster, "_connected", lambda _: client)
+        patch.setattr(cluster, "_connected", lambda _: mock.MagicMock())
+        patch.setattr(cluster.Cluster, "_start", lambda _, coroutine: coroutine.close() or Future())
+        patch.setattr(cluster.Cluster, "_threads", mock.MagicMock())
+        patch.setattr(cluster.Cluster, "_result", lambda *_: 1)  # of _threads
+        patch.setattr(cluster.Cluster, "_check", lambda _: None)
         patch.setattr(cluster.Cluster, "run", staticmethod(rendered))
         patch.setattr(verify, "checks", lambda sheet: [verify.Measured(sheet or "ideal", "error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])

@@ -45,6 +45,8 @@ def test_a_copy_with_changes():
     assert scene.replace(alpha=90) == Chess(alpha=90, z1=3) and scene.alpha == 66
     assert scene.replace() == scene and type(Spheres().replace(z1=2)) is Spheres
     assert Rendering(quality="high").replace(caption=True) == Rendering(quality="high", caption=True)
+    assert Rendering(quality="high").replace(quality="draft") == Rendering(quality="draft")  # its size as well
+    assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
     for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy(), Chess.model_validate(scene)):
         assert copied == scene
 
