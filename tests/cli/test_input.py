@@ -183,7 +183,7 @@ FAR = [
 
 @pytest.mark.parametrize("scene", FAR)
 def test_the_ends_of_what_is_allowed(scene):
-    rendering = Rendering(size=(32, 32), antialias="off", caption=True, overlay=True, timeout=120)
+    rendering = Rendering(size=(32, 32), antialias="off", caption=True, overlay=True, timeout=200)
     assert still.png(scene, rendering).startswith(b"\x89PNG")
 
 

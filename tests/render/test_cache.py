@@ -114,7 +114,7 @@ def test_several_make_a_cache_at_once(place):
         try:
             for number in range(30):
                 os.environ["POVGEN_CACHE"] = f"{place}/{number}"
-                ready.wait(10)
+                ready.wait(200)
                 rendered()
             outcomes.put("done")
         except BaseException as error:
@@ -125,7 +125,7 @@ def test_several_make_a_cache_at_once(place):
     workers = [fork.Process(target=work, args=(ready, outcomes)) for _ in range(3)]
     for worker in workers:
         worker.start()
-    assert [outcomes.get(timeout=60) for _ in workers] == ["done"] * 3
+    assert [outcomes.get(timeout=200) for _ in workers] == ["done"] * 3
     for worker in workers:
         worker.join()
 
