@@ -260,10 +260,11 @@ def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
     """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
     if kind in (int, float):
         return 1
-    parts = [part for part in get_args(kind) if part not in (..., NoneType)]
-    if get_origin(kind) is Annotated:
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated:
         return _numbers(parts[0])
-    return sum(map(_numbers, parts)) if get_origin(kind) is not Literal else 0
+    counts = [_numbers(part) for part in parts if part not in (..., NoneType)] if origin is not Literal else [0]
+    return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
 
 
 def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
