@@ -56,14 +56,14 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
     two scenes.
     """
-    if scene.background == "transparent":
+    if checked_scene(scene).background == "transparent":
         raise InputError(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'scene', 'black' or 'white'"
         )
     return (
         _environment()
-        .get_template(f"{checked_scene(scene).name}.pov.j2")
+        .get_template(f"{scene.name}.pov.j2")
         .render(
             scene=scene,
             mosaic=mosaic,

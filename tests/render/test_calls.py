@@ -74,11 +74,11 @@ def test_another_frame_rate_of_a_spec(tmp_path):
     options = {"quality": "draft", "size": (32, 32)}
     toml = tmp_path / "a.toml"
     toml.write_text(
-        'title = "a"\nscene = "chess"\nframe_rate = 4\nfixed = { sheet = "none" }\n'
-        '[sweep]\nparameter = "z1"\nstart = 2\nstop = 3\nframes = 9\n'
+        'title = "a"\nscene = "chess"\nframe_rate = 4\nframes = 9\nfixed = { sheet = "none" }\n'
+        '[[sweep]]\nparameter = "z1"\nstart = 2\nstop = 3\n'
     )
     made = movie(toml, tmp_path / "a.gif", frame_rate=40, **options)
-    with Image.open(made) as image:  # a quarter of the frames, and of the rate
+    with Image.open(made.path) as image:  # a quarter of the frames, and of the rate
         assert (image.n_frames, image.info["duration"]) == (3, 100)
 
 

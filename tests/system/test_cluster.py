@@ -24,6 +24,7 @@ from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, 
 from povgen.errors import TransientError
 from povgen.rendering import cache, cluster, frames
 from povgen.rendering.cluster import Cluster
+from povgen.video import build
 
 pytestmark = pytest.mark.xdist_group("cluster")  # the shared scheduler is started once
 BIN = Path(sys.executable).parent
@@ -349,7 +350,8 @@ def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
         if when == "at the start":
             freeze()
         # few at once, so that most frames are not yet sent out when the first is done
-        options = {"size": (64, 48), "scheduler": machines.address, "workers": 4, "done": freeze}
+        options = {"size": (64, 48), "scheduler": machines.address, "workers": 4}
+        monkeypatch.setattr(build, "bar", lambda *_: nullcontext(freeze))
         pool.submit(movie, MovieSpec.parse(SPEC, "x"), tmp_path / "a.gif", **options).result(200)
         warned = [record.message for record in caplog.records if record.name == "povgen"]
         silent = f"worker {one}: nothing was heard from it for 5 s; other workers render its frames"
