@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.progress import say
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
-    return validated(SCENES[name], values)
+    return SCENES[name](**values)
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -177,7 +177,7 @@ def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoToler
     from povgen.measure import auto
     from povgen.settings import Rendering
 
-    choice, why = auto.choose(scenes, validated(Rendering, options), tolerance, options.get("antialias"))
+    choice, why = auto.choose(scenes, Rendering(**options), tolerance, options.get("antialias"))
     if not quiet:
         say(f"povgen: {why}")
     return choice.sheet, choice.antialias

@@ -12,7 +12,7 @@ from math import inf, isnan, nan, radians, sqrt
 
 import numpy as np
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure import probes, speed
 from povgen.measure.probes import Floats
@@ -153,7 +153,7 @@ class _Trial:
     def _pictures(self, sheet: str, antialias: str) -> list[Picture]:
         def render(source: str, part: Mosaic) -> Picture:
             size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
-            rendering = validated(_MosaicRendering, {"size": size, "antialias": antialias})
+            rendering = _MosaicRendering(size=size, antialias=antialias)
             with temporary_folder() as folder:
                 return read_png(runner.run(source, rendering, folder))
 

@@ -286,7 +286,7 @@ class Chess(Scene):
     """
 
     name: ClassVar[str] = "chess"
-    subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
+    subject: ClassVar[str] = "a chess scene seen through a window of ray-rotating Dove-prism sheets"
 
     z1: OneOrMore[Z1] = Field(
         2, description="distance from the sheets to the piece's axis, up to 5000 tiles; one, or one for each piece"

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self, get_args, get_origin
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from povgen.errors import InputError, shown, validated
+from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, as_pair
 from povgen.settings import QUALITIES
@@ -50,7 +50,7 @@ class Sweep(Model):
             raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear, :log or :cosine")
         parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
         try:
-            return validated(cls, {"parameter": name, **parts})
+            return cls(parameter=name, **parts)
         except InputError as error:
             raise InputError(f"sweep = {shown(text)}: {error}") from None
 
@@ -171,7 +171,7 @@ class MovieSpec(Model):
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
-            spec = validated(cls, values)
+            spec = cls(**values)
             spec.scenes("standard")
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
@@ -183,7 +183,7 @@ class MovieSpec(Model):
         sweeps = [Sweep.parse(text) for text in texts]
         parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
         title = f"{scene}, {', '.join(parts)}"[:200]
-        return validated(cls, {"title": title, "scene": scene, "sweep": sweeps, **values})
+        return cls(title=title, scene=scene, sweep=sweeps, **values)
 
     def with_fixed(self, values: dict[str, Any]) -> Self:
         """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
@@ -216,10 +216,10 @@ class MovieSpec(Model):
         # prisms are counted
         swept = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in swept.items()}
         try:
-            return validated(model, {**self.fixed, **swept})
+            return model(**{**self.fixed, **swept})
         except InputError as error:
             try:
-                validated(model, self.fixed)
+                model(**self.fixed)
             except InputError as own:
                 if str(own) == str(error):
                     raise
@@ -275,6 +275,6 @@ def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
 def _sweep(table: dict[str, Any]) -> Sweep:
     """Return the sweep of a TOML table. The message of an InputError begins with the table's name."""
     try:
-        return validated(Sweep, table)
+        return Sweep(**table)
     except InputError as error:
         raise InputError(f"[[sweep]] {error}") from None

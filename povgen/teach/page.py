@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.rendering.frames import render_all
 from povgen.scene import limits
@@ -46,7 +46,7 @@ def demo(
     after its frames. The frames of an earlier page are then removed, unless the user changed them or the new page
     shows them. All other files in the folder stay.
     """
-    rendering = one_eyed(validated(Rendering, options))
+    rendering = one_eyed(Rendering(**options))
     loaded = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
     movies = [scenes(spec, rendering.quality) for spec in loaded]
     if not movies:

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.errors import validated
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
@@ -24,8 +23,7 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
     if len(eyes) * len(backgrounds) == 1:
         return [scene]
-    own = {name: getattr(scene, name) for name in type(scene).model_fields}
-    return [validated(type(scene), own | {"eye": eye, "background": sky}) for eye in eyes for sky in backgrounds]
+    return [scene.replace(eye=eye, background=sky) for eye in eyes for sky in backgrounds]
 
 
 def composed(pictures: Sequence[Picture], scene: Scene, rendering: Rendering) -> Picture:

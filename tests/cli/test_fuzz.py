@@ -37,7 +37,6 @@ from hypothesis import strategies as st
 from povgen import InputError, MovieSpec, to_pov
 from povgen.cli import app
 from povgen.cli.options import with_options
-from povgen.errors import validated
 from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
 from povgen.scene.spec import Sweep
@@ -313,7 +312,7 @@ def skeletons():
             choices["piece"] = [*PIECES]
         for values in itertools.product(*choices.values()):
             with suppress(InputError):  # some do not go together
-                found |= skeleton(to_pov(validated(model, dict(zip(choices, values, strict=True)))))
+                found |= skeleton(to_pov(model(**dict(zip(choices, values, strict=True)))))
     return found
 
 

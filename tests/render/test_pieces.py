@@ -8,7 +8,6 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, render, to_pov
-from povgen.errors import validated
 from povgen.optics import rotation
 from povgen.scene.spec import MovieSpec
 from povgen.teach import page
@@ -81,7 +80,7 @@ def test_the_page_shows_pieces_at_one_x():
 )
 def test_what_does_not_fit_is_refused(values, said):
     with pytest.raises(InputError) as error:
-        validated(Chess, values)
+        Chess(**values)
     assert said in str(error.value) and "\n" not in str(error.value)
 
 

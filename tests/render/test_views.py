@@ -6,7 +6,6 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, Rendering, Spheres, movie, render, to_pov
-from povgen.errors import validated
 from povgen.scene.spec import MovieSpec
 from povgen.video.views import composed, views
 
@@ -37,7 +36,7 @@ def test_the_colours_in_front_of_a_background_are_those_of_the_scene():
 def test_alpha_is_of_linear_light():
     """A half covered pixel of the colour 0.5: 0.25 in front of black, 0.75 in front of white."""
     black, white = (np.full((1, 1, 3), value, np.uint8) for value in (137, 225))
-    scene, rendering = Chess(background="transparent"), validated(Rendering, {})
+    scene, rendering = Chess(background="transparent"), Rendering()
     red, _, _, alpha = composed([black, white], scene, rendering)[0, 0].tolist()
     assert abs(alpha - 127.5) < 2 and abs(red - 188) < 2
 
@@ -67,14 +66,14 @@ def test_two_eyes():
 def test_each_eye_has_its_own_overlay():
     scene = Chess(sheet="ideal", alpha=90)
     rendering = {"stereo": "pair", "eye_distance": 1, "overlay": True, **SIZE}
-    left, right = (render(view, **SIZE, overlay=True) for view in views(scene, validated(Rendering, rendering)))
+    left, right = (render(view, **SIZE, overlay=True) for view in views(scene, Rendering(**rendering)))
     assert (render(scene, **rendering) == np.concatenate((left, right), axis=1)).all()
 
 
 @pytest.mark.parametrize(("stereo", "width"), [("pair", 64), ("anaglyph", 32)])
 def test_two_eyes_and_transparency(stereo, width):
     scene = Chess(sheet="none", background="transparent")
-    rendering = validated(Rendering, {"stereo": stereo})
+    rendering = Rendering(stereo=stereo)
     shown = views(scene, rendering)
     assert [(view.E, view.background) for view in shown] == [
         (-0.1, "black"),

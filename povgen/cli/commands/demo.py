@@ -7,7 +7,6 @@ import typer
 
 from povgen.cli.options import Quiet, Workers, takes, worker_count
 from povgen.cli.report import warn
-from povgen.errors import validated
 from povgen.progress import bar
 
 
@@ -36,7 +35,7 @@ def command(
     from povgen.teach.page import demo as make
 
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
-    rendering = one_eyed(validated(Rendering, options))
+    rendering = one_eyed(Rendering(**options))
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
     cache.check()  # before the page's folder is made
     checked_page(output)

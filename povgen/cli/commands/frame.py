@@ -7,7 +7,6 @@ import typer
 
 from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
 from povgen.cli.report import warn
-from povgen.errors import validated
 
 
 @takes("scenes", "rendering")
@@ -31,10 +30,10 @@ def command(
     output = checked_output(output, [".png"])
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = scene_of(scene, values | {"sheet": "detailed"})
-        shown = views(prisms, validated(Rendering, options))
+        shown = views(prisms, Rendering(**options))
         values["sheet"], options["antialias"] = chosen(shown, options, limit, quiet)
     made = scene_of(scene, values)
-    rendering = validated(Rendering, options)
+    rendering = Rendering(**options)
     shown = views(made, rendering)
     cache.check()
     if not quiet:

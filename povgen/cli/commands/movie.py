@@ -9,7 +9,7 @@ import typer
 
 from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
 from povgen.cli.report import warn
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.progress import bar
 
 if TYPE_CHECKING:
@@ -82,16 +82,16 @@ def command(
     count = worker_count(workers)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
-        checked_movie(output, loaded, validated(Rendering, options).quality)
+        checked_movie(output, loaded, Rendering(**options).quality)
     elif scheduler is not None:
         raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = loaded.with_fixed(values | {"sheet": "detailed"})
-        asked = validated(Rendering, options)
+        asked = Rendering(**options)
         through_prisms = movie_views(prisms.scenes(asked.quality), asked)
         values["sheet"], options["antialias"] = chosen(list(chain(*through_prisms)), options, limit, quiet)
     made = loaded.with_fixed(values)
-    rendering = validated(Rendering, options)
+    rendering = Rendering(**options)
     scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
     shown = list(chain(*movie_views(scenes, rendering)))
     cache.check()
@@ -115,7 +115,7 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any]) -> "M
         if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
         loaded = MovieSpec.load(spec)
-        return validated(MovieSpec, {**dict(loaded), **values}) if values else loaded
+        return loaded.replace(**values)
     if spec not in SCENES:
         raise InputError(f"sweep = {sweeps[0]!r}: not for the movie {spec!r}; allowed: for {' or '.join(SCENES)}")
     return MovieSpec.of_sweeps(spec, sweeps, values)
