@@ -26,9 +26,12 @@ def differs(first, second):
     return np.flatnonzero((first != second).any((0, 2)))
 
 
-# The piece alone from the front, or 33 slices of it. A slice is a plane whose pigment tells inside from outside.
+# The piece alone from the front, flattened as its predicted image is, or 33 slices of it. A slice is a plane whose
+# pigment tells inside from outside.
 VIEWS = {
     "whole": "object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 } }",
+    "flat": """object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 }
+        matrix <1, 0, 0, 0, 1, 0, 0, 0, 0.002, 0, 0, 0> }""",
     "slices": """#for (Z, -0.40, 0.40, 0.025)
         plane { z, Z pigment { object { Piece color rgbt 1, color rgb 1 } } finish { ambient 1 diffuse 0 } }
     #end""",
@@ -49,11 +52,12 @@ def test_a_piece_is_as_large_as_stated(piece):
 def test_inside_and_outside_of_a_piece(piece, tmp_path):
     (declared,) = re.findall(r"// ---- Chess pieces.*?(?=// ---- The piece)", to_pov(Chess(piece=piece)), re.DOTALL)
     scene = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 40 }
-        camera { orthographic location <0, 1, -9> up 2*y right 2*x }"""
-    whole, slices = (
+        camera { location <0, 1, -9> direction 9*z up 2*y right 2*x }"""
+    whole, flat, slices = (
         frames.read_png(povray.run(scene + declared + view, Rendering(**SMALL), tmp_path)).max(-1) > 128
         for view in VIEWS.values()
     )
+    assert (whole ^ flat).sum() < 0.1 * whole.sum()  # flat parts are as far from the eye as the axis
     # parts thinner than the distance of the slices may be missed
     assert not (slices & ~whole).any() and slices.sum() > 0.98 * whole.sum()
 
