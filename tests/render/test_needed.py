@@ -14,7 +14,7 @@ from povgen.scene.pieces import PIECES
 
 RENDERING = Rendering(size=(320, 240), antialias="off")
 OBJECT = (
-    r"sphere|cylinder|cone|torus|lathe|prism|box|object|plane|light_source|sky_sphere|blob|superellipsoid|mesh|union|merge|"
+    r"sphere|cylinder|cone|torus|lathe|prism|box|object|plane|light_source|sky_sphere|mesh|union|merge|"
     r"intersection|difference"
 )
 

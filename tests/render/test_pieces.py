@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, InputError, render, to_pov
+from povgen import Chess, InputError, Rendering, render, to_pov
+from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import rotation
+from povgen.rendering import frames, povray
+from povgen.scene.pieces import PIECES
 from povgen.scene.spec import MovieSpec
 from povgen.teach import page
 from povgen.video import overlay
@@ -20,6 +23,42 @@ CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
 def differs(first, second):
     """Return the columns in which two pictures differ."""
     return np.flatnonzero((first != second).any((0, 2)))
+
+
+# The piece alone from the front, flattened as its predicted image is, or 33 slices of it. A slice is a plane whose
+# pigment tells inside from outside.
+VIEWS = {
+    "whole": "object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 } }",
+    "flat": """object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 }
+        matrix <1, 0, 0, 0, 1, 0, 0, 0, 0.002, 0, 0, 0> }""",
+    "slices": """#for (Z, -0.40, 0.40, 0.025)
+        plane { z, Z pigment { object { Piece color rgbt 1, color rgb 1 } } finish { ambient 1 diffuse 0 } }
+    #end""",
+}
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_a_piece_is_as_large_as_stated(piece):
+    scene = PiecePositions(sheet="none", piece=piece)
+    (position,) = decoded([scene], (480, 360))  # pixels are 0.014 tiles apart
+    x, y, z = np.moveaxis(position[np.isfinite(position).all(-1)], -1, 0)
+    (height,) = re.findall(r"// The piece is (.*) tiles high", to_pov(scene))
+    assert abs(y.min()) < 0.02 and abs(y.max() - float(height)) < 0.02
+    assert abs(np.hypot(x, z).max() - PIECES[piece]) < 0.002
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_inside_and_outside_of_a_piece(piece, tmp_path):
+    (declared,) = re.findall(r"// ---- Chess pieces.*?(?=// ---- The piece)", to_pov(Chess(piece=piece)), re.DOTALL)
+    scene = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 40 }
+        camera { location <0, 1, -9> direction 9*z up 2*y right 2*x }"""
+    whole, flat, slices = (
+        frames.read_png(povray.run(scene + declared + view, Rendering(**SMALL), tmp_path)).max(-1) > 128
+        for view in VIEWS.values()
+    )
+    assert (whole ^ flat).sum() < 0.1 * whole.sum()  # flat parts are as far from the eye as the axis
+    # parts thinner than the distance of the slices may be missed
+    assert not (slices & ~whole).any() and slices.sum() > 0.98 * whole.sum()
 
 
 def test_several_pieces_stand_where_each_is_put():
