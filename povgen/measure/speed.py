@@ -1,8 +1,8 @@
 """CPU seconds and errors of pictures, for every model of the sheets and every useful sampling: `povgen chart`.
 
-A sampling is the choice of rays for a pixel: POV-Ray's antialiasing, or another (SAMPLINGS). CPU seconds are what the
-operating system reports of each finished POV-Ray process. The processes run one at a time. They are measured in several
-rounds, in the same order, and the median of the rounds counts.
+A sampling is the choice of rays for a pixel, `Rendering.antialias`. CPU seconds are what the operating system reports
+of POV-Ray and of povgen, which reduces larger pictures. The POV-Ray processes run one at a time. They are measured in
+several rounds, in the same order, and the median of the rounds counts.
 A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
 the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
 0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
@@ -40,11 +40,9 @@ Size = tuple[int, int]  # width and height, pixels
 
 SIZES = ((160, 120), (320, 240), (640, 480))
 MAIN_SIZE = SIZES[1]
-# POV-Ray's antialiasing METHOD,THRESHOLD,DEPTH; 'off': one ray a pixel; 'box k': render k times as many rows and
-# columns, and average k x k pixels to one.
 SAMPLINGS = (
     *("off", "1,0.9,2", "1,0.3,2", "1,0.1,2", "1,0.9,3", "1,0.3,3", "1,0.1,3", "1,0.3,4", "1,0.1,4"),
-    *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "box 2", "box 3", "box 4"),
+    *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "1.5x", "2x", "3x", "4x"),
 )
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
@@ -97,27 +95,20 @@ def baselines(folder: Path) -> dict[str, str]:
 
 
 def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
-    """Render a scene's text; return POV-Ray's CPU seconds and the picture.
+    """Render a scene's text; return the CPU seconds of POV-Ray and of povgen, and the picture.
 
-    No other child process is allowed to end during the call: its CPU seconds would be counted too.
+    No other child process is allowed to end during the call, and no other thread to work: their CPU seconds would be
+    counted too.
     """
     with temporary_folder() as folder:
-        before = getrusage(RUSAGE_CHILDREN)
+        before = _cpu()
         path = povray.run(text, rendering, folder)
-        after = getrusage(RUSAGE_CHILDREN)
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read_png(path)
+        return _cpu() - before, read_png(path)
 
 
 def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with a sampling of the form used in SAMPLINGS; return CPU seconds and the picture."""
-    if not sampling.startswith("box"):
-        return cpu_seconds(text, Rendering(size=size, antialias=sampling))
-    k = int(sampling.split()[1])
-    seconds, picture = cpu_seconds(text, Rendering(size=(k * size[0], k * size[1]), antialias="off"))
-    # average light, not gamma-encoded values
-    light = (picture / 255.0) ** 2.2
-    light = light.reshape(size[1], k, size[0], k, 3).mean((1, 3))
-    return seconds, np.round(255 * light ** (1 / 2.2)).astype(np.uint8)
+    """Render a scene's text with a sampling, as text; return CPU seconds and the picture."""
+    return cpu_seconds(text, Rendering(size=size, antialias=sampling))
 
 
 def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:

@@ -22,7 +22,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         "SIZES": ((64, 48), (80, 60)),
         "MAIN_SIZE": (80, 60),
         "SMALL": (200, 150),
-        "SAMPLINGS": ("off", "box 2"),
+        "SAMPLINGS": ("off", "2x"),
         "BASELINE_SAMPLINGS": ("off",),
         "CONVERGED": "1,0.001,5",
         "PRISM_COUNTS": (50, 200),
@@ -42,7 +42,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
     assert len(rows) == 2 * 2 * 2 + 2
     error = {(r["method"], r["antialias"], r["height"]): float(r["RMS"]) for r in rows}
-    assert error["detailed", "box 2", "60"] < error["detailed", "off", "60"]
+    assert error["detailed", "2x", "60"] < error["detailed", "off", "60"]
     assert error["intersections", "off", "60"] == pytest.approx(error["detailed", "off", "60"], abs=0.02)
     cost = {(r["method"], r["antialias"], r["height"]): float(r["CPU s"]) for r in rows}
     assert all(seconds > 0 for seconds in cost.values())
