@@ -29,6 +29,7 @@ from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
 from povgen.rendering import parallel, povray
 from povgen.rendering.frames import read_png
+from povgen.rendering.light import linear
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.scene.spec import MovieSpec
@@ -47,6 +48,8 @@ SAMPLINGS = (
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
 CONVERGED = "1,0.001,9"  # 81 rays a pixel
+FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
+FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
 WORKER_COUNTS = (1, 2, 4, 8, 16)
 MOVIE: MovieSpec | str = "vary-alpha"
@@ -166,6 +169,25 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
                 point.flip_detailed = picture_error(point.picture, right["detailed"], detailed)[1]
         done(f"converged pictures of {size[0]}x{size[1]}")
     return points
+
+
+def measure_flicker(done: Callable[[str], object]) -> Iterator[tuple[str, float]]:
+    """Yield each sampling and the flicker of a movie in which alpha grows.
+
+    Flicker is the mean, over the window, of |change of light from a frame to the next, less the same change in
+    converged pictures|. Light is linear, 0 black to 1 white. What moves with the objects does not count.
+    """
+    texts = [to_pov(Chess(alpha=alpha + step)) for alpha in FLICKER_ANGLES for step in (0, FLICKER_STEP)]
+    window = probes.window(Chess(), MAIN_SIZE)
+
+    def changes(sampling: str) -> NDArray[np.float32]:
+        frames = np.array([linear(sample(text, sampling, MAIN_SIZE)[1][window]) for text in texts])
+        return np.asarray(frames[1::2] - frames[::2])
+
+    right = changes(CONVERGED)
+    for sampling in FLICKER_SAMPLINGS:
+        yield sampling, float(abs(changes(sampling) - right).mean())
+    done("flicker")
 
 
 def pareto_front(points: Sequence[Point], error: str) -> list[Point]:
