@@ -54,3 +54,12 @@ def test_the_largest_picture():
         with pytest.raises(InputError, match=f"too large for antialias = '{antialias}'; allowed: up to {allowed} mil"):
             Rendering(size=size, antialias=antialias)
     assert Rendering(size=(7680, 7680), antialias="off").sampling == "off"
+
+
+def test_a_damaged_file_stays_as_it_is(tmp_path):
+    """Its reader then says that POV-Ray's picture is not whole."""
+    file = tmp_path / "frame.png"
+    for data in (b"", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"):
+        file.write_bytes(data)
+        light.reduce_file(file, SIZE)
+        assert file.read_bytes() == data
