@@ -371,7 +371,7 @@ class Chess(Scene):
 
 
 class Spheres(Scene):
-    """Green spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
+    """Coloured spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
 
     name: ClassVar[str] = "spheres"
     subject: ClassVar[str] = (

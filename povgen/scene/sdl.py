@@ -50,7 +50,8 @@ class Mosaic(NamedTuple):
 def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None, **options: object) -> str:
     """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
 
-    The header names the command for the picture. Its options are those of `Rendering`: size, quality and antialias.
+    The header names POV-Ray's command for the picture. Its options are those of `Rendering`: size, quality and
+    antialias.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
@@ -61,6 +62,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'scene', 'black' or 'white'"
         )
+    rendering = Rendering(**options)
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
@@ -68,7 +70,8 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
             scene=scene,
             mosaic=mosaic,
             sheet_macro=sheet_macro,
-            options=" ".join(Rendering(**options).picture_options),
+            options=" ".join(rendering.picture_options),
+            supersampling=rendering.supersampling,
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
             solid="merge" if getattr(scene, "predicted_image", False) else "union",

@@ -153,10 +153,11 @@ def spheres(rendering: Rendering) -> Drawn:
     figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
     for ax, scene in zip(panels, scenes, strict=True):
         for line in overlay.loci(scene)[0][0]:
-            ax.plot(*xy(line), color="white", linewidth=1.8)
-            ax.plot(*xy(line), color="black", linewidth=0.9)
+            ax.plot(*xy(line), color="black", linewidth=0.7)
         places = np.array(overlay.positions(scene))
-        ax.plot(*xy(places), "o", markersize=4, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.7)
+        ax.plot(
+            *xy(places), "o", markersize=2.2, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.5
+        )
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
 
 

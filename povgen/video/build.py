@@ -87,11 +87,10 @@ def movie(
         if rendering.stereo == "none"
         else f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
     )
-    sampling = "off" if rendering.antialias is None else ",".join(f"{x:g}" for x in rendering.antialias)
     tags = {
         "title": title,
         "comment": comment,
-        "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}{eyes}",
+        "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
     }
     target = output.resolve()
     with ExitStack() as opened:

@@ -7,7 +7,7 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, render, to_pov
-from povgen.rendering import frames
+from povgen.rendering import frames, light
 
 
 def drawn(source, folder):
@@ -20,9 +20,12 @@ def drawn(source, folder):
 
 def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
     scene = Chess(sheet="none")
-    assert (drawn(to_pov(scene), tmp_path) == render(scene)).all()
     options = {"size": (64, 48), "antialias": "2,0.1,3"}
     assert (drawn(to_pov(scene, **options), tmp_path) == render(scene, **options)).all()
+    source = to_pov(scene)
+    large = drawn(source, tmp_path)
+    assert "povgen averages the light of this picture, which is 1.5 times as wide" in source
+    assert large.shape == (540, 720, 3) and (light.reduced(large, (480, 360)) == render(scene)).all()
     with pytest.raises(InputError, match="size = 3"):
         to_pov(scene, size=3)
 
