@@ -30,8 +30,8 @@ if TYPE_CHECKING:  # numpy is slow to load
 
 T = TypeVar("T")
 SheetModel = Literal["detailed", "ideal", "single", "none"]
-APERTURE = 3.2  # the default side of the window, tiles
-VIEW = 3.9  # the default height of the picture in the plane z = 0, tiles
+APERTURE = 3.0  # the default side of the window, tiles
+VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
@@ -310,7 +310,7 @@ class Chess(Scene):
         description="colour of the piece's wood: a name, or a code such as #c87529; one, or one for each piece",
     )
     pedestal: Annotated[float, Field(ge=0, le=10)] = Field(
-        0.85, description="height of the pedestals on which the pieces stand, 0 to 10 tiles; 0: the floor"
+        0.8, description="height of the pedestals on which the pieces stand, 0 to 10 tiles; 0: the floor"
     )
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"
@@ -379,7 +379,7 @@ class Chess(Scene):
 
 
 class Spheres(Scene):
-    """Green spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
+    """Coloured spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
 
     name: ClassVar[str] = "spheres"
     subject: ClassVar[str] = (
@@ -392,7 +392,7 @@ class Spheres(Scene):
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
     line: Point = Field(
-        (-0.55, 0),
+        (-0.8, 0),
         description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
 
@@ -412,7 +412,7 @@ class Spheres(Scene):
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
         growth: float = (z1 / self.z2) ** 0.1
-        return min(0.062 * growth * (1 + z1 / self.z2), z1 / 4)
+        return min(0.085 * growth * (1 + z1 / self.z2), z1 / 4)
 
     @property
     def nearest(self) -> float:
