@@ -21,6 +21,7 @@ TILES = VIEW / HEIGHT  # a pixel, in tiles
 X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
 HALF = APERTURE / 2
 FLOOR = Chess().floor
+FOOT = Chess().L.imag
 INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls
 
 
@@ -39,9 +40,9 @@ def brown(image):
     return INSIDE & (image[..., 0] > image[..., 2] + 50)
 
 
-def green(image):
-    # without the spheres, no pixel is greener than red and blue by more than 5; pixels of a sphere are so by 39 or more
-    return INSIDE & (image[..., 1] > image[..., 0] + 25) & (image[..., 1] > image[..., 2] + 25)
+def yellow(image):
+    # the scene of a single sphere: the sphere is yellow, and no other pixel is
+    return INSIDE & (np.minimum(image[..., 0], image[..., 1]) > image[..., 2] + 60)
 
 
 def horizon(image):
@@ -114,7 +115,7 @@ def test_half_the_view_is_the_middle_of_the_picture(sheet):
 def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     scene = Spheres(alpha=alpha, sheet="ideal", z1=3, line=(-0.5, 0.3))
     image = picture(scene, "2,0.1,3")
-    mask = green(image)
+    mask = yellow(image)
     seen = complex(X[mask].mean(), Y[mask].mean())
     P = rotation.apparent_position(scene.L, scene.E, 3, scene.z2, radians(alpha))
     assert abs(seen - P) < 0.5 * TILES  # its shaded side counts for less
@@ -127,7 +128,7 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     ideal = picture(Spheres(sheet="ideal", **values))
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
     # the shift is of the order of the sheets' thickness: 0.2 tiles at 100 prisms, seen at an angle of up to 0.3
-    assert abs(place(real, green(real)) - place(ideal, green(ideal))) < 0.1 * 100 / prisms + 1.5 * TILES
+    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.1 * 100 / prisms + 1.5 * TILES
 
 
 @pytest.mark.parametrize("alpha", [0, 40, 66, 100])
@@ -151,7 +152,7 @@ def test_a_single_sheet_mirrors():
     # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
     scene = Spheres(sheet="single", z1=1, line=(-0.5, 0.5), prisms=400)
     image = picture(scene)
-    assert abs(place(image, green(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
+    assert abs(place(image, yellow(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
 
 
 @pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
@@ -189,12 +190,12 @@ def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     assert overlap > 0.8  # the predicted image is flat, and right for the piece's axis
 
 
-def test_every_piece_is_different_and_stands_on_the_floor():
+def test_every_piece_is_different_and_stands_on_its_pedestal():
     shapes = {}
     for piece in ("pawn", "rook", "knight", "bishop", "queen", "king"):
         image = picture(Chess(sheet="none", piece=piece))
         mask = brown(image)
-        assert abs(Y[mask].min() - FLOOR * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
+        assert abs(Y[mask].min() - FOOT * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
         shapes[piece] = mask
     for a in shapes:
         for b in shapes:

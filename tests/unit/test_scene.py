@@ -41,6 +41,16 @@ def test_the_window_frame_holds_the_sheets():
             validated(Chess, {"z1": scene.depth / 2, "z2": 50, **values})
 
 
+@pytest.mark.parametrize(("piece", "width", "height"), [("knight", 0.45, 1.55), ("bishop", 0.4, 1.68)])
+def test_the_whole_piece_is_well_inside_the_window(piece, width, height):
+    """By eq. 7, in every frame of vary-alpha and of vary-z1."""
+    scene = Chess(sheet="ideal", piece=piece)
+    corners = scene.L + np.array([-width, width, -width + 1j * height, width + 1j * height])
+    alpha = np.arange(0, 181)[:, np.newaxis]
+    assert scene.visible(1.08 * corners, 2, alpha).all()
+    assert scene.visible(1.08 * corners, np.geomspace(0.6, 60)[:, np.newaxis], 90).all()
+
+
 def test_a_prism_is_at_least_a_unit_wide():
     """POV-Ray's tolerances are fixed in its units."""
     for prisms, aperture in ((100, 2.4), (3000, 2.4), (3000, 0.5), (3000, 10), (1, 10)):

@@ -103,7 +103,7 @@ def test_parameters_name_their_unit():
     for scene in scenes():
         for line in to_pov(scene).splitlines():
             if re.match(
-                r"#declare (Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|SeenUp)\b", line
+                r"#declare (Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|FootRadius|Pedestal|SeenUp)\b", line
             ):
                 assert line.endswith("tiles")
             if re.match(r"#declare (Alpha|BaseAngle)\b", line):
