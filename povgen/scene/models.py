@@ -324,7 +324,9 @@ class Chess(Scene):
         ]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
-        return tuple(Standing(piece, x, z1, rgb(color), radius(piece)) for piece, x, z1, color in zip(*shared, strict=True))
+        return tuple(
+            Standing(piece, x, z1, rgb(color), radius(piece)) for piece, x, z1, color in zip(*shared, strict=True)
+        )
 
     @property
     def L(self) -> complex:
@@ -362,9 +364,9 @@ class Chess(Scene):
             raise ValueError(
                 f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
             )
-        for piece, _, z1, _, radius in self.pieces:
+        for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
-            self._check_clear(what, z1, self.depth / 2 + radius + (PEDESTAL_EDGE if self.pedestal else 0))
+            self._check_clear(what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
