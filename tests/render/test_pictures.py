@@ -81,7 +81,8 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     scene = Chess(alpha=0, sheet="ideal", x=x, eye=(0, FLOOR + height))
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
-    assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
+    # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.2 to 0.34
+    assert differ < 0.012
 
 
 @pytest.mark.parametrize("alpha", [0, 66, -120])
@@ -108,7 +109,7 @@ def test_half_the_view_is_the_middle_of_the_picture(sheet):
     )
     middle = whole[HEIGHT // 4 : 3 * HEIGHT // 4, WIDTH // 4 : 3 * WIDTH // 4]
     # the first row and the last column of POV-Ray's mesh camera are wrong
-    assert (abs(half - middle).max(axis=-1) > 2)[1:, :-1].mean() < 6e-3
+    assert (abs(half - middle).max(axis=-1) > 2)[1:, :-1].mean() < 0.012
 
 
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
