@@ -81,7 +81,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     scene = Chess(alpha=0, sheet="ideal", x=x, eye=(0, FLOOR + height))
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
-    # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.2 to 0.34
+    # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.1 to 0.3
     assert differ < 0.012
 
 
@@ -96,7 +96,7 @@ def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     inside, direction = probes.rays(scene, SIZE)
     down = Y < scene.E.imag
     down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
-    assert down.sum() > 5000 and sky.any() and not (sky & down).any()
+    assert down.sum() > 4000 and sky.any() and not (sky & down).any()
 
 
 @pytest.mark.parametrize("sheet", ["detailed", "ideal", "none"])
