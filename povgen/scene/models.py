@@ -30,8 +30,9 @@ if TYPE_CHECKING:  # numpy is slow to load
 
 T = TypeVar("T")
 SheetModel = Literal["detailed", "ideal", "single", "none"]
-APERTURE = 2.4  # the default side of the window, tiles
-VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
+APERTURE = 3.0  # the default side of the window, tiles
+VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
+PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
@@ -136,7 +137,7 @@ class Scene(Model):
 
     name: ClassVar[str]
     subject: ClassVar[str]
-    rim: ClassVar[float] = 0.13  # width of the window frame's sides, tiles
+    rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
 
     if TYPE_CHECKING:  # each scene defines the point L of its first object, projected onto z = 0, and every z1
 
@@ -271,16 +272,19 @@ class Scene(Model):
 
 
 class Standing(NamedTuple):
-    """A piece on the floor. Lengths are in tiles."""
+    """A piece on its pedestal. Lengths are in tiles."""
 
     piece: str | PieceFile
     x: float
     z1: float
     colour: tuple[float, float, float]  # red, green and blue (sRGB), 0 to 1
+    radius: float  # of the foot
 
 
 class Chess(Scene):
-    """Chess pieces on a chessboard floor, seen through the window (figures 3 and 4). L is the centre of a foot.
+    """Chess pieces on pedestals, seen through the window (figures 3 and 4). L is the centre of a foot.
+
+    Pedestals and window frame stand on a chessboard floor.
 
     Each of x, z1, piece and color is one value for all pieces, or a list with a value for each.
     """
@@ -302,7 +306,11 @@ class Chess(Scene):
         "one, or one for each piece",
     )
     color: OneOrMore[Colour] = Field(
-        "#e7b56f", description="colour of the piece: a name, or a code such as #c87529; one, or one for each piece"
+        "#e7b56f",
+        description="colour of the piece's wood: a name, or a code such as #c87529; one, or one for each piece",
+    )
+    pedestal: Annotated[float, Field(ge=0, le=10)] = Field(
+        0.8, description="height of the pedestals on which the pieces stand, 0 to 10 tiles; 0: the floor"
     )
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"
@@ -310,13 +318,15 @@ class Chess(Scene):
 
     @property
     def pieces(self) -> tuple[Standing, ...]:
-        """Every piece that stands on the floor."""
+        """Every piece."""
         values = [
             value if isinstance(value, tuple) else (value,) for value in (self.piece, self.x, self.z1, self.color)
         ]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
-        return tuple(Standing(piece, x, z1, rgb(color)) for piece, x, z1, color in zip(*shared, strict=True))
+        return tuple(
+            Standing(piece, x, z1, rgb(color), radius(piece)) for piece, x, z1, color in zip(*shared, strict=True)
+        )
 
     @property
     def L(self) -> complex:
@@ -326,11 +336,11 @@ class Chess(Scene):
     @property
     def objects(self) -> tuple[tuple[complex, float], ...]:
         """L (the centre of the foot, projected onto z = 0) and z1 of every piece, tiles."""
-        return tuple((complex(piece.x, self.floor), piece.z1) for piece in self.pieces)
+        return tuple((complex(piece.x, self.floor + self.pedestal), piece.z1) for piece in self.pieces)
 
     @property
     def floor(self) -> float:
-        """Height of the floor, on which the window frame stands, relative to the window's centre, tiles."""
+        """Height of the floor, on which window frame and pedestals stand, relative to the window's centre, tiles."""
         return -(self.aperture / 2 + self.rim)
 
     @property
@@ -354,9 +364,9 @@ class Chess(Scene):
             raise ValueError(
                 f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
             )
-        for piece, _, z1, _ in self.pieces:
+        for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
-            self._check_clear(what, z1, self.depth / 2 + radius(piece))
+            self._check_clear(what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
@@ -384,7 +394,7 @@ class Spheres(Scene):
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
     line: Point = Field(
-        (-0.55, 0),
+        (-0.8, 0),
         description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
 
@@ -404,7 +414,7 @@ class Spheres(Scene):
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
         growth: float = (z1 / self.z2) ** 0.1
-        return min(0.062 * growth * (1 + z1 / self.z2), z1 / 4)
+        return min(0.085 * growth * (1 + z1 / self.z2), z1 / 4)
 
     @property
     def nearest(self) -> float:

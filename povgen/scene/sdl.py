@@ -10,7 +10,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from povgen import __version__
 from povgen.errors import InputError
 from povgen.scene import prediction
-from povgen.scene.models import Chess, Scene, checked_scene
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Rendering
 
@@ -69,6 +69,7 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
         .render(
             scene=scene,
             mosaic=mosaic,
+            edge=PEDESTAL_EDGE,
             sheet_macro=sheet_macro,
             options=" ".join(rendering.picture_options),
             supersampling=rendering.supersampling,
