@@ -124,7 +124,9 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
     cubic polynomial of the depth.
     """
-    inside, _ = probes.rays(scene, size)
+    inside, direction = probes.rays(scene, size)
+    if scene.sheet == "detailed":  # stray light shows other places of the piece
+        inside[inside] = probes.traced(scene, direction).designed
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
     from_eye = scene.L + x + 1j * y - scene.E

@@ -24,7 +24,7 @@ HOSTILE = 'The <b>knight\'s</b> & "ride" </script><script>window.broken = 1</scr
 ALPHA, Z1, SPHERES, POLE, Z2 = 1, 2, 3, 4, 5
 MOVIES = {
     ALPHA: ("chess", {"z1": 2}, "alpha", 0, 180, 5),
-    Z1: ("chess", {"alpha": 90, "piece": "king"}, "z1", 0.6, 60, 3),
+    Z1: ("chess", {"alpha": 90, "piece": "king"}, "z1", 0.7, 60, 3),
     SPHERES: ("spheres", {}, "alpha", 0, 180, 3),
     POLE: ("chess", {"alpha": 180}, "z1", 3, 9, 3),
     Z2: ("spheres", {"alpha": -50}, "z2", 3, 9, 3),
@@ -484,7 +484,7 @@ def test_tabs(page):
     tabs = page.get_by_role("tab")
     assert tabs.all_text_contents() == [
         "Knight, α from 0 to 180°",
-        "King, z₁ from 0.6 to 60",
+        "King, z₁ from 0.7 to 60",
         "Spheres, α from 0 to 180°",
         "Knight, z₁ from 3 to 9",
         "Spheres, z₂ from 3 to 9",
