@@ -130,7 +130,8 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
     from_eye = scene.L + x + 1j * y - scene.E
-    basis = from_eye[:, None] * depth[:, None] ** np.arange(4)
+    powers = [power for power in range(4) if (0.5 / scene.z1) ** power > 1e-3]  # far away, depth matters less
+    basis = from_eye[:, None] * depth[:, None] ** powers
     target = probes.pixels(scene, size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):

@@ -69,7 +69,7 @@ def test_several_pieces_stand_where_each_is_put():
     assert len(overlay.loci(both)) == 2  # a curve of constant alpha for each
     picture = render(both, **SMALL).astype(int)
     red, blue = (picture[..., a] - picture[..., 2 - a] for a in (0, 2))
-    assert np.argwhere(red > 60)[:, 1].max() < 48 < np.argwhere(blue > 60)[:, 1].min()
+    assert np.argwhere(red > 120)[:, 1].max() < 48 < np.argwhere(blue > 120)[:, 1].min()
 
 
 def test_each_piece_has_a_predicted_image():

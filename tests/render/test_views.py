@@ -14,19 +14,19 @@ SIZE = {"size": (64, 64), "antialias": "off"}
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "none"])
 def test_the_sky_is_transparent_through_the_sheets_too(sheet):
-    scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), background="transparent")
+    scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), aperture=2.4, background="transparent")
     alpha = render(scene, **SIZE)[..., 3]
     assert (alpha[:, :4] == 0).all() and (alpha[:4] == 0).all()  # beside the window
-    assert alpha[32, 10] == 255  # the window frame
+    assert alpha[32, 9] == 255  # the window frame
     behind = alpha[18:46, 18:46]
     assert (behind == 0).mean() > (0.25 if sheet == "detailed" else 0.7)
     assert alpha[30:34, 30:34].max() == 255  # the sphere
 
 
 def test_the_colours_in_front_of_a_background_are_those_of_the_scene():
-    scene = Chess(sheet="none", background="transparent", eye=(0, -0.5))
+    scene = Chess(sheet="none", background="transparent", eye=(0, -0.5), aperture=2.4)
     shown = render(scene, **SIZE).astype(float)
-    white = render(Chess(sheet="none", background="white", eye=(0, -0.5)), **SIZE)
+    white = render(scene.replace(background="white"), **SIZE)
     assert (shown[:8, :, 3] == 0).all() and (shown[-8:, :, 3] == 255).all()
     opaque = shown[..., 3] == 255
     assert abs(shown[opaque][:, :3] - white[opaque]).max() <= 1
