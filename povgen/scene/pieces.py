@@ -3,8 +3,11 @@
 import os
 import re
 import stat
-from dataclasses import dataclass
+from dataclasses import field
 from typing import Literal
+
+from pydantic import model_serializer
+from pydantic.dataclasses import dataclass
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
@@ -18,10 +21,11 @@ class PieceFile:
     """A file that declares `Piece` in POV-Ray's scene description language, and its text."""
 
     path: str
-    text: str
+    text: str = field(repr=False)
 
+    @model_serializer
     def __str__(self) -> str:
-        return self.path
+        return self.path.encode(errors="backslashreplace").decode()  # a path can have bytes that are no text
 
 
 def as_piece(value: object) -> object:

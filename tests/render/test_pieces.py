@@ -3,11 +3,12 @@
 import os
 import re
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, InputError, Rendering, render, to_pov
+from povgen import Chess, InputError, Rendering, movie, render, to_pov
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import rotation
 from povgen.rendering import frames, povray
@@ -139,6 +140,19 @@ def test_a_piece_from_a_file(tmp_path):
     assert CUBE in to_pov(scene)
     columns = differs(render(scene, **SMALL), render(Chess(sheet="none", x=-9, z1=400), **SMALL))
     assert 22 < columns.min() < columns.max() < 54
+
+
+def test_a_long_piece_is_stated_as_its_path(tmp_path):
+    """In a movie's metadata and in messages. The path has a byte that is no text."""
+    file = tmp_path / "big\udcff.inc"
+    file.write_text(CUBE + "// 0123456789\n" * 20000)
+    scene = Chess(sheet="none", piece=[file, "king"], x=[-1, 1])
+    assert len(repr(scene)) < 1000
+    spec = MovieSpec.of_sweeps("chess", ["alpha=0:9"], {"frames": 2}).with_fixed({"sheet": "none", "piece": file})
+    for made, frames_made in ((spec, 2), ([scene], 1)):
+        path = movie(made, tmp_path / "a.mp4", **SMALL).path
+        assert imageio_ffmpeg.count_frames_and_secs(str(path))[0] == frames_made
+        assert rb"big\\udcff.inc" in path.read_bytes() and b"0123456789" not in path.read_bytes()
 
 
 def test_an_error_names_the_users_file_and_its_line(tmp_path):
