@@ -85,8 +85,17 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
         return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
-    if fault["type"] == "missing":  # a part of the value is missing
-        message = "has too few parts"
+    match fault["type"]:  # pydantic's words for these are Python's
+        case "missing":  # a part of the value is missing
+            message = "has too few parts"
+        case "too_short":
+            message = f"should have at least {fault['ctx']['min_length']} values"
+        case "too_long":
+            message = f"should have at most {fault['ctx']['max_length']} values"
+        case "tuple_type":
+            message = "should be a list"
+        case "dict_type" | "model_type":
+            message = "should be a table"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"

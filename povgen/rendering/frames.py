@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.errors import InputError, PovrayError, TransientError
+from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.scene.models import Scene
@@ -51,7 +51,8 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
                 raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
         except PovrayError as error:
-            values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
+            given = scene.model_dump(exclude_unset=True).items()
+            values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
             name, line = origin_of(scene, source, error.line) if error.line else ("", None)
             message, origin = str(error), f"from {name}, " if name else ""
             if line is not None:  # in a user's file

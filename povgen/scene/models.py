@@ -12,7 +12,6 @@ from pydantic import (
     BeforeValidator,
     Discriminator,
     Field,
-    PlainSerializer,
     Tag,
     model_validator,
 )
@@ -88,7 +87,7 @@ OneOrMore = Annotated[
     Discriminator(_kind),
     BeforeValidator(_without_list),
 ]
-PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece), PlainSerializer(str)]
+PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 

@@ -94,17 +94,18 @@ def origin_of(scene: Scene, source: str, line: int) -> tuple[str, int | None]:
     """Return where a line, counted from 1, of the scene's text (`to_pov`) comes from.
 
     This is a user's file (`PieceFile`) and the line there, or a template and None. Each template's text begins with its
-    name.
+    name. After a user's file, the file is named as well, because povgen's own text has no errors.
     """
-    pieces = [standing.piece for standing in scene.pieces] if isinstance(scene, Chess) else []
-    for piece in pieces:
+    above = []
+    for piece in [standing.piece for standing in scene.pieces] if isinstance(scene, Chess) else []:
         if isinstance(piece, PieceFile):
-            before, _, _ = source.partition(f"// ---- A piece from {piece.path!r} ----\n{piece.text}")
-            first = before.count("\n") + 2
-            if first <= line < first + piece.text.count("\n"):
-                return repr(piece.path), line - first + 1
+            first = source.partition(f"union {{\n{piece.text}object {{ Piece }}\n}}\n")[0].count("\n") + 2
+            last = first + piece.text.count("\n") - 1
+            if first <= line <= last + 2:  # the last two lines use `Piece` and end the union
+                return repr(piece.path), min(line, last) - first + 1
+            above.append(repr(piece.path))
     name = "header.pov.j2"
     for text in source.split("\n")[:line]:  # POV-Ray ends a line only there
         if text.startswith("// ---- ") and text.endswith(") ----"):
             name = text[text.rindex("(") + 1 : -len(") ----")]
-    return name, None
+    return (f"{name}, or what {' or '.join(dict.fromkeys(above))} leaves open" if above else name), None

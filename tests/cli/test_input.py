@@ -106,7 +106,7 @@ def test_frame(options, words, tmp_path):
         ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
         ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
-        ("stop = 180", "stop = 1800", ["[[sweep]] frame 5 of 5, alpha = 1800: alpha = 1800", "360"]),
+        ("stop = 180", "stop = 1800", ["spec.toml: frame 5 of 5: alpha = 1800", "360"]),
         ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
         ("[[sweep]]", "[[sweeps]]", ["sweep"]),
         ("z1 = 2", "z1 = true", ["z1", "True"]),
@@ -115,7 +115,7 @@ def test_frame(options, words, tmp_path):
         ("z1 = 2", f"z1 = {'[' * 5000}", ["TOML"]),
         ('title = "A movie"', 'title = "A\\u0000movie"', ["title", "one line"]),
         ("[[sweep]]", "[[sweep", ["TOML"]),
-        ("[[sweep]]", "[sweep]", ["sweep", "valid tuple", "[[sweep]] table"]),
+        ("[[sweep]]", "[sweep]", ["sweep", "should be a list", "table [[sweep]], with two brackets"]),
     ],
 )
 def test_spec(old, new, words, tmp_path):
@@ -168,7 +168,7 @@ FAR = [
     Chess(alpha=180, z1=6.000000000000001, predicted_image=True),
     Chess(prisms=1, z1=150, z2=150),
     Chess(prisms=3000, z1=3000, z2=150, x=-10, eye=(0, -1.3299999999999998)),
-    Chess(z2=0.1300001, x=10, eye=(-10, 10)),
+    Chess(z2=0.1600001, x=10, eye=(-10, 10)),
     Chess(z2=150, z1=5000, sheet="single"),
     Spheres(z1=(5000,) * 50, sheet="ideal"),
     Spheres(prisms=3000, z2=150, line=(10, 10), eye=(-10, -10)),

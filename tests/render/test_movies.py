@@ -64,6 +64,14 @@ def test_the_movie_carries_its_spec(made):
     assert ALPHA_MOVIE.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
 
 
+@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+def test_a_long_tag_is_cut(suffix, tmp_path):
+    """A movie of 10000 explicit values has one. An argument of a program has a limit."""
+    file = tmp_path / f"a{suffix}"
+    encode.encode([np.zeros((32, 32, 3), np.uint8)], file, 10, {"comment": "é" * 200000})
+    assert "é".encode() * 4000 + b"..." in file.read_bytes() and file.stat().st_size < 20000
+
+
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
     data = movie(ALPHA_MOVIE, folder / "seek.mp4", size=SIZE).path.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")

@@ -3,11 +3,13 @@
 import os
 import re
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, InputError, Rendering, render, to_pov
+from povgen import Chess, InputError, Rendering, movie, render, to_pov
+from povgen.errors import PovrayError
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import rotation
 from povgen.rendering import frames, povray
@@ -137,8 +139,57 @@ def test_a_piece_from_a_file(tmp_path):
     assert scene == Chess(sheet="none", piece=file, x=-0.5)
     file.unlink()  # its text is in the scene
     assert CUBE in to_pov(scene)
-    columns = differs(render(scene, **SMALL), render(Chess(sheet="none", x=-9, z1=400), **SMALL))
-    assert 22 < columns.min() < columns.max() < 54
+    pawn = Chess(sheet="none", piece="pawn", x=-0.5)
+    columns = differs(*(render(each, **SMALL)[:, 10:-10] for each in (scene, pawn)))  # between the frame's sides
+    assert 12 < columns.min() < columns.max() < 62
+
+
+def test_a_long_piece_is_stated_as_its_path(tmp_path):
+    """In a movie's metadata and in messages. The path has a byte that is no text."""
+    file = tmp_path / "big\udcff.inc"
+    file.write_text(CUBE + "// 0123456789\n" * 20000)
+    scene = Chess(sheet="none", piece=[file, "king"], x=[-1, 1])
+    assert len(repr(scene)) < 1000
+    spec = MovieSpec.of_sweeps("chess", ["alpha=0:9"], {"frames": 2}).with_fixed({"sheet": "none", "piece": file})
+    for made, frames_made in ((spec, 2), ([scene], 1)):
+        path = movie(made, tmp_path / "a.mp4", **SMALL).path
+        assert imageio_ffmpeg.count_frames_and_secs(str(path))[0] == frames_made
+        assert rb"big\\udcff.inc" in path.read_bytes() and b"0123456789" not in path.read_bytes()
+
+
+def test_a_piece_does_not_change_the_rest_of_the_scene(tmp_path):
+    """Not even if it declares all of povgen's names, or asks for another language version."""
+    own, old = tmp_path / "own.inc", tmp_path / "old.inc"
+    own.write_text(CUBE)
+    old.write_text(CUBE)
+    scene = Chess(prisms=20, z1=[2, 3, 4], x=[-0.8, 0, 0.8], piece=[own, "king", old])
+    names = set(re.findall(r"\b[A-Z]\w*", re.sub("//.*", "", to_pov(scene)))) - {"Piece", "OwnPiece_1", "OwnPiece_2"}
+    kinds = ("#declare {} = 5;\n", "#macro {}() 5 #end\n", "#declare {} = texture {{ pigment {{ rgb 1 }} }}\n")
+    declared = "".join(kinds[n % 3].format(name) for n, name in enumerate(sorted(names)))
+    own.write_text(declared + CUBE)
+    old.write_text("#version 3.1;\n" + CUBE)
+    assert (render(scene, **SMALL) == render(scene.replace(piece=[own, "king", old]), **SMALL)).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("#declare Piece = union {\n  sphere { 0, 1 }\n", "', line 2: "),
+        ("#declare Piece =\n3;\n", "', line 2: "),
+        ("#declare Piece = texture { pigment { rgb 1 } }\n", "', line 1: "),
+        (CUBE + "camera { location 0 }\n", "', line 3: "),
+        (CUBE + "global_settings { assumed_gamma 2 }\n", "', line 3: "),
+        (CUBE + '#declare Text = "abc\n', "', line 3: "),
+        (CUBE + "}\n", "', line 3: "),
+        (CUBE + "#if (1)\n", "' leaves open, in the frame with sheet = 'none', piece = "),
+    ],
+)
+def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_path):
+    file = tmp_path / "mi\nne.inc"
+    file.write_text(text)
+    with pytest.raises(PovrayError) as error:
+        render(Chess(sheet="none", piece=file), **SMALL)
+    assert f"{tmp_path}/mi\\nne.inc{line}" in str(error.value) and len(str(error.value).splitlines()) == 2
 
 
 def test_an_error_names_the_users_file_and_its_line(tmp_path):
@@ -160,6 +211,10 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
         (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
         (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
+        (b"/* /* */ #declare Piece = 1; */", "declares Piece"),
+        (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "comments end, but that in line 2 does not"),
+        (CUBE.encode() + b"#default { finish { ambient 1 } }", "without '#default'"),
+        (CUBE.encode() + b"light_source { 0, 1 }", "without 'light_source'"),
         (b"#declare Piece = sphere { 0, 1 } // \0", "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
         ("folder", "file"),

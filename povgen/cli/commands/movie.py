@@ -78,7 +78,8 @@ def command(
 
     values, options = split(values)
     given = {"frames": frames, "frame_rate": frame_rate, "loop": loop}
-    loaded = _movie_of(spec, sweep, {name: value for name, value in given.items() if value is not None})
+    given = {name: value for name, value in given.items() if value is not None}
+    loaded = _movie_of(spec, sweep, given, {name: value for name, value in values.items() if value != "auto"})
     count = worker_count(workers)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
@@ -106,16 +107,18 @@ def command(
         print(f"wrote {output}")
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any]) -> "MovieSpec":
-    """Return the movie of a spec, or of a scene and its sweeps, with these values. Raises InputError."""
+def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any], fixed: dict[str, Any]) -> "MovieSpec":
+    """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
+
+    Raises InputError.
+    """
     from povgen.scene.models import SCENES
     from povgen.scene.spec import MOVIES, MovieSpec
 
     if not sweeps:
         if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
-        loaded = MovieSpec.load(spec)
-        return loaded.replace(**values)
+        return MovieSpec.load(spec, fixed).replace(**values)
     if spec not in SCENES:
         raise InputError(f"sweep = {sweeps[0]!r}: not for the movie {spec!r}; allowed: for {' or '.join(SCENES)}")
     return MovieSpec.of_sweeps(spec, sweeps, values)
