@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
     from povgen.measure.auto import Tolerance as AutoTolerance
+    from povgen.model import Model
     from povgen.scene.models import Scene
 
 Command = Callable[..., None]
@@ -75,13 +76,18 @@ def with_options(command: Command) -> Command:
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
     from povgen.scene.models import SCENES
-    from povgen.settings import SAMPLING, Rendering
+    from povgen.settings import Rendering, Sampling
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
+    groups: dict[str, list[type[Model]]] = {
+        "scenes": [*SCENES.values()],
+        "sampling": [Sampling],
+        "rendering": [Rendering],
+    }
     for group in models:
-        for model in SCENES.values() if group == "scenes" else [Rendering]:
-            for name in SAMPLING if group == "sampling" else model.model_fields:
-                fields.setdefault(name, []).append((getattr(model, "name", ""), model.model_fields[name]))
+        for model in groups[group]:
+            for name, field in model.model_fields.items():
+                fields.setdefault(name, []).append((getattr(model, "name", ""), field))
     return fields
 
 
