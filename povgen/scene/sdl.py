@@ -90,7 +90,7 @@ def to_pov(
 
 
 def _input(file: str) -> str:
-    """Return POV-Ray's option, as a shell takes it, for an input file; for scene.pov if POV-Ray cannot open the name."""
+    """Return POV-Ray's option, as a shell takes it, for its input file; scene.pov if it cannot open the name."""
     if re.fullmatch(r"[\w.-]+", file, re.ASCII):
         return f"+I{file}"
     return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else "+Iscene.pov"

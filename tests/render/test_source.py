@@ -10,6 +10,8 @@ from conftest import povgen, refused
 from povgen import Chess, InputError, render, to_pov
 from povgen.rendering import frames, light
 
+EMPTY = Chess(sheet="none")
+
 
 def drawn(source, folder, file="scene.pov"):
     """Run the command in the source's header, and return its picture."""
@@ -20,7 +22,7 @@ def drawn(source, folder, file="scene.pov"):
 
 
 def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
-    scene = Chess(sheet="none")
+    scene = EMPTY
     options = {"size": (64, 48), "antialias": "2,0.1,3"}
     assert (drawn(to_pov(scene, **options), tmp_path) == render(scene, **options)).all()
     source = to_pov(scene)
@@ -49,15 +51,15 @@ def test_the_command_names_the_file(file, tmp_path):
 
 
 def test_the_header_names_no_file_that_povray_cannot_open(tmp_path):
-    assert to_pov(Chess(), file="é.pov") == to_pov(Chess(), file='".pov') == to_pov(Chess())
-    assert povgen(["pov", "chess", "-o", "a\nsphere { 0, 1 }.pov"], tmp_path)[0] == 0
-    assert (tmp_path / "a\nsphere { 0, 1 }.pov").read_text() == to_pov(Chess())
+    assert to_pov(EMPTY, file="é.pov") == to_pov(EMPTY, file='".pov') == to_pov(EMPTY)
+    assert povgen(["pov", "chess", "--sheet", "none", "-o", "a\nsphere { 0, 1 }.pov"], tmp_path)[0] == 0
+    assert (tmp_path / "a\nsphere { 0, 1 }.pov").read_text() == to_pov(EMPTY)
 
 
 @pytest.mark.parametrize("option", [{"stereo": "pair"}, {"caption": True}, {"overlay": True}, {"timeout": 9}])
 def test_to_pov_refuses_what_its_header_cannot_promise(option):
     with pytest.raises(InputError, match="unknown; allowed: quality, size, antialias$"):
-        to_pov(Chess(), **option)
+        to_pov(EMPTY, **option)
 
 
 def test_what_only_povgen_draws_is_no_option_of_pov(tmp_path):
