@@ -181,9 +181,12 @@ def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolera
 def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
     """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
     from povgen.measure import auto
+    from povgen.rendering.views import views
     from povgen.settings import Rendering
 
-    choice, why = auto.choose(scenes, Rendering(**options), tolerance, options.get("antialias"))
+    rendering = Rendering(**options)
+    shown = [view for scene in scenes for view in views(scene, rendering)]
+    choice, why = auto.choose(shown, rendering, tolerance, options.get("antialias"))
     if not quiet:
         say(f"povgen: {why}")
     return choice.sheet, choice.antialias

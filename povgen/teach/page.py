@@ -61,8 +61,8 @@ def demo(
     ]
     rendered = render_all([scene for _, scene, _ in wanted], rendering, workers, done)
     with work_folder(frames) as made, closing(rendered):
-        for (name, scene, frame_data), frame in zip(wanted, rendered, strict=True):
-            data = encode.webp(picture([frame], scene, rendering))
+        for (name, scene, frame_data), views in zip(wanted, rendered, strict=True):
+            data = encode.webp(picture(views, scene, rendering))
             file = f"{name}-{_digest(data)}.webp"
             (made / file).write_bytes(data)
             frame_data["file"] = f"{frames.name}/{file}"

@@ -4,7 +4,6 @@ from base64 import b64encode
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from itertools import chain, cycle, islice
 from pathlib import Path
 
 from pydantic import Field
@@ -16,12 +15,12 @@ from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.frames import render_all
+from povgen.rendering.views import views
 from povgen.scene.models import Scene, checked_scene
 from povgen.scene.spec import FrameRate, MovieSpec
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.still import picture
-from povgen.video.views import views
 
 
 class _FrameRate(Model):
@@ -79,8 +78,7 @@ def movie(
         title, comment = spec.title, spec.model_dump_json(exclude_none=True)
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
-    shown_views = movie_views(scenes, rendering)
-    each = cycle([False] * (len(shown_views[0]) - 1) + [True])  # whether all views of a frame are finished
+    check_views(scenes, rendering)
     output = _checked_output(output, len(scenes), rate)
     eyes = (
         ""
@@ -101,24 +99,24 @@ def movie(
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
         done = opened.enter_context(bar(output.name, len(scenes), not progress))
-        frames = render_all(list(chain(*shown_views)), rendering, workers, lambda: next(each) and done(), cluster)
+        frames = render_all(scenes, rendering, workers, done, cluster)
         folder = opened.enter_context(cache.work_folder())  # counts towards the cache's size if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
-        groups = (list(islice(frames, len(shown_views[0]))) for _ in scenes)
-        pictures = (picture(group, scene, rendering) for group, scene in zip(groups, scenes, strict=True))
+        pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
         save(part, target)
     return Movie(output)
 
 
-def movie_views(scenes: Sequence[Scene], rendering: Rendering) -> list[list[Scene]]:
-    """Return the `views` of each frame. Raises InputError if a movie cannot show them."""
+def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
+    """Raise InputError if a movie cannot show the scenes' `views`."""
     if any(scene.background == "transparent" for scene in scenes):
         raise InputError(
             "background = 'transparent': a movie has no transparency; allowed: 'scene', 'black' or 'white'"
         )
-    return [views(scene, rendering) for scene in scenes]
+    for scene in scenes:
+        views(scene, rendering)
 
 
 def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:

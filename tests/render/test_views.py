@@ -6,8 +6,9 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, Rendering, Spheres, movie, render, to_pov
+from povgen.rendering import povray
+from povgen.rendering.views import composed, views
 from povgen.scene.spec import MovieSpec
-from povgen.video.views import composed, views
 
 SIZE = {"size": (64, 64), "antialias": "off"}
 
@@ -16,7 +17,7 @@ SIZE = {"size": (64, 64), "antialias": "off"}
 def test_the_sky_is_transparent_through_the_sheets_too(sheet):
     scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), background="transparent")
     alpha = render(scene, **SIZE)[..., 3]
-    assert (alpha[:, :4] == 0).all() and (alpha[:4] == 0).all()  # beside the window
+    assert (alpha[:, :3] == 0).all() and (alpha[:3] == 0).all()  # beside the window
     assert alpha[32, 10] == 255  # the window frame
     behind = alpha[18:46, 18:46]
     assert (behind == 0).mean() > (0.25 if sheet == "detailed" else 0.7)
@@ -27,7 +28,7 @@ def test_the_colours_in_front_of_a_background_are_those_of_the_scene():
     scene = Chess(sheet="none", background="transparent", eye=(0, -0.5))
     shown = render(scene, **SIZE).astype(float)
     white = render(Chess(sheet="none", background="white", eye=(0, -0.5)), **SIZE)
-    assert (shown[:8, :, 3] == 0).all() and (shown[-8:, :, 3] == 255).all()
+    assert (shown[:3, :, 3] == 0).all() and (shown[-8:, :, 3] == 255).all()
     opaque = shown[..., 3] == 255
     assert abs(shown[opaque][:, :3] - white[opaque]).max() <= 1
     assert (white[shown[..., 3] == 0] == 255).all()
@@ -90,6 +91,28 @@ def test_movies_for_two_eyes(tmp_path):
     options = {"stereo": "pair", "size": (32, 32), "antialias": "off"}
     path = movie(spec.replace(frames=2), tmp_path / "pair.mp4", **options).path
     assert iio.imread(path).shape == (2, 32, 64, 3)
+
+
+LINE = ["--size=32x32", "--antialias=off", "--stereo=pair"]
+
+
+def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_path, monkeypatch):
+    narrow = ["--z2=0.5", "--prisms=30", "--view=0.1", "--background=transparent"]
+    error = povgen(["frame", "chess", *narrow, *LINE], tmp_path)[2]
+    assert error.startswith("povgen: warning: z2 = 0.5 and an eye at -0.1,0: ") and "frames" not in error
+    movie = ["movie", "chess", "--sweep", "x=0:1", "--frames=3", "--sheet=none", *LINE]
+    assert povgen([*movie, "--shard=1/2"], tmp_path)[1] == "rendered shard 1/2: 2 frames\n"
+    with monkeypatch.context() as patch:
+        patch.setattr(povray, "TRIES", 1)
+        late = [*movie, "--timeout=0.001", "--eye=0.3,0", "-o", "x.mp4"]
+        error = povgen(late, tmp_path)[2]
+    assert "3 of 3 frames failed" in error and error.count("frame 2: ") == 1 and "frame 3" not in error
+
+
+def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
+    error = refused(["frame", "chess", "--eye=10,0", *LINE], tmp_path)
+    assert error.startswith("povgen: eye_distance = 0.2: for one of the two eyes, eye = (10.1, 0.0): ")
+    refused(["movie", "vary-alpha", "--eye=10,0", *LINE], tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """The command povgen movie."""
 
 import logging
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -73,7 +72,7 @@ def command(
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
     from povgen.settings import Rendering
-    from povgen.video.build import checked_movie, movie_views
+    from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
 
     values, options = split(values)
@@ -88,17 +87,18 @@ def command(
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = loaded.with_fixed(values | {"sheet": "detailed"})
         asked = Rendering(**options)
-        through_prisms = movie_views(prisms.scenes(asked.quality), asked)
-        values["sheet"], options["antialias"] = chosen(list(chain(*through_prisms)), options, limit, quiet)
+        through_prisms = prisms.scenes(asked.quality)
+        check_views(through_prisms, asked)
+        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
     made = loaded.with_fixed(values)
     rendering = Rendering(**options)
     scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
-    shown = list(chain(*movie_views(scenes, rendering)))
+    check_views(scenes, rendering)
     cache.check()
     if not quiet:
-        warn(shown, rendering)
+        warn(scenes, rendering)
     if part is not None:
-        return _render_shard(part, shown, rendering, count, quiet)
+        return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
     make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)
