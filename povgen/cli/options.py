@@ -1,7 +1,6 @@
 """Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
@@ -144,15 +143,6 @@ def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
     return {name: value for name, value in values.items() if name not in rendering}, rendering
-
-
-def worker_count(text: str | None) -> int | None:
-    """Return the number from --workers. Raises InputError."""
-    if text is None:
-        return None
-    if not re.fullmatch("[0-9]{1,9}", text) or not 1 <= int(text) <= 256:
-        raise InputError(f"workers = {text!r}: allowed: a whole number from 1 to 256")
-    return int(text)
 
 
 def made_folder(output: Path) -> Path:

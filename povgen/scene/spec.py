@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, as_pair
-from povgen.settings import QUALITIES
+from povgen.settings import QUALITIES, Sampling
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
@@ -121,6 +121,8 @@ class MovieSpec(Model):
     def _check_sweeps(self) -> Self:
         numbers = swept_numbers(SCENES[self.scene])
         names = [sweep.parameter for sweep in self.sweep]
+        for name in self.fixed.keys() - SCENES[self.scene].model_fields:
+            raise ValueError(f"{shown(name)}: unknown; allowed: {', '.join(SCENES[self.scene].model_fields)}")
         for sweep in self.sweep:
             name = sweep.parameter
             if name not in numbers:
@@ -143,6 +145,8 @@ class MovieSpec(Model):
 
         Raises InputError, which names the file, the key, the value and what is allowed.
         """
+        if not isinstance(path, (str, Path)):
+            raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
         stdin = str(path) == "-"
         name = "standard input" if stdin else str(path) or "''"
         file = Path(path)
@@ -231,7 +235,7 @@ class MovieSpec(Model):
         for sweep in self.sweep:
             if sweep.values:
                 return len(sweep.values)
-        preset, steps = QUALITIES[quality], (self.frames or FRAMES) - 1
+        preset, steps = QUALITIES[Sampling(quality=quality).quality], (self.frames or FRAMES) - 1
         more: float = preset["frame_rate"] / self.frame_rate if "frame_rate" in preset else preset["frames"]
         return max(round(steps * more), 1) + 1
 

@@ -12,6 +12,7 @@ from typing import Any
 from povgen.errors import InputError
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.rendering.frames import render_all
+from povgen.rendering.parallel import worker_count
 from povgen.scene import limits
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_html
@@ -51,6 +52,7 @@ def demo(
     movies = [scenes(spec, rendering.quality) for spec in loaded]
     if not movies:
         raise InputError("no movies; allowed: one or more")
+    workers = worker_count(workers)
     page, frames = checked_page(Path(folder))
     shown = [_movie_data(spec, movie, rendering) for spec, movie in zip(loaded, movies, strict=True)]
     wanted = [

@@ -15,6 +15,7 @@ from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.frames import render_all
+from povgen.rendering.parallel import worker_count
 from povgen.rendering.views import views
 from povgen.scene.models import Scene, checked_scene
 from povgen.scene.spec import FrameRate, MovieSpec
@@ -64,13 +65,13 @@ def movie(
     fails.
     """
     rendering = Rendering(**options)
-    output = Path(output)
+    workers = worker_count(workers)
     if isinstance(spec, (list, tuple)):
         rate = _FrameRate(**{} if frame_rate is None else {"frame_rate": frame_rate}).frame_rate
         scenes = [checked_scene(scene) for scene in spec]
         if not scenes:
             raise InputError("no scenes; allowed: one or more")
-        title, comment = output.stem, f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
+        title, comment = "", f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
     elif isinstance(spec, (MovieSpec, str, Path)):
         spec = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
         spec = spec if frame_rate is None else spec.replace(frame_rate=frame_rate)
@@ -86,7 +87,7 @@ def movie(
         else f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
     )
     tags = {
-        "title": title,
+        "title": title or output.stem,
         "comment": comment,
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
     }
@@ -124,7 +125,8 @@ def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
     return _checked_output(output, spec.count(quality), spec.rate(quality))
 
 
-def _checked_output(output: Path, frames: int, rate: float) -> Path:
+def _checked_output(output: str | Path, frames: int, rate: float) -> Path:
+    output = checked_output(output, encode.FORMATS)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
-    return checked_output(output, encode.FORMATS)
+    return output

@@ -41,7 +41,7 @@ def save(scene: Scene, path: str | Path, **options: object) -> Path:
     Options and errors are `render`'s. Raises InputError, before anything is rendered, if the file cannot be written.
     """
     scene, rendering = checked_scene(scene), Rendering(**options)
-    output = files.checked_output(Path(path), [".png"])
+    output = files.checked_output(path, [".png"])
     target = output.resolve()  # the current folder may change meanwhile
     files.save(png(scene, rendering), target)
     return output

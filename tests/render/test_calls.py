@@ -45,6 +45,13 @@ def test_the_same_picture_as_array_image_and_file(tmp_path):
         (lambda: movie([SCENE], "a.avi"), ["a.avi", ".mp4"]),
         (lambda: movie([SCENE], "a.mp4", frame_rate=0), ["frame_rate = 0", "120"]),
         (lambda: movie("vary-alpha", "a.mp4", frame_rate="fast"), ["frame_rate = 'fast'", "120"]),
+        *(
+            (lambda workers=workers: movie([SCENE], "a.mp4", workers=workers), [f"workers = {workers!r}", "256"])
+            for workers in (-1, 0, "x", 2.5, True, 257)
+        ),
+        (lambda: save(SCENE, 3), ["output = 3", ".png"]),
+        (lambda: movie("vary-alpha", 3), ["output = 3", ".mp4"]),
+        (lambda: movie([SCENE], None), ["output = None", ".mp4"]),
         (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
     ],
 )

@@ -9,7 +9,7 @@ import pytest
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
 from povgen.model import Model
 
-SWEEP = {"parameter": "alpha", "start": 0, "stop": 1, "frames": 2}
+MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,12 @@ SWEEP = {"parameter": "alpha", "start": 0, "stop": 1, "frames": 2}
         (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
         (lambda: Rendering(quality=3), ["quality = 3", "draft"]),
         (lambda: MovieSpec(title="a"), ["missing"]),
+        (lambda: Chess(66), ["66: a value without a name"]),
+        (lambda: setattr(Chess(), "alpha", 3), ["alpha = 3: ", ".replace(alpha=...)"]),
+        (lambda: delattr(Rendering(), "size"), ["size: ", ".replace(size=...)"]),
+        (lambda: MovieSpec.load(3), ["3: no movie spec"]),
+        (lambda: MovieSpec.load("vary-alpha").scenes("nix"), ["quality = 'nix'", "draft"]),
+        (lambda: MovieSpec(**{**MOVIE, "fixed": {"alfa": 3}}), ["'alfa': unknown", "alpha"]),
     ],
 )
 def test_an_error_has_one_line(call, words):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
+from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.progress import bar
@@ -71,6 +71,7 @@ def command(
     """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
+    from povgen.rendering.parallel import worker_count
     from povgen.settings import Rendering
     from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
