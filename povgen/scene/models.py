@@ -4,6 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z 
 in it are complex numbers x + iy, from the window's centre: x points right and y up, as the eye sees them.
 """
 
+from collections.abc import Collection, Mapping
 from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
@@ -49,18 +50,21 @@ def as_pair(value: object) -> object:
 Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
 
 
-def _as_tuple(value: object) -> object:
-    """Accept a single value in place of a list."""
-    return (value,) if isinstance(value, (int, float, str)) else value
-
-
-def _without_list(value: object) -> object:
-    """Accept a list of a single value in place of this value."""
-    return value[0] if isinstance(value, (list, tuple)) and len(value) == 1 else value
+def _listed(value: object) -> object:
+    """Accept an array or another collection as a list, and a collection of a single value in place of this value."""
+    value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
+    if isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
+        value = list(value)
+        return value[0] if len(value) == 1 else value
+    return value
 
 
 def _kind(value: object) -> str:
     return "several" if isinstance(value, (list, tuple)) else "one"
+
+
+def _tuple(value: T | tuple[T, ...]) -> tuple[T, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 def _colour(value: str) -> str:
@@ -86,7 +90,7 @@ def rgb(colour: str) -> tuple[float, float, float]:
 OneOrMore = Annotated[
     Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
     Discriminator(_kind),
-    BeforeValidator(_without_list),
+    BeforeValidator(_listed),
 ]
 PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece), PlainSerializer(str)]
 Colour = Annotated[str, AfterValidator(_colour)]
@@ -139,18 +143,20 @@ class Scene(Model):
     subject: ClassVar[str]
     rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
 
-    if TYPE_CHECKING:  # each scene defines the point L of its first object, projected onto z = 0, and every z1
+    if (
+        TYPE_CHECKING
+    ):  # each scene defines L of its first object, and L and z1 of every object; L is projected onto z = 0
 
         @property
         def L(self) -> complex: ...
 
         @property
-        def distances(self) -> tuple[float, ...]: ...
+        def objects(self) -> tuple[tuple[complex, float], ...]: ...
 
     @property
-    def objects(self) -> tuple[tuple[complex, float], ...]:
-        """L (projected onto z = 0) and z1 of every object, tiles."""
-        return tuple((self.L, z1) for z1 in self.distances)
+    def distances(self) -> tuple[float, ...]:
+        """z1 of every object, tiles."""
+        return tuple(z1 for _, z1 in self.objects)
 
     @property
     def E(self) -> complex:
@@ -319,9 +325,7 @@ class Chess(Scene):
     @property
     def pieces(self) -> tuple[Standing, ...]:
         """Every piece."""
-        values = [
-            value if isinstance(value, tuple) else (value,) for value in (self.piece, self.x, self.z1, self.color)
-        ]
+        values = [_tuple(value) for value in (self.piece, self.x, self.z1, self.color)]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
         return tuple(
@@ -342,11 +346,6 @@ class Chess(Scene):
     def floor(self) -> float:
         """Height of the floor, on which window frame and pedestals stand, relative to the window's centre, tiles."""
         return -(self.aperture / 2 + self.rim)
-
-    @property
-    def distances(self) -> tuple[float, ...]:
-        """z1 of every piece, tiles."""
-        return tuple(piece.z1 for piece in self.pieces)
 
     def apparent_steps(self, z1: float) -> tuple[complex, complex]:
         """Return the predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at z1."""
@@ -388,7 +387,7 @@ class Spheres(Scene):
         "spheres on a line perpendicular to ray-rotating Dove-prism sheets, seen through the sheets"
     )
 
-    z1: Annotated[tuple[Z1, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)] | None = Field(
+    z1: OneOrMore[Z1] | None = Field(
         None,
         description="distance from the sheets to a sphere, up to 5000 tiles; one for each sphere "
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
@@ -404,12 +403,12 @@ class Spheres(Scene):
         return complex(*self.line)
 
     @property
-    def distances(self) -> tuple[float, ...]:
-        """z1 of every sphere, tiles."""
-        if self.z1:
-            return self.z1
+    def objects(self) -> tuple[tuple[complex, float], ...]:
+        """L (projected onto z = 0) and z1 of every sphere, tiles."""
+        if self.z1 is not None:
+            return tuple((self.L, z1) for z1 in _tuple(self.z1))
         nearest, farthest = self.nearest, self.farthest
-        return tuple(z1 for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
+        return tuple((self.L, z1) for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
 
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""

@@ -4,6 +4,7 @@ import inspect
 import pickle
 import pydoc
 
+import numpy as np
 import pytest
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
@@ -44,6 +45,13 @@ def test_an_error_has_one_line(call, words):
     assert all(word in message for word in words), message
     assert len(message.splitlines()) == 1 and "pydantic" not in message
     assert raised.value.__suppress_context__ or not raised.value.__context__
+
+
+@pytest.mark.parametrize("several", [np.array([2, 3, 4]), range(2, 5), (2, 3, 4), [np.float64(2), "3", 4]])
+def test_one_value_for_each_object(several):
+    assert Chess(z1=several).z1 == Spheres(z1=several).z1 == Chess(z1=2, x=several).x == (2, 3, 4)
+    assert Chess(z1=np.array([2])).z1 == Chess(z1=np.float64(2)).z1 == Spheres(z1=[2]).z1 == 2
+    assert Spheres(z1=several).distances == Chess(z1=several).distances == (2, 3, 4) and Spheres(z1=2).distances == (2,)
 
 
 def test_a_copy_with_changes():
