@@ -6,6 +6,7 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 
 from collections.abc import Collection, Mapping
 from math import radians, remainder
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import (
@@ -22,7 +23,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene import limits
-from povgen.scene.pieces import PIECES, PieceFile, PieceName, as_piece, radius
+from povgen.scene.pieces import PIECES, PieceFile, as_piece, radius
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
@@ -67,6 +68,14 @@ def _tuple(value: T | tuple[T, ...]) -> tuple[T, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
+def _piece(value: object) -> str | PieceFile:
+    """Return a piece's name, or its file's text."""
+    piece = as_piece(value)
+    if not isinstance(piece, (str, PieceFile)):
+        raise ValueError("should be a name or a file")
+    return piece
+
+
 def _colour(value: str) -> str:
     """Check a colour's name or code."""
     rgb(value)
@@ -92,7 +101,7 @@ OneOrMore = Annotated[
     Discriminator(_kind),
     BeforeValidator(_listed),
 ]
-PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece), PlainSerializer(str)]
+PieceValue = Annotated[str | Path | PieceFile, BeforeValidator(_piece), PlainSerializer(str)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 

@@ -4,11 +4,9 @@ import os
 import re
 import stat
 from dataclasses import dataclass
-from typing import Literal
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-PieceName = Literal[*PIECES]  # type: ignore[valid-type]
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
 

@@ -3,6 +3,8 @@
 import inspect
 import pickle
 import pydoc
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -30,6 +32,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
         (lambda: Rendering(quality=3), ["quality = 3", "draft"]),
         (lambda: MovieSpec(title="a"), ["missing"]),
+        *((lambda piece=piece: Chess(piece=piece), ["piece = ", "name or a file"]) for piece in (b"knight", {}, 3)),
         (lambda: Chess(66), ["66: a value without a name"]),
         (lambda: setattr(Chess(), "alpha", 3), ["alpha = 3: ", ".replace(alpha=...)"]),
         (lambda: delattr(Rendering(), "size"), ["size: ", ".replace(size=...)"]),
@@ -80,4 +83,5 @@ def test_help_names_each_parameter(model):
 def test_the_signature_has_types_and_defaults():
     assert "alpha: float = 66" in str(inspect.signature(Chess))
     assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
+    assert {str, Path} <= set(get_args(inspect.signature(Chess).parameters["piece"].annotation))
     assert Rendering() == Rendering(quality="standard")
