@@ -127,17 +127,8 @@ class Rendering(Sampling):
         "with red on the left, cyan on the right) or none (one eye)",
     )
     eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles"
+        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
     )
-
-    @model_validator(mode="after")
-    def _check_eyes(self) -> Self:
-        if self.stereo == "none" and "eye_distance" in self.model_fields_set:
-            raise ValueError(
-                f"eye_distance = {self.eye_distance:g}: stereo = 'none' has one eye; "
-                "allowed: with stereo = 'pair' or 'anaglyph'"
-            )
-        return self
 
     @property
     def annotated(self) -> bool:

@@ -138,10 +138,15 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Divide values into a scene's values and a rendering's values."""
+    """Divide values into a scene's values and a rendering's values. Raises InputError for a value without use."""
     from povgen.settings import Rendering
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
+    if "eye_distance" in rendering and rendering.get("stereo", "none") == "none":
+        raise InputError(
+            f"eye_distance = {rendering['eye_distance']}: one eye has no distance; allowed: with stereo = pair or "
+            "anaglyph"
+        )
     return {name: value for name, value in values.items() if name not in rendering}, rendering
 
 

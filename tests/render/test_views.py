@@ -118,7 +118,6 @@ def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"eye_distance": 0.4}, "eye_distance = 0.4: stereo = 'none'"),
         ({"stereo": "pair", "eye_distance": 0}, "eye_distance = 0"),
         ({"stereo": "both"}, "stereo = 'both'"),
         ({"stereo": "pair", "eye_distance": 3, "eye": (9, 0)}, "eye = "),
@@ -128,6 +127,14 @@ def test_what_does_not_fit_is_refused(values, said):
     with pytest.raises(InputError) as error:
         render(Chess(sheet="none", eye=values.pop("eye", (0, 0))), **values)
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_one_eye_has_no_distance(tmp_path):
+    for command in (["frame", "chess"], ["movie", "vary-alpha"], ["demo"]):
+        for stereo in ([], ["--stereo=none"]):
+            assert "eye_distance = 0.4: one eye" in refused([*command, "--eye-distance=0.4", *stereo], tmp_path)
+    pair = Rendering(stereo="pair", eye_distance=0.4)
+    assert pair.replace(stereo="none").replace(stereo="pair") == pair
 
 
 def test_the_page_shows_one_eye(tmp_path):

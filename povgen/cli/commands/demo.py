@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Workers, takes
+from povgen.cli.options import Quiet, Workers, split, takes
 from povgen.cli.report import warn
 from povgen.progress import bar
 
@@ -36,6 +36,7 @@ def command(
     from povgen.teach.page import demo as make
 
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
+    _, options = split(options)
     rendering = one_eyed(Rendering(**options))
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
     cache.check()  # before the page's folder is made
