@@ -4,6 +4,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 from pydantic import Field
@@ -39,7 +40,10 @@ class Movie:
 
     def _repr_html_(self) -> str:
         """Return HTML that holds the movie itself, so that a saved notebook plays it as well."""
-        kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+        try:
+            kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+        except OSError as error:
+            return f"<p>{escape(str(self.path))}: {error.strerror}</p>"
         if kind == "gif":
             return f'<img src="data:image/gif;base64,{data}">'
         return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
@@ -107,7 +111,7 @@ def movie(
         pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
         save(part, target)
-    return Movie(output)
+    return Movie(target)
 
 
 def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:

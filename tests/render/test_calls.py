@@ -77,6 +77,15 @@ def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
         assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
 
 
+def test_a_movie_is_found_from_another_folder_and_may_be_gone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = movie([SCENE], "a&b.gif", **SMALL)
+    monkeypatch.chdir("/")
+    assert made == Movie(tmp_path / "a&b.gif") and made._repr_html_().startswith("<img")
+    made.path.unlink()
+    assert made._repr_html_().endswith("a&amp;b.gif: No such file or directory</p>")
+
+
 def test_another_frame_rate_of_a_spec(tmp_path):
     options = {"quality": "draft", "size": (32, 32)}
     toml = tmp_path / "a.toml"
