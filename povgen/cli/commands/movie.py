@@ -23,15 +23,16 @@ def command(
         str,
         typer.Argument(
             metavar="SPEC",
-            help="a movie's TOML file, the name of one of povgen's own movies; for --sweep, chess or spheres",
+            help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene "
+            "(chess or spheres)",
         ),
     ],
     sweep: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=START:STOP[:SPACING]",
-            help="a parameter that changes from START to STOP, such as alpha=0:180 or eye=-1,0:1,0:cosine; SPACING is "
-            "linear, log or cosine; once for each parameter; SPEC is then a scene",
+            metavar="NAME=START:STOP",
+            help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
+            "The spacing can be :linear, :log or :cosine. Once for each parameter",
         ),
     ] = None,
     frames: Annotated[
