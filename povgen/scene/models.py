@@ -112,7 +112,7 @@ class Scene(Model):
         66, description="ray-rotation angle alpha, -360 to 360 degrees"
     )
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
-        6, description="distance from the sheets to the eye, up to 150 tiles"
+        6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
     sheet: SheetModel = Field(
         "detailed",
@@ -133,19 +133,23 @@ class Scene(Model):
     aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
         Prism.aspect,
         description="length of a prism, in units of its length at full aperture: "
-        "below 2, and so long that the slanted facets do not cross",
+        "above a least value that depends on index and base angle, and below 2",
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
-        APERTURE, description="side of the square window, 0.5 to 10 tiles"
+        APERTURE,
+        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "
+        "with the lower edge",
     )
     view: Annotated[float, Field(ge=0.1, le=100)] = Field(
         VIEW, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
     )
     eye: Point = Field(
-        (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
+        (0, 0),
+        description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
+        "the window stay, and the window stays in the middle of the picture",
     )
-    background: Literal["scene", "transparent", "black", "white"] = Field(
-        "scene", description="what is behind the scene: scene (its own sky), transparent (PNG only), black or white"
+    background: Literal["sky", "transparent", "black", "white"] = Field(
+        "sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
     )
 
     name: ClassVar[str]
@@ -312,7 +316,7 @@ class Chess(Scene):
     )
     x: OneOrMore[Aside] = Field(
         0,
-        description="where the piece stands, to the right of the window's centre, -10 to 10 tiles; "
+        description="x of the piece, from the window's centre to the right, -10 to 10 tiles; "
         "one, or one for each piece",
     )
     piece: OneOrMore[PieceValue] = Field(
@@ -325,7 +329,9 @@ class Chess(Scene):
         description="colour of the piece's wood: a name, or a code such as #c87529; one, or one for each piece",
     )
     pedestal: Annotated[float, Field(ge=0, le=10)] = Field(
-        0.8, description="height of the pedestals on which the pieces stand, 0 to 10 tiles; 0: the floor"
+        0.8,
+        description="height of the pedestals on which the pieces stand, 0 to 10 tiles; the pieces move with it; "
+        "0: they stand on the floor",
     )
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"

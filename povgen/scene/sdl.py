@@ -68,7 +68,7 @@ def to_pov(
     if checked_scene(scene).background == "transparent":
         raise InputError(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
-            "white; allowed: 'scene', 'black' or 'white'"
+            "white; allowed: 'sky', 'black' or 'white'"
         )
     sampling = Sampling(**options)
     return (

@@ -112,7 +112,7 @@ def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
         if any(len({L for L, _ in scene.objects}) > 1 for frames in movies.values() for scene in frames):
             raise InputError("x: several values, but the page shows objects on one line; allowed: one value")
         if any(scene.background == "transparent" for frames in movies.values() for scene in frames):
-            raise InputError("background = 'transparent': allowed on the page: 'scene', 'black' or 'white'")
+            raise InputError("background = 'transparent': allowed on the page: 'sky', 'black' or 'white'")
         return movies
     except InputError as error:
         raise InputError(f"{spec.title!r}: {error}") from None

@@ -117,9 +117,7 @@ def movie(
 def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
     """Raise InputError if a movie cannot show the scenes' `views`."""
     if any(scene.background == "transparent" for scene in scenes):
-        raise InputError(
-            "background = 'transparent': a movie has no transparency; allowed: 'scene', 'black' or 'white'"
-        )
+        raise InputError("background = 'transparent': a movie has no transparency; allowed: 'sky', 'black' or 'white'")
     for scene in scenes:
         views(scene, rendering)
 

@@ -85,3 +85,16 @@ def test_the_signature_has_types_and_defaults():
     assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
     assert {str, Path} <= set(get_args(inspect.signature(Chess).parameters["piece"].annotation))
     assert Rendering() == Rendering(quality="standard")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("eye", "the objects and the window stay"),
+        ("aperture", "the floor with all that stands on it moves"),
+        ("z2", "the default spheres move with it"),
+        ("pedestal", "the pieces move with it"),
+    ],
+)
+def test_help_says_what_else_moves(name, words):
+    assert words in Chess.model_fields[name].description
