@@ -6,7 +6,6 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 
 from collections.abc import Collection, Mapping
 from math import radians, remainder
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import (
@@ -23,7 +22,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene import limits
-from povgen.scene.pieces import PIECES, PieceFile, as_piece, radius
+from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
@@ -101,7 +100,7 @@ OneOrMore = Annotated[
     Discriminator(_kind),
     BeforeValidator(_listed),
 ]
-PieceValue = Annotated[str | Path | PieceFile, BeforeValidator(_piece), PlainSerializer(str)]
+PieceValue = Annotated[Piece, BeforeValidator(_piece), PlainSerializer(str)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 

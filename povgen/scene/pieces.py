@@ -4,6 +4,7 @@ import os
 import re
 import stat
 from dataclasses import dataclass
+from pathlib import Path
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
@@ -20,6 +21,9 @@ class PieceFile:
 
     def __str__(self) -> str:
         return self.path
+
+
+Piece = str | Path | PieceFile  # as a user gives it
 
 
 def as_piece(value: object) -> object:

@@ -41,7 +41,12 @@ def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tag
     if output.suffix == ".gif":
         pictures = list(pictures)
         durations, comment = gif_durations(len(pictures), rate), " ".join(tags.values()).encode()
-        options: dict[str, Any] = {"extension": ".gif", "duration": durations, "loop": 0, "comment": comment}
+        options: dict[str, Any] = {
+            "extension": ".gif",
+            "duration": durations if len(durations) > 1 else sum(durations),
+            "loop": 0,
+            "comment": comment,
+        }
         output.write_bytes(iio.imwrite("<bytes>", pictures, plugin="pillow", **options))
         return
     codec, settings = FORMATS[output.suffix]
