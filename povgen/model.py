@@ -18,9 +18,17 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    def __init__(self, /, **values: Any) -> None:  # noqa: ANN401
+    def __init__(self, /, *unnamed: object, **values: Any) -> None:  # noqa: ANN401
+        if unnamed:
+            raise InputError(f"{shown(unnamed[0])}: a value without a name; allowed: NAME=VALUE, as in help()")
         with _errors(type(self), values):
             super().__init__(**values)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise InputError(f"{name} = {shown(value)}: values never change; allowed: a copy, .replace({name}=...)")
+
+    def __delattr__(self, name: str) -> None:
+        raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401

@@ -15,7 +15,6 @@ QUALITIES: dict[str, dict[str, Any]] = {
     "high": {"size": (960, 720), "antialias": "2x", "frames": 3},
     "hd": {"size": (1920, 1080), "antialias": "2x", "frame_rate": 30},
 }
-SAMPLING = ("quality", "size", "antialias")  # the fields of Rendering that decide POV-Ray's options
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 
@@ -39,8 +38,8 @@ def _antialias(value: object) -> object:
 Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
 
 
-class Rendering(Model):
-    """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
+class Sampling(Model):
+    """What POV-Ray's options decide. Size and antialiasing follow from the quality if they are not given."""
 
     file: ClassVar[str] = "frame.png"
     format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
@@ -65,40 +64,11 @@ class Rendering(Model):
         "averages its light; or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
         "(default: the quality's)",
     )
-    timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
-        1800, description="time limit for a frame, above 0 to 1e6 seconds"
-    )
-
-    caption: bool = Field(
-        False, description="write alpha, z1, z2, r and the predicted nu and M along the picture's lower edge"
-    )
-    overlay: bool = Field(
-        False,
-        description="mark predicted positions inside the window, and the curves on which they move",
-    )
-
-    stereo: Literal["none", "pair", "anaglyph"] = Field(
-        "none",
-        description="what two eyes see: pair (the left eye's picture beside the right eye's), anaglyph (for glasses "
-        "with red on the left, cyan on the right) or none (one eye)",
-    )
-    eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles"
-    )
 
     @model_validator(mode="after")
     def _follow_quality(self) -> Self:
         for name in {"size", "antialias"} - self.model_fields_set:
             object.__setattr__(self, name, QUALITIES[self.quality][name])  # the model is frozen
-        return self
-
-    @model_validator(mode="after")
-    def _check_eyes(self) -> Self:
-        if self.stereo == "none" and "eye_distance" in self.model_fields_set:
-            raise ValueError(
-                f"eye_distance = {self.eye_distance:g}: stereo = 'none' has one eye; "
-                "allowed: with stereo = 'pair' or 'anaglyph'"
-            )
         return self
 
     @model_validator(mode="after")
@@ -134,6 +104,31 @@ class Rendering(Model):
         else:
             sampling = ["-A"]
         return [*self.format, f"+W{width}", f"+H{height}", *sampling]
+
+
+class Rendering(Sampling):
+    """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
+
+    timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
+        1800, description="time limit for a frame, above 0 to 1e6 seconds"
+    )
+
+    caption: bool = Field(
+        False, description="write alpha, z1, z2, r and the predicted nu and M along the picture's lower edge"
+    )
+    overlay: bool = Field(
+        False,
+        description="mark predicted positions inside the window, and the curves on which they move",
+    )
+
+    stereo: Literal["none", "pair", "anaglyph"] = Field(
+        "none",
+        description="what two eyes see: pair (the left eye's picture beside the right eye's), anaglyph (for glasses "
+        "with red on the left, cyan on the right) or none (one eye)",
+    )
+    eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
+        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
+    )
 
     @property
     def annotated(self) -> bool:

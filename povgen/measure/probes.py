@@ -58,7 +58,7 @@ class _Probe(Scene):
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
 
     @property
-    def distances(self) -> tuple[float, ...]:
+    def objects(self) -> tuple[tuple[complex, float], ...]:
         return ()
 
 
@@ -79,8 +79,8 @@ class Positions(_Probe):
     extent: float = Field(0.3, description="half the square's side, tiles")
 
     @property
-    def distances(self) -> tuple[float, ...]:
-        return (self.z1,)
+    def objects(self) -> tuple[tuple[complex, float], ...]:
+        return ((self.L, self.z1),)
 
 
 class PiecePositions(Chess):

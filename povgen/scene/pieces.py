@@ -5,14 +5,12 @@ import re
 import stat
 from dataclasses import field
 from pathlib import Path
-from typing import Literal
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-PieceName = Literal[*PIECES]  # type: ignore[valid-type]
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
 
@@ -32,6 +30,9 @@ class PieceFile:
     @model_serializer
     def __str__(self) -> str:
         return self.path.encode(errors="backslashreplace").decode()  # a path can have bytes that are no text
+
+
+Piece = str | Path | PieceFile  # as a user gives it
 
 
 def as_piece(value: object) -> object:

@@ -1,8 +1,10 @@
 """Templates: a scene becomes the text that POV-Ray reads, movies become a page. Only this module uses Jinja2."""
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from shlex import quote
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
@@ -12,7 +14,7 @@ from povgen.errors import InputError
 from povgen.scene import prediction
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
-from povgen.settings import Rendering
+from povgen.settings import Sampling
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -47,11 +49,17 @@ class Mosaic(NamedTuple):
     blocks: Sequence[Sequence[tuple[int, int]]]  # rows of blocks: column and row of each block's upper left pixel
 
 
-def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None = None, **options: object) -> str:
+def to_pov(
+    scene: Scene,
+    mosaic: Mosaic | None = None,
+    sheet_macro: str | None = None,
+    file: str = "scene.pov",
+    **options: object,
+) -> str:
     """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
 
-    The header names POV-Ray's command for the picture. Its options are those of `Rendering`: size, quality and
-    antialias.
+    The header has POV-Ray's command for the picture, from a file of this name. Options are size, quality and
+    antialias, as of `Rendering`.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
@@ -60,9 +68,9 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     if checked_scene(scene).background == "transparent":
         raise InputError(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
-            "white; allowed: 'scene', 'black' or 'white'"
+            "white; allowed: 'sky', 'black' or 'white'"
         )
-    rendering = Rendering(**options)
+    sampling = Sampling(**options)
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
@@ -71,13 +79,21 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
             mosaic=mosaic,
             edge=PEDESTAL_EDGE,
             sheet_macro=sheet_macro,
-            options=" ".join(rendering.picture_options),
-            supersampling=rendering.supersampling,
+            input=_input(file),
+            options=" ".join(sampling.picture_options),
+            supersampling=sampling.supersampling,
             cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
             trace_level=prediction.max_trace_level(scene),
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )
     )
+
+
+def _input(file: str) -> str:
+    """Return POV-Ray's option, as a shell takes it, for its input file; scene.pov if it cannot open the name."""
+    if re.fullmatch(r"[\w.-]+", file, re.ASCII):
+        return f"+I{file}"
+    return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else "+Iscene.pov"
 
 
 def to_html(page: Mapping[str, object]) -> str:

@@ -13,7 +13,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, as_pair
 from povgen.scene.pieces import from_folder
-from povgen.settings import QUALITIES
+from povgen.settings import QUALITIES, Sampling
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
@@ -122,6 +122,8 @@ class MovieSpec(Model):
     def _check_sweeps(self) -> Self:
         numbers = swept_numbers(SCENES[self.scene])
         names = [sweep.parameter for sweep in self.sweep]
+        for name in self.fixed.keys() - SCENES[self.scene].model_fields:
+            raise ValueError(f"{shown(name)}: unknown; allowed: {', '.join(SCENES[self.scene].model_fields)}")
         for sweep in self.sweep:
             name = sweep.parameter
             if name not in numbers:
@@ -145,6 +147,8 @@ class MovieSpec(Model):
         A piece's file is sought from the folder of the TOML file. The values in `fixed` replace the file's.
         Raises InputError, which names the file, the key, the value and what is allowed.
         """
+        if not isinstance(path, (str, Path)):
+            raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
         stdin = str(path) == "-"
         name = "standard input" if stdin else str(path) or "''"
         file = Path(path)
@@ -235,7 +239,7 @@ class MovieSpec(Model):
         for sweep in self.sweep:
             if sweep.values:
                 return len(sweep.values)
-        preset, steps = QUALITIES[quality], (self.frames or FRAMES) - 1
+        preset, steps = QUALITIES[Sampling(quality=quality).quality], (self.frames or FRAMES) - 1
         more: float = preset["frame_rate"] / self.frame_rate if "frame_rate" in preset else preset["frames"]
         return max(round(steps * more), 1) + 1
 

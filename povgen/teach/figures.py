@@ -100,7 +100,7 @@ def mirroring(rendering: Rendering) -> Drawn:
     """Draw figure 2: mirroring a picture about the vertical, then about an axis at alpha/2, rotates it by alpha."""
     alpha = radians(32)
     scene = Chess(sheet="none", z1=2.2, eye=(0, -0.58))
-    picture = read_png(next(render_all([scene], rendering)))
+    picture = read_png(next(render_all([scene], rendering))[0])
     made = agreement.mirror_twice(picture, scene, alpha, rendering.size[1] // 2)
 
     figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
@@ -178,7 +178,7 @@ def _montage(
     figure = Figure(figsize=(WIDTH, 5.05))
     layout = {"left": 0.005, "right": 0.995, "top": 0.945, "bottom": 0.005, "hspace": 0.13, "wspace": 0.03}
     panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
-    for ax, scene, frame, title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
+    for ax, scene, (frame,), title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
         picture = read_png(frame)
         high = scene.view / 2
         wide = high * picture.shape[1] / picture.shape[0]

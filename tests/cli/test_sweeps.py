@@ -1,10 +1,11 @@
 """Movies without a file: povgen movie SCENE --sweep NAME=START:STOP."""
 
 import json
+import os
 
 import imageio_ffmpeg
 import pytest
-from conftest import povgen, refused
+from conftest import povgen, refused, run_povgen
 
 from povgen import MovieSpec, Rendering
 from povgen.cli.report import warn
@@ -54,3 +55,8 @@ def test_a_sweep_of_prisms_warns_once(capsys):
     warn(spec.scenes("standard"), Rendering(size=(96, 72), antialias="off"))
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("povgen: warning: prisms = 63: ") and line.endswith("(in 4 of 6 frames)")
+
+
+def test_the_help_keeps_its_examples_on_a_narrow_terminal(tmp_path):
+    done = run_povgen("movie", "--help", cwd=tmp_path, env={**os.environ, "COLUMNS": "80"})
+    assert "alpha=0:180" in done.stdout and "z1=1:9:log" in done.stdout

@@ -59,7 +59,7 @@ class StandIn:
 def rendered(scene=SCENE):
     """Return the frame, and whether it had to be rendered."""
     runner = StandIn()
-    (png,) = frames.render_all([scene], SMALL, runner=runner)
+    ((png,),) = frames.render_all([scene], SMALL, runner=runner)
     return frames.read_png(png), bool(runner.ran)
 
 
@@ -254,7 +254,7 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
     keep = cache.store
     monkeypatch.setattr(cache, "store", lambda *given: keep(*given) and bool(cache.trim(-1)))
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
-    found = [frames.read_png(png) for png in frames.render_all(scenes, SMALL, runner=StandIn())]
+    found = [frames.read_png(png) for (png,) in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
 
 

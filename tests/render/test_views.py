@@ -6,8 +6,9 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, Rendering, Spheres, movie, render, to_pov
+from povgen.rendering import povray
+from povgen.rendering.views import composed, views
 from povgen.scene.spec import MovieSpec
-from povgen.video.views import composed, views
 
 SIZE = {"size": (64, 64), "antialias": "off"}
 
@@ -92,10 +93,31 @@ def test_movies_for_two_eyes(tmp_path):
     assert iio.imread(path).shape == (2, 32, 64, 3)
 
 
+LINE = ["--size=32x32", "--antialias=off", "--stereo=pair"]
+
+
+def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_path, monkeypatch):
+    narrow = ["--z2=0.5", "--prisms=30", "--view=0.1", "--background=transparent"]
+    error = povgen(["frame", "chess", *narrow, *LINE], tmp_path)[2]
+    assert error.startswith("povgen: warning: z2 = 0.5 and an eye at -0.1,0: ") and "frames" not in error
+    movie = ["movie", "chess", "--sweep", "x=0:1", "--frames=3", "--sheet=none", *LINE]
+    assert povgen([*movie, "--shard=1/2"], tmp_path)[1] == "rendered shard 1/2: 2 frames\n"
+    with monkeypatch.context() as patch:
+        patch.setattr(povray, "TRIES", 1)
+        late = [*movie, "--timeout=0.001", "--eye=0.3,0", "-o", "x.mp4"]
+        error = povgen(late, tmp_path)[2]
+    assert "3 of 3 frames failed" in error and error.count("frame 2: ") == 1 and "frame 3" not in error
+
+
+def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
+    error = refused(["frame", "chess", "--eye=10,0", *LINE], tmp_path)
+    assert error.startswith("povgen: eye_distance = 0.2: for one of the two eyes, eye = (10.1, 0.0): ")
+    refused(["movie", "vary-alpha", "--eye=10,0", *LINE], tmp_path)
+
+
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"eye_distance": 0.4}, "eye_distance = 0.4: stereo = 'none'"),
         ({"stereo": "pair", "eye_distance": 0}, "eye_distance = 0"),
         ({"stereo": "both"}, "stereo = 'both'"),
         ({"stereo": "pair", "eye_distance": 3, "eye": (9, 0)}, "eye = "),
@@ -105,6 +127,14 @@ def test_what_does_not_fit_is_refused(values, said):
     with pytest.raises(InputError) as error:
         render(Chess(sheet="none", eye=values.pop("eye", (0, 0))), **values)
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_one_eye_has_no_distance(tmp_path):
+    for command in (["frame", "chess"], ["movie", "vary-alpha"], ["demo"]):
+        for stereo in ([], ["--stereo=none"]):
+            assert "eye_distance = 0.4: one eye" in refused([*command, "--eye-distance=0.4", *stereo], tmp_path)
+    pair = Rendering(stereo="pair", eye_distance=0.4)
+    assert pair.replace(stereo="none").replace(stereo="pair") == pair
 
 
 def test_the_page_shows_one_eye(tmp_path):

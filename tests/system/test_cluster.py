@@ -166,7 +166,9 @@ def same_as_here(machines):
     kept = {path.name: path for path in machines.finished()}
     places = [kept[cache.frame_path(to_pov(scene), SMALL).name] for scene in SCENES]
     own = frames.render_all(SCENES, SMALL)
-    same = [np.array_equal(frames.read_png(png), frames.read_png(path)) for png, path in zip(own, places, strict=True)]
+    same = [
+        np.array_equal(frames.read_png(png), frames.read_png(path)) for (png,), path in zip(own, places, strict=True)
+    ]
     return all(same) and len(kept) == COUNT
 
 

@@ -435,7 +435,7 @@ def test_two_at_once(place, monkeypatch):
 def test_the_cache_keeps_to_its_size(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
     scenes = MovieSpec.parse(SPEC, "x").scenes("standard")
-    pictures = list(frames.render_all(scenes, SMALL))
+    pictures = [png for (png,) in frames.render_all(scenes, SMALL)]
     first = [cache.frame_path(to_pov(scene), SMALL) for scene in scenes[:-1]]
     for path, picture in zip(first[:4], pictures, strict=False):
         assert cache.read(path, 10**6) == picture  # used again

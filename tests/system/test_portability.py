@@ -43,7 +43,10 @@ def test_check_says_that_util_linux_is_missing(few_programs, tmp_path):
     status, out, err = povgen(["check"], tmp_path)
     assert status == 0, out + err
     (line,) = [line for line in out.splitlines() if "limits" in line]
-    assert "setpriv and prlimit (util-linux) are missing" in line and "if povgen is killed, POV-Ray runs on" in line
+    assert (
+        "set by a shell, because setpriv and prlimit (util-linux) are missing" in line
+        and "if povgen is killed, POV-Ray runs on" in line
+    )
     assert "memory" not in line  # the shell limits it
 
 

@@ -93,7 +93,7 @@ def test_every_number_of_a_scene_can_be_swept():
         **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
-    assert [each[0] for each in swept("z1=2:4", "spheres", frames=3)] == [2, 3, 4]
+    assert swept("z1=2:4", "spheres", frames=3) == [2, 3, 4]
 
 
 @pytest.mark.parametrize(

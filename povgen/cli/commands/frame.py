@@ -24,20 +24,17 @@ def command(
     from povgen.rendering import cache
     from povgen.settings import Rendering
     from povgen.video.still import png
-    from povgen.video.views import views
 
     values, options = split(values)
     output = checked_output(output, [".png"])
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = scene_of(scene, values | {"sheet": "detailed"})
-        shown = views(prisms, Rendering(**options))
-        values["sheet"], options["antialias"] = chosen(shown, options, limit, quiet)
+        values["sheet"], options["antialias"] = chosen([prisms], options, limit, quiet)
     made = scene_of(scene, values)
     rendering = Rendering(**options)
-    shown = views(made, rendering)
     cache.check()
     if not quiet:
-        warn(shown, rendering)
+        warn([made], rendering)
     save(png(made, rendering), output)
     if not quiet:
         print(f"wrote {output}")

@@ -1,13 +1,12 @@
 """The command povgen movie."""
 
 import logging
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
+from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.progress import bar
@@ -24,15 +23,16 @@ def command(
         str,
         typer.Argument(
             metavar="SPEC",
-            help="a movie's TOML file, the name of one of povgen's own movies; for --sweep, chess or spheres",
+            help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene "
+            "(chess or spheres)",
         ),
     ],
     sweep: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=START:STOP[:SPACING]",
-            help="a parameter that changes from START to STOP, such as alpha=0:180 or eye=-1,0:1,0:cosine; SPACING is "
-            "linear, log or cosine; once for each parameter; SPEC is then a scene",
+            metavar="NAME=START:STOP",
+            help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
+            "The spacing can be :linear, :log or :cosine. Once for each parameter",
         ),
     ] = None,
     frames: Annotated[
@@ -72,8 +72,9 @@ def command(
     """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
+    from povgen.rendering.parallel import worker_count
     from povgen.settings import Rendering
-    from povgen.video.build import checked_movie, movie_views
+    from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
 
     values, options = split(values)
@@ -89,17 +90,18 @@ def command(
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = loaded.with_fixed(values | {"sheet": "detailed"})
         asked = Rendering(**options)
-        through_prisms = movie_views(prisms.scenes(asked.quality), asked)
-        values["sheet"], options["antialias"] = chosen(list(chain(*through_prisms)), options, limit, quiet)
+        through_prisms = prisms.scenes(asked.quality)
+        check_views(through_prisms, asked)
+        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
     made = loaded.with_fixed(values)
     rendering = Rendering(**options)
     scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
-    shown = list(chain(*movie_views(scenes, rendering)))
+    check_views(scenes, rendering)
     cache.check()
     if not quiet:
-        warn(shown, rendering)
+        warn(scenes, rendering)
     if part is not None:
-        return _render_shard(part, shown, rendering, count, quiet)
+        return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
     make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from povgen.errors import InputError
 from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
@@ -21,7 +22,10 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
     if len(eyes) * len(backgrounds) == 1:
         return [scene]
-    return [scene.replace(eye=eye, background=sky) for eye in eyes for sky in backgrounds]
+    try:
+        return [scene.replace(eye=eye, background=sky) for eye in eyes for sky in backgrounds]
+    except InputError as error:
+        raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
 
 
 def composed(pictures: Sequence[Picture], scene: Scene, rendering: Rendering) -> Picture:
