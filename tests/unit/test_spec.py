@@ -90,7 +90,7 @@ def test_several_parameters_and_explicit_values():
 def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
         **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
-        **{"eye": 2, "z1": 1, "x": 1},
+        **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
     assert [each[0] for each in swept("z1=2:4", "spheres", frames=3)] == [2, 3, 4]
@@ -102,7 +102,7 @@ def test_every_number_of_a_scene_can_be_swept():
         ("alpha=0:400", "frame 61 of 61, alpha = 400: alpha = 400.0: should be less than or equal to 360"),
         (
             "z2=6:0.1",
-            "frame 61 of 61, z2 = 0.1: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.13",
+            "frame 61 of 61, z2 = 0.1: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.16",
         ),
         (
             "eye=0,0:0,-2 alpha=0:90",
