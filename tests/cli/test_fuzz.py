@@ -399,6 +399,7 @@ def place(tmp_path_factory):
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.encode is encode
+        skeletons()  # takes longer than a case may
         yield
     os.chdir(started)
 
