@@ -426,13 +426,13 @@ class Spheres(Scene):
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
         growth: float = (z1 / self.z2) ** 0.1
-        return min(0.085 * growth * (1 + z1 / self.z2), z1 / 4)
+        return min(0.085 * growth * (1 + z1 / self.z2), z1 / 6)
 
     @property
     def nearest(self) -> float:
         """The least z1 at which a sphere does not touch the window frame, tiles."""
         z1 = back = self.depth / 2
-        for _ in range(30):  # converges, because a radius is at most a quarter of z1
+        for _ in range(30):  # converges, because a radius is at most a sixth of z1
             z1 = back + self.radius(z1)
         return z1
 

@@ -31,7 +31,7 @@ stop = 180
         (["--alpha", "inf"], ["alpha", "inf", "finite"]),
         (["--alpha", "361"], ["alpha", "361", "360"]),
         (["--alpha", "six"], ["alpha", "six", "number"]),
-        (["--z1", "0.05"], ["z1", "0.05", "knight", "0.52"]),
+        (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
         (["--z1", "0.4", "--piece", "king"], ["z1", "0.4", "king", "0.61"]),
         (["--prisms", "5"], ["z1", "2", "sheets"]),
         (["--z1", "-2"], ["z1", "-2"]),
@@ -167,7 +167,7 @@ FAR = [
     Chess(alpha=180, z1=6.000000000000001, sheet="ideal", predicted_image=True),
     Chess(alpha=180, z1=6.000000000000001, predicted_image=True),
     Chess(prisms=1, z1=150, z2=150),
-    Chess(prisms=3000, z1=3000, z2=150, x=-10, eye=(0, -1.3299999999999998)),
+    Chess(prisms=3000, z1=4000, z2=150, x=-10, eye=(0, -1.6499999999999997)),
     Chess(z2=0.1600001, x=10, eye=(-10, 10)),
     Chess(z2=150, z1=5000, sheet="single"),
     Spheres(z1=(5000,) * 50, sheet="ideal"),
@@ -177,7 +177,8 @@ FAR = [
     Chess(index=4, base_angle=15, aspect=1.99, view=100, z2=0.7),
     Chess(prisms=3000, aperture=0.5, gap=0.001, z1=694, z2=150),
     Chess(prisms=1, aperture=10, gap=0.5, z1=150, z2=150, view=100),
-    Chess(sheet="ideal", aperture=10, z2=0.52, view=100, eye=(10, 10), predicted_image=True),
+    Chess(sheet="ideal", aperture=10, z2=0.52, view=100, eye=(10, 10), pedestal=10, predicted_image=True),
+    Chess(sheet="none", pedestal=5e-324),
     Spheres(sheet="ideal", aperture=0.5, z2=150, view=0.1, eye=(10, -10)),
 ]
 

@@ -156,7 +156,8 @@ def test_the_examples_of_usage_run(tmp_path):
     text = (PROJECT / "docs" / "usage.md").read_text()
     (declaration,) = re.findall(r"(?s)( {4}#declare Piece.*?\n {4}\}\n)", text)
     (tmp_path / "mine.inc").write_text(dedent(declaration))
-    lines = [shlex.split(line, comments=True)[1:] for line in text.split("## ")[2].splitlines() if "    povgen" in line]
+    (section,) = re.findall(r"(?ms)^## Examples\n(.*?)^## ", text)
+    lines = [shlex.split(line, comments=True)[1:] for line in section.splitlines() if "    povgen" in line]
     assert len(lines) == 8
     small = ["--size", "64x48", "--quiet"]
     for line in lines:

@@ -40,7 +40,7 @@ def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
     scene = Chess(sheet=sheet, alpha=alpha, z1=z1, x=0.4, eye=(0, -0.6))
     marks = yellow(drawn(scene, overlay=True))
     pixel = scene.view / 480
-    assert len(marks) > 20 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
+    assert len(marks) > 18 and abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
 
 
 def test_every_sphere_has_its_mark_on_the_circle():
@@ -91,7 +91,7 @@ def dense(first, last, *about):
         (Spheres(alpha=180, sheet="ideal"), 6, None),
         # the pole within a thousandth of a tile and of a degree, and all near the eye's axis
         (Spheres(alpha=180, z1=[6], line=(1e-3, 2e-3), prisms=3000), 6, (180,)),
-        (Chess(prisms=5, z1=9, z2=4), 0, (180,)),
+        (Chess(prisms=5, z1=9, z2=4, aperture=2.4, pedestal=0), 0, (180,)),
     ],
 )
 def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):
@@ -112,9 +112,9 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
 @pytest.mark.parametrize(
     "scene",
     [
-        Chess(alpha=150, prisms=20),  # the foot is seen below the window
-        Chess(sheet="none", z1=6, x=2.38, eye=(0, -0.33)),  # behind the frame's side, which is deep
-        Spheres(sheet="none", z1=[1], z2=0.5, line=(-3, 0)),
+        Chess(alpha=150, prisms=20, pedestal=0),  # the foot is seen below the window
+        Chess(sheet="none", z1=6, x=2.97, eye=(0, -0.33)),  # behind the frame's side, which is deep
+        Spheres(sheet="none", z1=[1], z2=0.5, line=(-3.75, 0)),
     ],
 )
 def test_no_mark_where_the_frame_hides_the_object(scene):
@@ -151,7 +151,7 @@ def test_the_caption_prints_what_the_equations_predict():
     "scene, texts",
     [
         (Spheres(alpha=90, sheet="ideal", z1=[3, 12, 6]), ["3 to 12", "0.5 to 2", "26.6 to 63.4°", "0.447 to 0.894"]),
-        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60", "0.1 to 3", "18.1 to 84.3°", "0.0996 to 0.961"]),
+        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60", "0.1 to 3", "18.0 to 84.4°", "0.0996 to 0.964"]),
         (Spheres(alpha=-90, sheet="ideal", z1=[6, 6]), ["6", "1", "-45.0°", "0.707"]),
         (Spheres(alpha=270, sheet="ideal", z1=[3, 6]), ["3 to 6", "1 to 2", "-45.0 to -26.6°", "0.707 to 0.894"]),
         # beyond the pole, on it and before it
@@ -163,7 +163,7 @@ def test_the_caption_prints_what_the_equations_predict():
         (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6", "1", "?°", "infinite"]),
         (Chess(alpha=180, sheet="ideal", z1=6), ["6", "1", "?°", "infinite"]),
         # light meets the eye's plane in a line or not at all, in a mirrored image
-        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9", "0.667 to 1", "180.0, ?°", "2 to 76.4"]),
+        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9", "0.667 to 1", "180.0, ?°", "2 to 61.1"]),
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
