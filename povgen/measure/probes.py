@@ -29,6 +29,8 @@ Complexes = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 Size = tuple[int, int]  # width and height, pixels
 
+APERTURE, VIEW = 2.4, 3.85  # side of the probes' window, and height of their picture in the plane z = 0, tiles
+
 
 class LinearRendering(Rendering):
     """A rendering with 16-bit colours that are proportional to POV-Ray's own. Each pixel is one ray."""
@@ -47,8 +49,8 @@ class _Probe(Scene):
     """
 
     rim: ClassVar[float] = 0.13
-    aperture: float = 2.4
-    view: float = 3.85
+    aperture: float = APERTURE
+    view: float = VIEW
 
     prisms: int = 100
     z2: float = 6

@@ -17,7 +17,6 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
-from povgen.scene.models import VIEW
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
@@ -423,4 +422,4 @@ def rms(values: ArrayLike) -> float:
 
 def px(tiles: float) -> float:
     """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the default view."""
-    return float(tiles * HD[1] / VIEW)
+    return float(tiles * HD[1] / probes.VIEW)

@@ -84,11 +84,7 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
     random = np.random.default_rng(2)
     errors, kept = [], 0
     for _ in range(60):
-        alpha, z1, z2 = (
-            random.uniform(-180, 180),
-            np.exp(random.uniform(np.log(0.6), 5)),
-            np.exp(random.uniform(-1.8, 5)),
-        )
+        alpha, (z1, z2) = random.uniform(-180, 180), np.exp(random.uniform((np.log(0.6), -1.8), 5))
         scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=(0, random.uniform(-1.6, 8.67)))
         error = told_aside(scene)
         assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
