@@ -187,8 +187,8 @@ class Scene(Model):
 
     @property
     def depth(self) -> float:
-        """Extent of the window frame along z, tiles: 1/12 of the window's side, or more if the sheets need more."""
-        return max(self.aperture / 12, 1.02 * self.sheets_depth)
+        """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
+        return max(self.aperture / 10, 1.02 * self.sheets_depth)
 
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.

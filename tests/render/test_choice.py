@@ -12,7 +12,7 @@ from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.measure import speed
 from povgen.measure.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
-from povgen.measure.probes import Positions, window
+from povgen.measure.probes import APERTURE, VIEW, Positions, window
 from povgen.measure.verify import located
 from povgen.optics import rotation
 from povgen.scene.sdl import Mosaic
@@ -23,6 +23,7 @@ CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (320, 240)
 STANDARD = Rendering(size=SIZE)
 SMALL = Rendering(size=(160, 120))
+PROBED = {"aperture": APERTURE, "view": VIEW}  # as in the probes
 LADDER = [
     *(("ideal", sampling) for sampling in IDEAL_SAMPLINGS),
     *(("detailed", sampling) for sampling in PRISM_SAMPLINGS),
@@ -63,10 +64,10 @@ def position_error(scene, sheet):
 @pytest.mark.parametrize(
     ("scene", "tolerance", "sheet"),
     [
-        (Chess(), 0.8, "detailed"),
-        (Chess(), 4, "ideal"),
-        (Chess(prisms=1000), 0.8, "ideal"),
-        (Chess(alpha=0), 4, "none"),
+        (Chess(**PROBED), 0.8, "detailed"),
+        (Chess(**PROBED), 4, "ideal"),
+        (Chess(prisms=1000, **PROBED), 0.8, "ideal"),
+        (Chess(alpha=0, **PROBED), 4, "none"),
     ],
     ids=str,
 )
@@ -97,7 +98,7 @@ def test_only_the_choice_keeps_the_picture(scene, tolerance):
 
 
 def test_a_movie_gets_one_choice_that_holds_in_every_frame():
-    scenes = [Chess(alpha=alpha) for alpha in (0, 90, 180)]
+    scenes = [Chess(alpha=alpha, **PROBED) for alpha in (0, 90, 180)]
     chosen, why = choose(scenes, STANDARD, Tolerance(px=3.5))
     alone = [choose([scene], STANDARD, Tolerance(px=3.5))[0].px for scene in scenes]
     assert chosen.sheet == "ideal" and chosen.px == max(alone) > min(alone)

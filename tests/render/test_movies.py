@@ -69,7 +69,8 @@ def test_a_long_tag_is_cut(suffix, tmp_path):
     """A movie of 10000 explicit values has one. An argument of a program has a limit."""
     file = tmp_path / f"a{suffix}"
     encode.encode([np.zeros((32, 32, 3), np.uint8)], file, 10, {"comment": "é" * 200000})
-    assert "é".encode() * 4000 + b"..." in file.read_bytes() and file.stat().st_size < 20000
+    stored = Image.open(file).info["comment"] if suffix == ".gif" else file.read_bytes()
+    assert "é".encode() * 4000 + b"..." in stored and file.stat().st_size < 20000
 
 
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):

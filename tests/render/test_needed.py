@@ -54,7 +54,7 @@ def unneeded(scene):
     text = to_pov(scene)
     whole = picture(text)
     parts = objects(text)
-    assert len(parts) > 5
+    assert len(parts) > 4
 
     def matters(part):
         return (picture(text[: part[0]] + text[part[1] :]) != whole).any()

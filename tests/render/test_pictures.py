@@ -56,7 +56,7 @@ def horizon(image):
 
     def step(angle):
         away = Y * np.cos(np.radians(angle)) - X * np.sin(np.radians(angle))
-        strip = near & (abs(away) > TILES) & (abs(away) < 0.15)
+        strip = near & (abs(away) > TILES) & (abs(away) < 0.07)
         return blue[strip & (away > 0)].mean() - blue[strip & (away < 0)].mean()
 
     return angles[np.argmax([step(angle) for angle in angles])]
@@ -128,8 +128,8 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     values = {"alpha": alpha, "z1": 3, "line": (-0.5, 0.3)}
     ideal = picture(Spheres(sheet="ideal", **values))
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
-    # the shift is of the order of the sheets' thickness: 0.2 tiles at 100 prisms, seen at an angle of up to 0.3
-    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.1 * 100 / prisms + 1.5 * TILES
+    # the shift is of the order of the sheets' thickness: 0.26 tiles at 100 prisms, seen at an angle of up to 0.5
+    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 1.5 * TILES
 
 
 @pytest.mark.parametrize("alpha", [0, 40, 66, 100])

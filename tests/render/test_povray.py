@@ -72,7 +72,7 @@ def test_a_fault_in_the_scene(monkeypatch):
     message = str(failure.value)
     line = next(n for n, text in enumerate(broken(scene).splitlines(), 1) if "shpere" in text)
     assert f"scene.pov, line {line}: " in message and "\n  from sheets.pov.j2, in the frame with " in message
-    assert "shpere" in message and "z1 = 3.25" in message and "piece = pawn" in message
+    assert "shpere" in message and "z1 = 3.25" in message and "piece = 'pawn'" in message
 
 
 @pytest.fixture

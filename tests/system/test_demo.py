@@ -13,7 +13,7 @@ from povgen import Chess, InputError, MovieSpec
 from povgen.optics import paraxial, rotation
 from povgen.optics.prism import Prism
 from povgen.scene import prediction
-from povgen.scene.models import Scene
+from povgen.scene.models import VIEW, Scene
 from povgen.teach.page import SHEETS, demo, scenes
 from povgen.video import still
 
@@ -122,11 +122,11 @@ READ = """() => {
     corners: ["L", "E", "P"].map(middle),
     predicted: middle("predicted"),
     middle: middle("frame"),
-    tile: box.height / 3.85,
+    tile: box.height / VIEW,
     frame: box.width / box.height,
     arrows: document.querySelectorAll("svg .arrow").length,
   };
-}"""
+}""".replace("VIEW", str(VIEW))
 MOVE = f"(n) => {{ slider.value = n; slider.dispatchEvent(new Event('input')); return ({READ})(); }}"
 
 

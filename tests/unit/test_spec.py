@@ -44,7 +44,7 @@ def test_own_movies_are_the_papers():
     assert [(s.alpha, s.z1, s.z2) for s in alpha.scenes("standard")][::30] == [(0, 2, 6), (90, 2, 6), (180, 2, 6)]
     assert {(s.alpha, s.z2) for s in z1.scenes("standard")} == {(90, 6)}
     for scene in spheres.scenes("standard"):
-        assert scene.distances == tuple(2.0**n * 6 for n in range(-4, 6)) and scene.prisms == 100
+        assert scene.distances == tuple(2.0**n * 6 for n in range(-5, 6)) and scene.prisms == 100
 
 
 def test_the_eye_moves_sideways():
