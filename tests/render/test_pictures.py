@@ -56,7 +56,7 @@ def horizon(image):
 
     def step(angle):
         away = Y * np.cos(np.radians(angle)) - X * np.sin(np.radians(angle))
-        strip = near & (abs(away) > TILES) & (abs(away) < 0.07)
+        strip = near & (abs(away) < 0.3)
         return blue[strip & (away > 0)].mean() - blue[strip & (away < 0)].mean()
 
     return angles[np.argmax([step(angle) for angle in angles])]
