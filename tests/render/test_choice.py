@@ -83,7 +83,7 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
 @pytest.mark.parametrize(
     ("scene", "tolerance"),
     [
-        (Chess(), 0.105),
+        (Chess(), 0.09),
         (Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28),  # prisms and pixels make moire
         (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
     ],
