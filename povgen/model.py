@@ -18,7 +18,7 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    def __init__(self, /, *unnamed: object, **values: Any) -> None:  # noqa: ANN401
+    def __init__(self, /, *unnamed: object, **values: object) -> None:
         if unnamed:
             raise InputError(f"{shown(unnamed[0])}: a value without a name; allowed: NAME=VALUE, as in help()")
         with _errors(type(self), values):
@@ -31,18 +31,18 @@ class Model(BaseModel):
         raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
 
     @classmethod
-    def model_validate(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+    def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (pydantic's options)
         """Return a model made from a dictionary. Raises InputError."""
         with _errors(cls, obj if isinstance(obj, dict) else {}):
             return super().model_validate(obj, **options)
 
-    def replace(self, /, **changes: Any) -> Self:  # noqa: ANN401
+    def replace(self, /, **changes: object) -> Self:
         """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
         given = {name: getattr(self, name) for name in self.model_fields_set}
         return type(self)(**{**given, **changes})
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:  # noqa: ANN401
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         """Describe the parameters in the class's docstring and signature, for help() and editors."""
         fields = cls.model_fields
         about = []

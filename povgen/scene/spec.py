@@ -81,8 +81,10 @@ class Sweep(Model):
     @property
     def ends(self) -> tuple[Value, Value]:
         """The first and the last value."""
-        ends = self.values or (self.start, self.stop)
-        return ends[0], ends[-1]  # type: ignore[return-value]  # neither is None, by _check_range
+        if self.values:
+            return self.values[0], self.values[-1]
+        assert self.start is not None and self.stop is not None  # by _check_range
+        return self.start, self.stop
 
     def in_frames(self, count: int) -> list[Value]:
         """Return the parameter's value in each of `count` frames."""
