@@ -236,7 +236,7 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     ends, write = [], overlay._write
 
     def written(draw, x, middle, text, height):
-        ends.append(((id(draw), middle), x, x + overlay._width(text) * height))
+        ends.append(((draw, middle), x, x + overlay._width(text) * height))
         write(draw, x, middle, text, height)
 
     monkeypatch.setattr(overlay, "_write", written)
