@@ -91,7 +91,7 @@ def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: i
     once = vertical**2 * point.conj()
     twice = vertical**2 * (oblique**2 * point.conj()).conj()
     unchanged, mirrored, turned, expected = (
-        _colours_at(picture, scene, -0.5j + 0.7 * source) for source in (point, once, twice, point * np.exp(1j * alpha))
+        _colours_at(picture, scene, -0.24j + 0.7 * source) for source in (point, once, twice, point * np.exp(1j * alpha))
     )
     difference = np.sqrt(np.mean((turned - expected)[abs(point) < 1] ** 2)) / 255
     return MirroredTwice((unchanged, mirrored, turned), (vertical, complex(oblique)), float(difference))

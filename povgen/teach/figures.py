@@ -105,7 +105,7 @@ def mirroring(rendering: Rendering) -> Drawn:
 
     figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
     panels = figure.subplots(1, 3)
-    titles = ("a picture", "mirrored about the vertical", r"then about an axis at $\alpha/2 = 16\degree$")
+    titles = ("a picture", "mirrored about the vertical", r"then about an axis at $\alpha/2$")
     for ax, panel, title in zip(panels, made.pictures, titles, strict=True):
         shown = ax.imshow(panel / 255, extent=(-1, 1, -1, 1))
         disc = 0.985 * np.exp(1j * np.linspace(0, 2 * pi, 241))
