@@ -10,10 +10,10 @@ from povgen.model import Model
 # faster and more accurate (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states.
 # hd states frames a second instead, because players and editors expect 30.
 QUALITIES: dict[str, dict[str, Any]] = {
-    "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
-    "standard": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
-    "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
-    "hd": {"size": (1920, 1080), "antialias": "1,0.1,2", "frame_rate": 30},
+    "draft": {"size": (320, 240), "antialias": None, "frames": 1 / 4},
+    "standard": {"size": (480, 360), "antialias": (1, 0.9, 2), "frames": 1},
+    "high": {"size": (960, 720), "antialias": (1, 0.1, 2), "frames": 3},
+    "hd": {"size": (1920, 1080), "antialias": (1, 0.1, 2), "frame_rate": 30},
 }
 SAMPLING = ("quality", "size", "antialias")  # the fields of Rendering that decide POV-Ray's options
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]

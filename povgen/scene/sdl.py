@@ -76,6 +76,20 @@ def to_pov(scene: Scene, mosaic: Mosaic | None = None, sheet_macro: str | None =
     )
 
 
+def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, file: str) -> str:
+    """Return the text with which POV-Ray writes to a file where lines cross a piece's surface.
+
+    The grid's points are numbered along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
+    """
+    template = _environment().get_template("probes/crossings.pov.j2")
+    return template.render(piece=piece, grid=grid, limit=limit, file=file)
+
+
+def to_live(data: Mapping[str, object]) -> str:
+    """Return the page that shows the live view alone. `data`: the scene's values, and the shapes of its pieces."""
+    return _environment().get_template("live/page.html.j2").render(data=data)
+
+
 def to_html(page: Mapping[str, object]) -> str:
     """Return the teaching page, with its styles and script. The script reads `page` (`teach.page`)."""
     return _environment().get_template("demo/index.html.j2").render(page=page)

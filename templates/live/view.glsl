@@ -1,0 +1,74 @@
+// What the eye sees in a pixel: one ray from the eye through the sheets to what stands behind them, and its colour.
+
+uniform int model;           // of the sheets: 0 none, 1 ideal, 2 prisms
+uniform vec2 alpha;          // cosine and sine of the ray-rotation angle
+uniform vec3 eye;
+uniform float viewHeight;    // height of the picture in the plane z = 0, tiles
+uniform vec2 size;           // of the picture, pixels
+uniform vec2 jitter;         // the ray's place in its pixel, from the centre, pixels
+
+struct Seen {
+  vec3 origin, direction;  // of the ray that leaves the sheets; without sheets, of the eye's ray
+  Hit hit;                 // what this ray meets first
+  bool lost;               // the ray has met too many faces
+  Passage passage;         // through the prisms
+};
+
+vec3 eyeRay(vec2 pixel) {
+  vec2 place = (pixel + jitter - size / 2.0) / size.y * viewHeight;
+  return normalize(vec3(place, 0) - eye);
+}
+
+// The ray passes the window frame's front opening, and then the window at z, within the frame.
+bool entersWindow(vec3 d, float z) {
+  vec2 front = eye.xy + d.xy / d.z * (-frameDepth / 2.0 - eye.z), at = eye.xy + d.xy / d.z * (z - eye.z);
+  return max(max(abs(front.x), abs(front.y)), max(abs(at.x), abs(at.y))) < window / 2.0;
+}
+
+Seen see(vec3 d) {
+  Seen seen;
+  seen.origin = eye;
+  seen.direction = d;
+  seen.lost = false;
+  seen.passage = Passage(eye, d, THROUGH, 0, 0.0);
+  float front = model == 2 ? (sheetCentre[0] - prismHalf * pitch) : 0.0;
+  if (model > 0 && entersWindow(d, front)) {
+    if (model == 1) {
+      seen.origin = eye - d * (eye.z / d.z);
+      // A camera's ray runs against the light: it is turned by -alpha.
+      seen.direction = vec3(alpha.x * d.x + alpha.y * d.y, alpha.x * d.y - alpha.y * d.x, d.z);
+    } else {
+      seen.passage = passage(eye, d);
+      seen.origin = seen.passage.position;
+      seen.direction = seen.passage.direction;
+      seen.lost = seen.passage.end == UNFINISHED;
+      if (seen.passage.end == FRAME) {
+        vec2 inwards = abs(seen.origin.x) > abs(seen.origin.y) ? vec2(-sign(seen.origin.x), 0) : vec2(0, -sign(seen.origin.y));
+        seen.hit = Hit(0.0, WINDOW_FRAME, vec3(inwards, 0));
+        return seen;
+      }
+    }
+  }
+  if (seen.lost) seen.hit = Hit(0.0, SKY, vec3(0));
+  else seen.hit = meet(seen.origin, seen.direction);
+  return seen;
+}
+
+// POV-Ray's shading: ambient, diffuse and specular light, without reflections.
+vec3 colourOf(Seen seen) {
+  if (seen.lost) return vec3(0);
+  if (seen.hit.what == SKY) return skyColour(seen.direction);
+  vec3 p = seen.origin + seen.hit.t * seen.direction, normal = seen.hit.normal;
+  Finish finish = finishOf(seen.hit.what, p);
+  vec3 colour = finish.pigment * finish.ambient;
+  for (int k = 0; k < LIGHTS; k++) {
+    vec3 l = towardsLight(k, p);
+    float cosine = dot(normal, l);
+    if (cosine <= 0.0 || castsShadows[k] && shadowed(p + 0.004 * normal, l)) continue;
+    colour += lightColour[k] * finish.pigment * finish.diffuse * cosine;
+    if (!castsShadows[k]) continue;  // in POV-Ray a shadowless light makes no highlights
+    float mirrored = max(dot(normal, normalize(l - seen.direction)), 0.0);
+    colour += lightColour[k] * finish.specular * pow(mirrored, 1.0 / finish.roughness);
+  }
+  return min(colour, 1.0);
+}

@@ -1,0 +1,345 @@
+// The live view: a scene on a canvas, traced by the graphics processor.
+//
+// view = new LiveView(canvas, scene, volumes); await view.ready; view.set({ alpha: 66 });
+//
+// While values change it draws one ray a pixel, and fewer pixels where a frame takes long. At rest it adds rays, up to
+// RAYS a pixel, and then stops drawing.
+
+"use strict";
+
+class LiveView {
+  static RAYS = 64;
+  static MODELS = { none: 0, ideal: 1, detailed: 2, single: 2 };
+  static BACKGROUNDS = { scene: 0, black: 1, white: 2 };
+  static MOVING = 200;     // ms without a change until the picture is at rest
+  static SLOW = 30;        // ms: a moving frame that takes longer gets fewer pixels
+  static FAST = 18;        // ms: below, it gets more
+  static LEAST = 0.2;      // of the canvas's width and height
+
+  // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
+  // `failed` is called with a sentence if the view cannot be shown, and with null when it can be shown again.
+  constructor(canvas, scene, volumes, failed = () => {}) {
+    this.canvas = canvas;
+    this.scene = { ...scene };
+    this.volumes = volumes;
+    this.failed = failed;
+    this.scale = 1;        // of the moving picture, pixels of the canvas
+    this.count = 0;        // rays a pixel in the sum
+    this.frames = [];      // milliseconds of the last moving frames
+    this.changed = -Infinity;
+    canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.pending = null;
+      this.failed("The graphics processor has stopped this page. It starts again by itself, or after reloading the page.");
+    });
+    canvas.addEventListener("webglcontextrestored", () => this.start());
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.ready = this.load().then(() => this.start());
+  }
+
+  async load() {
+    const names = Object.keys(this.volumes?.pieces ?? {});
+    const fields = names.map((name) => volume.field(this.volumes.pieces[name], this.volumes.grid));
+    this.fields = await Promise.all(fields);
+    this.names = names;
+  }
+
+  // Change values of the scene. The view is drawn soon after.
+  set(values) {
+    Object.assign(this.scene, values);
+    this.changed = performance.now();
+    this.again();
+  }
+
+  converged() {
+    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= LiveView.RAYS && this.shownScale === 1;
+  }
+
+  // Milliseconds of the last moving frames, and the part of the canvas's pixels a side that the last of them had.
+  statistics() {
+    const times = [...this.frames].sort((a, b) => a - b);
+    return { frames: times.length, median: times[times.length >> 1], worst: times[times.length - 1], scale: this.scale };
+  }
+
+  // ---- WebGL ----
+
+  start() {
+    const gl = this.canvas.getContext("webgl2", { antialias: false, alpha: false, powerPreference: "high-performance" });
+    // Without float textures rays cannot be summed.
+    if (!gl || !gl.getExtension("EXT_color_buffer_float")) {
+      this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
+      return;
+    }
+    this.gl = gl;
+    this.programs = {};
+    this.targets = {};
+    this.kinds = null;
+    gl.bindVertexArray(gl.createVertexArray());
+    this.makeVolumes();
+    this.failed(null);
+    this.resize();
+  }
+
+  // All distance fields in one texture: three a row along x, the rows along z.
+  makeVolumes() {
+    if (!this.names.length) return;
+    const { gl } = this;
+    const [nx, ny, nz] = this.volumes.grid;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+    gl.texStorage3D(gl.TEXTURE_3D, 1, gl.R16F, nx * Math.min(this.names.length, 3), ny, nz * Math.ceil(this.names.length / 3));
+    this.fields.forEach((field, k) => {
+      const [x, z] = [nx * (k % 3), nz * Math.floor(k / 3)];
+      gl.texSubImage3D(gl.TEXTURE_3D, 0, x, 0, z, nx, ny, nz, gl.RED, gl.FLOAT, field);
+    });
+    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
+      gl.texParameteri(gl.TEXTURE_3D, axis, gl.CLAMP_TO_EDGE);
+    }
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  // The program that a shader's main function belongs to. It is made anew if the number of objects has changed.
+  program(name) {
+    const { gl } = this;
+    const kinds = {
+      PIECES: geometry.pieces(this.scene).length,
+      SPHERES: this.scene.name === "spheres" ? Math.max(11, geometry.spheres(this.scene).length) : 0,
+      VOLUMES: this.names.length,
+      CORNERS: geometry.frameSection(this.scene).length,
+      GRID: (this.volumes?.grid ?? []).join(", "),
+    };
+    const defines = Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
+    if (this.kinds !== defines) this.programs = {};
+    this.kinds = defines;
+    return (this.programs[name] ??= this.compile(defines, name));
+  }
+
+  compile(defines, name) {
+    const { gl } = this;
+    const head = `#version 300 es\nprecision highp float;\nprecision highp int;\n${defines}`;
+    const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "view", name];
+    const texts = {
+      [gl.VERTEX_SHADER]: `#version 300 es
+        void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`,
+      [gl.FRAGMENT_SHADER]: head + parts.map((part) => LiveView.SHADERS[part]).join("\n"),
+    };
+    const program = gl.createProgram();
+    const shaders = Object.entries(texts).map(([kind, text]) => {
+      const shader = gl.createShader(Number(kind));
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+      return shader;
+    });
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      throw new Error(shaders.map((shader) => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(program));
+    }
+    const found = {};
+    for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k++) {
+      const { name: uniform, type } = gl.getActiveUniform(program, k);
+      found[uniform.replace("[0]", "")] = { place: gl.getUniformLocation(program, uniform), type };
+    }
+    return { program, uniforms: found };
+  }
+
+  // Use a program with the scene's values, and others.
+  use(name, others) {
+    const { gl } = this;
+    const { program, uniforms } = this.program(name);
+    gl.useProgram(program);
+    const setters = {
+      [gl.FLOAT]: "uniform1fv", [gl.FLOAT_VEC2]: "uniform2fv", [gl.FLOAT_VEC3]: "uniform3fv", [gl.FLOAT_VEC4]: "uniform4fv",
+      [gl.INT]: "uniform1iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
+    };
+    const values = { ...(name === "display" ? {} : this.values()), ...others };
+    for (const [key, { place, type }] of Object.entries(uniforms)) {
+      gl[setters[type]](place, [values[key]].flat(2).map(Number));
+    }
+  }
+
+  // The shaders' uniforms.
+  values() {
+    const { scene } = this;
+    const prism = geometry.prism(scene), sheets = geometry.sheets(scene), spheres = geometry.spheres(scene);
+    const pieces = geometry.pieces(scene), base = geometry.radians(scene.base_angle), alpha = geometry.radians(scene.alpha);
+    const most = Math.max(11, spheres.length);
+    return {
+      model: LiveView.MODELS[scene.sheet],
+      alpha: [Math.cos(alpha), Math.sin(alpha)],
+      eye: [...scene.eye, -scene.z2],
+      viewHeight: scene.view,
+      background: LiveView.BACKGROUNDS[scene.background],
+      window: scene.aperture,
+      frameDepth: geometry.depth(scene),
+      frameSection: geometry.frameSection(scene),
+      hasFloor: scene.name === "chess",
+      floorY: geometry.floorY(scene),
+      sheets: sheets.length,
+      sheetTurn: [0, 1].map((k) => (sheets[k] ? [Math.cos(sheets[k].angle), Math.sin(sheets[k].angle)] : [1, 0])),
+      sheetCentre: [0, 1].map((k) => sheets[k]?.centre ?? 0),
+      pitch: prism.pitch,
+      firstBase: -scene.prisms / 2 + scene.gap / 2,
+      prismHeight: prism.height / prism.pitch,
+      prismHalf: prism.length / prism.pitch / 2,
+      slant: [Math.cos(base), Math.sin(base)],
+      glassIndex: scene.index,
+      maxFaces: scene.faces,
+      volumes: 1,
+      pieceFoot: pieces.map((piece) => piece.foot),
+      pieceColour: pieces.map((piece) => piece.color),
+      pieceVolume: pieces.map((piece) => this.names.indexOf(piece.name)),
+      volumePlace: this.names.map((name) => this.volumes.pieces[name].place),
+      sphereCount: spheres.length,
+      spheres: Array.from({ length: most }, (_, k) => (spheres[k] ? [...spheres[k].centre, spheres[k].radius] : [0, 0, 1, 0])),
+    };
+  }
+
+  // A framebuffer of float textures; made anew if its size has changed.
+  target(name, width, height, textures = 1) {
+    const { gl } = this;
+    const old = this.targets[name];
+    if (old && old.width === width && old.height === height) return old;
+    if (old) {
+      old.textures.forEach((texture) => gl.deleteTexture(texture));
+      gl.deleteFramebuffer(old.framebuffer);
+    }
+    const framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    const made = Array.from({ length: textures }, (_, k) => {
+      const texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + k, gl.TEXTURE_2D, texture, 0);
+      return texture;
+    });
+    gl.drawBuffers(made.map((_, k) => gl.COLOR_ATTACHMENT0 + k));
+    return (this.targets[name] = { width, height, framebuffer, textures: made });
+  }
+
+  // Draw on a target, or on the canvas.
+  draw(name, target, values) {
+    const { gl } = this;
+    this.use(name, values);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target?.framebuffer ?? null);
+    gl.viewport(0, 0, target?.width ?? this.canvas.width, target?.height ?? this.canvas.height);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  // Add ray number `count` to each pixel of a sum. The rays of a pixel are spread evenly; the first is in its middle.
+  addRay(name, width, height, count) {
+    const { gl } = this;
+    const [from, to] = [count & 1, 1 - (count & 1)].map((k) => this.target(name + k, width, height));
+    gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
+    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => ((0.5 + count * step) % 1) - 0.5);
+    this.draw("picture", to, { size: [width, height], jitter, sum: 0, first: count === 0, rayNumber: count });
+    return to;
+  }
+
+  show(sum) {
+    const { gl, canvas } = this;
+    gl.bindTexture(gl.TEXTURE_2D, sum.textures[0]);
+    this.draw("display", null, { sum: 0, canvas: [canvas.width, canvas.height] });
+  }
+
+  // ---- Drawing when it is needed ----
+
+  resize() {
+    const { canvas } = this;
+    const ratio = window.devicePixelRatio || 1;
+    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    this.again();
+  }
+
+  again() {
+    this.count = 0;
+    if (this.gl && !this.asked) {
+      this.asked = true;
+      requestAnimationFrame((now) => this.tick(now));
+    }
+  }
+
+  tick(now) {
+    this.asked = false;
+    const { gl, canvas } = this;
+    if (gl.isContextLost()) return;
+    if (this.pending && !this.finished(now)) return this.later();
+    const moving = now - this.changed < LiveView.MOVING;
+    const scale = moving ? this.scale : 1;
+    if (scale !== this.shownScale) this.count = 0;
+    if (this.count < LiveView.RAYS) {
+      const [width, height] = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(scale * pixels)));
+      this.show(this.addRay("sum", width, height, this.count));
+      this.count = moving ? 0 : this.count + 1;
+      this.shownScale = scale;
+      this.pending = { fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), start: performance.now(), moving };
+      gl.flush();
+    }
+    if (moving || this.pending) this.later();
+  }
+
+  later() {
+    if (!this.asked) {
+      this.asked = true;
+      requestAnimationFrame((now) => this.tick(now));
+    }
+  }
+
+  // Whether the frame under way is finished. If it was a moving one, it decides how many pixels the next has.
+  finished() {
+    const { gl } = this;
+    if (gl.getSyncParameter(this.pending.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+    gl.deleteSync(this.pending.fence);
+    if (this.pending.moving) {
+      const time = performance.now() - this.pending.start;
+      this.frames = [...this.frames.slice(-99), time];
+      const factor = time > LiveView.SLOW ? Math.max(0.5, Math.sqrt(LiveView.SLOW / time) * 0.95) : time < LiveView.FAST ? 1.1 : 1;
+      this.scale = Math.min(1, Math.max(LiveView.LEAST, this.scale * factor));
+    }
+    this.pending = null;
+    return true;
+  }
+
+  // ---- Numbers ----
+
+  // What the shader finds for every pixel of a picture of this size: { ray, path, place }, four numbers each, see
+  // readout.glsl. The rows begin at the bottom.
+  readout(width, height) {
+    const { gl } = this;
+    const target = this.target("readout", width, height, 3);
+    this.draw("readout", target, { size: [width, height], jitter: [0, 0] });
+    const read = (k) => {
+      const numbers = new Float32Array(4 * width * height);
+      gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
+      gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
+      return numbers;
+    };
+    return { ray: read(0), path: read(1), place: read(2) };
+  }
+
+  // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
+  // number of rays. The rows begin at the bottom.
+  light(width, height, rays) {
+    const { gl } = this;
+    let sum;
+    for (let count = 0; count < rays; count++) sum = this.addRay("still", width, height, count);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
+    const numbers = new Float32Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
+    return numbers;
+  }
+
+  // Milliseconds of each of some frames of the canvas's size, one ray a pixel.
+  bench(count = 20) {
+    const times = [];
+    for (let k = 0; k <= count; k++) {
+      const start = performance.now();
+      this.light(this.canvas.width, this.canvas.height, 1);
+      if (k) times.push(performance.now() - start);  // the first one compiles
+    }
+    return times;
+  }
+}
