@@ -7,9 +7,10 @@ is its own text. Finished fields are kept in the cache.
 import base64
 import json
 import zlib
+from collections.abc import Mapping
 from contextlib import suppress
 from hashlib import sha256
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,3 +127,8 @@ class _Lines:
         following = np.minimum.accumulate(following[..., ::-1], -1)[..., ::-1]
         preceding = np.maximum.accumulate(preceding, -1)
         return np.moveaxis(np.minimum(following - points, points - preceding), -1, self.axis)
+
+
+def shapes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Any]:
+    """Return the distance fields of pieces, by name, as `LiveView` (templates/live/view.js) takes them."""
+    return {"grid": GRID, "pieces": {name: volume(piece)._asdict() for name, piece in pieces.items()}}

@@ -53,8 +53,10 @@ Finish finishOf(int what, vec3 p) {
   if (what == WINDOW_FRAME) return FrameTexture(p);
 #if PIECES > 0
   return PieceTexture(what - OBJECT, p - pieceFoot[what - OBJECT]);
-#else
+#elif SPHERES > 0
   return SphereTexture(what - OBJECT);
+#else
+  return FrameTexture(p);
 #endif
 }
 

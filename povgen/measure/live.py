@@ -1,0 +1,145 @@
+"""Compare the live view with the exact ray trace, with eq. 7 and with POV-Ray's pictures: `povgen verify --live`.
+
+The view runs in a Chromium that draws without a GPU. Chromium's and POV-Ray's CPU seconds are measured in one run.
+"""
+
+from collections.abc import Iterator
+from math import radians
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from povgen.measure import probes
+from povgen.measure.browser import View, chromium
+from povgen.measure.probes import Directions, Size
+from povgen.measure.speed import CONVERGED, cpu_seconds, flip, picture_error
+from povgen.measure.verify import NOT_FOUND, SMALL, Measured, px, targets
+from povgen.optics import rotation
+from povgen.optics.trace import End
+from povgen.scene import prediction
+from povgen.scene.models import Chess, Scene, Spheres
+from povgen.scene.sdl import to_pov
+from povgen.settings import Rendering
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+PICTURE = (320, 240)  # pictures are compared at this size
+RAYS = 64  # a pixel: `LiveView.RAYS`
+SAME = 15  # of 255: two pixels whose colours differ by less show the same thing
+WINDOWS: tuple[dict[str, Any], ...] = (
+    {},
+    {"alpha": 35, "prisms": 400},
+    {"alpha": 90, "eye": (0.5, -0.5)},
+    {"alpha": 180, "prisms": 400, "z2": 3},
+    {"alpha": 140, "prisms": 25, "eye": (0, 3), "z2": 8},
+    {"alpha": -20, "prisms": 200, "z2": 3},
+    {"alpha": 66, "index": 1.7, "base_angle": 40},
+    {"alpha": 66, "gap": 0.1, "aspect": 0.9},
+    {"sheet": "single", "prisms": 1},
+)
+SCENES: tuple[Scene, ...] = (
+    Chess(),
+    Chess(alpha=140, z1=3, piece="queen", eye=(0.4, 0.3)),
+    Chess(alpha=25, piece=("rook", "king"), x=(-0.5, 0.5), z1=(1.5, 3), color=("#e7b56f", "#5a3a22")),
+    Spheres(),
+    Spheres(alpha=110, z1=(2, 6)),
+)
+
+
+def checks() -> Iterator[Measured]:
+    """Measure everything. Raises InputError if no browser can show the view."""
+    with chromium() as browser:
+        yield from directions(View(browser, Directions(sheet="detailed")))
+        yield from positions(View(browser, Directions(sheet="ideal")))
+        for sheet in ("none", "ideal", "detailed"):
+            yield from pictures(browser, sheet)
+        yield cost(View(browser, Chess()))
+
+
+def directions(view: View, windows: tuple[dict[str, Any], ...] = WINDOWS, size: Size = SMALL) -> Iterator[Measured]:
+    """Compare the directions in which the view's rays leave the sheets with the exact ray trace."""
+    designed, leaving = [], []
+    for values in windows:
+        scene = Directions(**{"sheet": "detailed", **values})
+        view.set(scene)
+        read = view.readout(size)
+        inside, direction = probes.rays(scene, size)
+        trace_level = prediction.max_trace_level(scene)
+        found = probes.traced(scene, direction, trace_level)
+        seen = (found.end <= End.BACK) & (found.count < trace_level)
+        off = np.linalg.norm(read["ray"][inside][:, :3] - found.direction, axis=1)
+        same = (off < 1e-3) & (read["ray"][inside][:, 3] == found.end)
+        designed.append(100 * same[seen & found.designed].mean())
+        leaving.append(100 * same[seen].mean())
+    kind = f"worst of {len(windows)} windows"
+    what = "rays on the designed path within 1e-3 rad of the ray trace"
+    yield Measured("live", f"{what}, {kind}", np.min(designed), 99.8, "%", least=True)
+    what = "all rays that leave, within 1e-3 rad of the ray trace"
+    yield Measured("live", f"{what}, {kind}", np.min(leaving), 99, "%", least=True)
+
+
+def positions(view: View, count: int = 20, size: Size = SMALL) -> Iterator[Measured]:
+    """Compare where the view's ideal sheet shows points with eq. 7."""
+    scenes = [*targets("ideal", count // 2, seed=7, E=0j), *targets("ideal", count // 2, seed=8, E=0.3 - 0.4j)]
+    off = []
+    for scene in scenes:
+        view.set(Directions(sheet="ideal", alpha=scene.alpha, z2=scene.z2, eye=scene.eye))
+        ray = view.readout(size)["ray"].astype(float)
+        # where each pixel's ray crosses the plane of the point, relative to the point
+        slope = (ray[..., 0] + 1j * ray[..., 1]) / ray[..., 2]
+        shown = probes.pixels(scene, size) + slope * scene.z1 - scene.L
+        inside, _ = probes.rays(scene, size)
+        seen = probes.locate(probes.pixels(scene, size)[inside], shown[inside], scene.extent) or NOT_FOUND
+        predicted = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        off.append(px(abs(seen.position - predicted)))
+    yield Measured(
+        "live", f"ideal: apparent position against eq. 7, {len(scenes)} points, worst", np.max(off), 0.3, "px"
+    )
+
+
+def pictures(browser: "Browser", sheet: str, scenes: tuple[Scene, ...] = SCENES) -> Iterator[Measured]:
+    """Compare the view's pictures with POV-Ray's, with one ray a pixel and converged."""
+    same, difference = [], []
+    for scene in scenes:
+        shown = scene.replace(sheet=sheet)
+        view = View(browser, shown)
+        text = to_pov(shown)
+        _, plain = cpu_seconds(text, Rendering(size=SMALL, antialias="off"))
+        off = abs(view.picture(SMALL, 1).astype(int) - plain).max(-1)
+        same.append(100 * (off < SAME).mean())
+        _, converged = cpu_seconds(text, Rendering(size=PICTURE, antialias=CONVERGED))
+        found = view.picture(PICTURE, RAYS)
+        through = sheet == "detailed"
+        difference.append(picture_error(found, converged, shown)[1] if through else flip(found, converged).mean())
+        view.page.close()
+    kind = f"{sheet}, worst of {len(scenes)} scenes"
+    least, most = (97, 0.07) if sheet == "detailed" else (99.5, 0.05)
+    yield Measured(
+        "live",
+        f"pixels that show the same colour as POV-Ray's, one ray a pixel: {kind}",
+        np.min(same),
+        least,
+        "%",
+        True,
+    )
+    where = "in the window, " if sheet == "detailed" else ""
+    yield Measured("live", f"mean FLIP against POV-Ray's picture, converged: {where}{kind}", np.max(difference), most)
+
+
+def cost(view: View, size: Size = SMALL, rounds: int = 5) -> Measured:
+    """Compare the CPU seconds of one frame with POV-Ray's, one ray a pixel, in turns."""
+    scene = Chess()
+    text, rendering = to_pov(scene), Rendering(size=size, antialias="off")
+    view.set(scene)
+    view.picture(size, 1)  # the first frame compiles the shaders
+    povray, live = [], []
+    for _ in range(rounds):
+        povray.append(cpu_seconds(text, rendering)[0])
+        before = view.cpu_seconds()
+        view.page.evaluate("([width, height]) => { view.light(width, height, 1); }", list(size))
+        live.append(view.cpu_seconds() - before)
+    ours, theirs = median(live), median(povray)
+    what = f"CPU seconds of a detailed frame of {size[0]}x{size[1]} ({ours:.2f}) / POV-Ray's ({theirs:.2f})"
+    return Measured("live", what, ours / theirs, 1.5)
