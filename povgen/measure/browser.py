@@ -17,7 +17,8 @@ from povgen.scene.models import Scene
 from povgen.scene.sdl import to_live
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser as Browser  # for others, too
+    from playwright.sync_api import Page
 
 Floats = NDArray[np.float32]
 Size = tuple[int, int]  # width and height, pixels

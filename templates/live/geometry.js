@@ -43,16 +43,16 @@ const geometry = (() => {
 
   const floorY = (scene) => -(scene.aperture / 2 + scene.rim);
 
-  // One value for each object, from one value for all or a list.
-  function listed(values) {
-    const count = Math.max(...values.map((value) => (Array.isArray(value) ? value.length : 1)));
-    return values.map((value) => (Array.isArray(value) ? value : Array(count).fill(value)));
+  // Lists with a value for each object, from lists of which some have one value for all.
+  function listed(lists) {
+    const count = Math.max(...lists.map((list) => list.length));
+    return lists.map((list) => (list.length === 1 ? Array(count).fill(list[0]) : list));
   }
 
   // The pieces: name of the distance field, centre of the foot, colour (sRGB, 0 to 1).
   function pieces(scene) {
     if (scene.name !== "chess") return [];
-    const [piece, x, z1, color] = listed([scene.piece, scene.x, scene.z1, scene.color]);
+    const [piece, x, z1, color] = listed([scene.piece, scene.x, scene.z1, scene.color].map((values) => [values].flat()));
     return piece.map((name, k) => ({ name, foot: [x[k], floorY(scene), z1[k]], color: color[k] }));
   }
 
