@@ -3,7 +3,7 @@
 from typing import Any
 
 from povgen.scene import prediction
-from povgen.scene.models import Chess, Scene, rgb
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, rgb
 from povgen.scene.pieces import PieceFile
 
 
@@ -13,6 +13,7 @@ def values(scene: Scene) -> dict[str, Any]:
     if isinstance(scene, Chess):
         colors = scene.color if isinstance(scene.color, tuple) else (scene.color,)
         found["color"] = [rgb(color) for color in colors]
+        found["pedestal_halves"] = {str(piece.piece): piece.radius + PEDESTAL_EDGE for piece in scene.pieces}
     return found
 
 

@@ -35,11 +35,16 @@ const geometry = (() => {
     return Math.max(scene.aperture / 10, 1.02 * thickness);
   }
 
-  // The window frame's cross-section, from the opening's front to its back: distance from the opening, and z.
+  // The window frame's cross-section, from the opening's front to its back: distance from the opening, and z. The lip's
+  // width. templates/frame.pov.j2
   function frameSection(scene) {
-    const half = depth(scene) / 2;
-    return [[0, -half], [scene.rim, -half], [scene.rim, half], [0, half]];
+    const half = depth(scene) / 2, { rim } = scene;
+    return [
+      [0, -half], [0.6 * rim, -half], [0.75 * rim, 0.25 * rim - half], [rim, 0.5 * rim - half], [rim, half], [0, half],
+    ];
   }
+
+  const frameLip = (scene) => 0.2 * scene.rim;
 
   const floorY = (scene) => -(scene.aperture / 2 + scene.rim);
 
@@ -49,14 +54,15 @@ const geometry = (() => {
     return lists.map((list) => (list.length === 1 ? Array(count).fill(list[0]) : list));
   }
 
-  // The pieces: name of the distance field, centre of the foot, colour (sRGB, 0 to 1).
+  // The pieces: name of the distance field, centre of the foot, colour (sRGB, 0 to 1), half the pedestal's width.
   function pieces(scene) {
     if (scene.name !== "chess") return [];
     const [piece, x, z1, color] = listed([scene.piece, scene.x, scene.z1, scene.color].map((values) => [values].flat()));
-    return piece.map((name, k) => ({ name, foot: [x[k], floorY(scene), z1[k]], color: color[k] }));
+    const y = floorY(scene) + scene.pedestal;
+    return piece.map((name, k) => ({ name, foot: [x[k], y, z1[k]], color: color[k], half: scene.pedestal_halves[name] }));
   }
 
-  const radius = (z1, z2) => Math.min(0.062 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 4);
+  const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 4);
 
   // z1 of every sphere: if none is given, 2^n z2.
   function distances(scene) {
@@ -72,5 +78,5 @@ const geometry = (() => {
     return distances(scene).map((z1) => ({ centre: [...scene.line, z1], radius: radius(z1, scene.z2) }));
   }
 
-  return { radians, prism, sheets, depth, frameSection, floorY, pieces, distances, spheres };
+  return { radians, prism, sheets, depth, frameSection, frameLip, floorY, pieces, distances, spheres };
 })();

@@ -6,16 +6,19 @@
 const int SKY = 0;
 const int FLOOR = 1;
 const int WINDOW_FRAME = 2;
-const int OBJECT = 3;  // the first piece or sphere; the next is 4, and so on
+const int OBJECT = 3;  // the first piece or sphere; the next is 4, and so on; the pieces' pedestals follow
 
 uniform float window;                  // side of the square window
 uniform float frameDepth;              // extent of the window frame along z
 uniform vec2 frameSection[CORNERS];    // corners of its cross-section: distance from the opening, and z
+uniform float frameLip;                // width of the metal lip at the opening's front
 uniform bool hasFloor;
 uniform float floorY;
 #if PIECES > 0
 uniform highp sampler3D volumes;       // the distance fields, side by side
 uniform vec3 pieceFoot[PIECES];        // centre of the foot
+uniform float pedestal;                // height of the pedestals; 0: none
+uniform float pedestalHalf[PIECES];    // half the width of each
 uniform int pieceVolume[PIECES];       // number of the piece's distance field
 uniform vec4 volumePlace[VOLUMES];     // voxel 0, from the foot's centre; and the side of a voxel
 #endif
@@ -25,7 +28,7 @@ uniform vec4 spheres[SPHERES];         // centre and radius
 
 struct Hit {
   float t;      // how far along the ray; the direction is a unit vector
-  int what;     // SKY, FLOOR, WINDOW_FRAME, or OBJECT and the number of the piece or sphere
+  int what;     // SKY, FLOOR, WINDOW_FRAME, or OBJECT + the number of the object
   vec3 normal;  // unit vector, towards the ray's start
 };
 
@@ -118,6 +121,29 @@ float reachOf(int piece, vec3 o, vec3 d, float most) {
 }
 #endif
 
+#if PIECES > 0
+void meetBox(vec3 o, vec3 d, vec3 lower, vec3 upper, int what, inout Hit hit) {
+  vec2 reach = boxed(o, d, lower, upper);
+  if (reach.x >= reach.y || reach.x <= 0.0 || reach.x >= hit.t) return;
+  vec3 place = (o + reach.x * d - (lower + upper) / 2.0) / (upper - lower);
+  vec3 far = abs(place);
+  vec3 normal = far.x > max(far.y, far.z) ? vec3(1, 0, 0) : far.y > far.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
+  hit = Hit(reach.x, what, normal * sign(place));
+}
+
+// pedestal.pov.j2: a base, a block and a cap.
+void meetPedestal(int k, vec3 o, vec3 d, inout Hit hit) {
+  vec3 foot = vec3(pieceFoot[k].x, floorY, pieceFoot[k].z);
+  float wide = pedestalHalf[k], narrow = 0.88 * wide;
+  vec2 reach = boxed(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, pedestal, wide));
+  if (pedestal == 0.0 || reach.x > reach.y || reach.y < 0.0 || reach.x > hit.t) return;
+  int what = OBJECT + PIECES + k;
+  meetBox(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, 0.10, wide), what, hit);
+  meetBox(o, d, foot + vec3(-narrow, 0.10, -narrow), foot + vec3(narrow, pedestal - 0.08, narrow), what, hit);
+  meetBox(o, d, foot + vec3(-wide, pedestal - 0.08, -wide), foot + vec3(wide, pedestal, wide), what, hit);
+}
+#endif
+
 #if SPHERES > 0
 float reachOfSphere(int k, vec3 o, vec3 d, float most) {
   vec3 centre = spheres[k].xyz - o;
@@ -136,6 +162,7 @@ Hit meet(vec3 o, vec3 d) {
   meetFrame(o, d, hit);
 #if PIECES > 0
   for (int k = 0; k < PIECES; k++) {
+    meetPedestal(k, o, d, hit);
     float t = reachOf(k, o, d, hit.t);
     if (t < hit.t) {
       vec4 place = volumePlace[pieceVolume[k]];
@@ -156,6 +183,9 @@ Hit meet(vec3 o, vec3 d) {
 bool shadowed(vec3 o, vec3 d) {
   Hit hit = Hit(1e30, SKY, vec3(0));
   meetFrame(o, d, hit);
+#if PIECES > 0
+  for (int k = 0; k < PIECES; k++) meetPedestal(k, o, d, hit);
+#endif
   if (hit.what != SKY) return true;
 #if PIECES > 0
   for (int k = 0; k < PIECES; k++) if (reachOf(k, o, d, 1e30) < 1e30) return true;

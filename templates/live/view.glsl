@@ -60,15 +60,19 @@ vec3 colourOf(Seen seen) {
   if (seen.hit.what == SKY) return skyColour(seen.direction);
   vec3 p = seen.origin + seen.hit.t * seen.direction, normal = seen.hit.normal;
   Finish finish = finishOf(seen.hit.what, p);
-  vec3 colour = finish.pigment * finish.ambient;
-  for (int k = 0; k < LIGHTS; k++) {
-    vec3 l = towardsLight(k, p);
-    float cosine = dot(normal, l);
-    if (cosine <= 0.0 || castsShadows[k] && shadowed(p + 0.004 * normal, l)) continue;
-    colour += lightColour[k] * finish.pigment * finish.diffuse * cosine;
-    if (!castsShadows[k]) continue;  // in POV-Ray a shadowless light makes no highlights
-    float mirrored = max(dot(normal, normalize(l - seen.direction)), 0.0);
-    colour += lightColour[k] * finish.specular * pow(mirrored, 1.0 / finish.roughness);
+  vec3 sun = normalize(sunDirection);
+  float facing = dot(normal, sun);
+  vec3 light = vec3(finish.ambient) + fillColour * finish.diffuse * max(dot(normal, normalize(fillDirection)), 0.0);
+  vec3 highlight = vec3(0);
+  if (facing > 0.0 && !shadowed(p + 0.004 * normal, shadowDirection())) {
+    light += sunColour * finish.diffuse * facing;
+    // In POV-Ray a light without shadows, such as the fill light, makes no highlights.
+    float mirrored = max(dot(normal, normalize(sun - seen.direction)), 0.0);
+    highlight = sunColour * finish.specular * pow(mirrored, 1.0 / finish.roughness);
+    if (finish.metallic) {  // the highlight has the metal's colour, except at grazing light
+      float grazing = acos(facing) * 2.0 / PI - 1.12;
+      highlight *= mix(finish.pigment, vec3(1), clamp(0.014567225 / (grazing * grazing) - 0.011612903, 0.0, 1.0));
+    }
   }
-  return min(colour, 1.0);
+  return min(finish.pigment * light + highlight, 1.0);
 }

@@ -174,6 +174,7 @@ class LiveView {
       window: scene.aperture,
       frameDepth: geometry.depth(scene),
       frameSection: geometry.frameSection(scene),
+      frameLip: geometry.frameLip(scene),
       hasFloor: scene.name === "chess",
       floorY: geometry.floorY(scene),
       sheets: sheets.length,
@@ -188,6 +189,8 @@ class LiveView {
       maxFaces: scene.faces,
       volumes: 1,
       pieceFoot: pieces.map((piece) => piece.foot),
+      pedestal: scene.pedestal,
+      pedestalHalf: pieces.map((piece) => piece.half),
       pieceColour: pieces.map((piece) => piece.color),
       pieceVolume: pieces.map((piece) => this.names.indexOf(piece.name)),
       volumePlace: this.names.map((name) => this.volumes.pieces[name].place),
@@ -310,7 +313,7 @@ class LiveView {
   readout(width, height) {
     const { gl } = this;
     const target = this.target("readout", width, height, 3);
-    this.draw("readout", target, { size: [width, height], jitter: [0, 0] });
+    this.draw("readout", target, { size: [width, height], jitter: [0, 0], rayNumber: 0 });
     const read = (k) => {
       const numbers = new Float32Array(4 * width * height);
       gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
