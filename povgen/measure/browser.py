@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
-from povgen.rendering.volumes import shapes
+from povgen.rendering.volumes import page
 from povgen.scene import live
 from povgen.scene.models import Scene
-from povgen.scene.sdl import to_live
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser as Browser  # for others, too
@@ -65,7 +64,7 @@ class View:
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
-            file.write_text(to_live({"scene": live.values(scene), "volumes": shapes(live.pieces(scene))}), "utf-8")
+            file.write_text(page(scene), "utf-8")
             self.page.goto(file.as_uri())
             self.page.evaluate("view.ready")
         if not self.page.evaluate("Boolean(view.gl)"):

@@ -5,12 +5,14 @@ is its own text. Finished fields are kept in the cache.
 """
 
 import base64
+import functools
+import inspect
 import json
+import sys
 import zlib
-from collections.abc import Mapping
 from contextlib import suppress
 from hashlib import sha256
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +20,15 @@ from numpy.typing import NDArray
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.rendering import cache, povray
+from povgen.scene import live
+from povgen.scene.models import Scene
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
-from povgen.scene.sdl import to_crossings
+from povgen.scene.sdl import to_crossings, to_live
 from povgen.settings import Rendering
 
 GRID = (72, 160, 72)  # points along x, y and z
 MOST = 2.0  # distances up to this many voxels are stored
 CROSSINGS = "crossings.txt"
-FORMAT = 1  # of the cached fields: to be raised if another code makes other fields
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -43,7 +46,7 @@ def volume(piece: str | PieceFile) -> Volume:
     """Return a piece's distance field, from the cache or new. Raises PovrayError, and InputError for an empty piece."""
     source = to_crossings(piece, GRID, FILE_RADIUS, CROSSINGS)
     cache.check()
-    path = cache.path_for("\0".join(map(str, (povray.version(), FORMAT, MOST, source))), ".json")
+    path = cache.path_for("\0".join((povray.version(), _code(), source)), ".json")
     with suppress(ValueError, TypeError, KeyError):  # missing or damaged
         found = json.loads(cache.read(path, most=2**21) or b"")
         if found.pop("sha256") == _digest(made := Volume(tuple(found["place"]), found["data"])):
@@ -55,6 +58,12 @@ def volume(piece: str | PieceFile) -> Volume:
         cache.store(file, path)
     cache.trim(cache.max_bytes())
     return made
+
+
+@functools.cache
+def _code() -> str:
+    """Return the text of this module. A field that other code made is not used."""
+    return inspect.getsource(sys.modules[__name__])
 
 
 def _digest(made: Volume) -> str:
@@ -129,6 +138,7 @@ class _Lines:
         return np.moveaxis(np.minimum(following - points, points - preceding), -1, self.axis)
 
 
-def shapes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Any]:
-    """Return the distance fields of pieces, by name, as `LiveView` (templates/live/view.js) takes them."""
-    return {"grid": GRID, "pieces": {name: volume(piece)._asdict() for name, piece in pieces.items()}}
+def page(scene: Scene) -> str:
+    """Return the page that shows a scene's live view. Raises what `volume` raises."""
+    fields = {name: volume(piece)._asdict() for name, piece in live.pieces(scene).items()}
+    return to_live({"scene": live.values(scene), "volumes": {"grid": GRID, "pieces": fields}})

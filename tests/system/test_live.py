@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, Spheres
+import povgen
+from povgen import Chess, InputError, Spheres
 from povgen.measure import live
 from povgen.measure.browser import View, chromium
 from povgen.measure.probes import Directions
-from povgen.rendering.volumes import shapes
 from povgen.scene import live as given
 from povgen.scene.models import SCENES
-from povgen.scene.sdl import to_live
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
@@ -30,10 +29,7 @@ def prisms(browser):
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     """The page of a chess scene, as a user opens it."""
-    scene = Chess(sheet="ideal")
-    path = tmp_path_factory.mktemp("live") / "a view #1.html"
-    path.write_text(to_live({"scene": given.values(scene), "volumes": shapes(given.pieces(scene))}), "utf-8")
-    return path
+    return povgen.live(Chess(sheet="ideal")).save(tmp_path_factory.mktemp("live") / "a view #1.html")
 
 
 @pytest.fixture
@@ -217,3 +213,20 @@ def test_the_page_is_one_small_file(file):
     assert file.stat().st_size < 250_000
     text = file.read_text("utf-8")
     assert "src=" not in text and "http" not in text.replace("http-equiv", "")
+
+
+def test_a_notebook_shows_the_view(browser):
+    """Jupyter puts `_repr_html_` into its page."""
+    page = browser.new_page()
+    page.set_content(f"<p>A notebook</p>{povgen.live(Spheres(sheet='none'), 96, 72)._repr_html_()}")
+    frame = page.frames[1]
+    frame.wait_for_function("view.gl")
+    assert frame.evaluate("[view.canvas.width, view.canvas.height]") == [96, 72]
+    at_rest(frame)
+    assert canvas(frame).std() > 10
+    page.close()
+
+
+def test_only_scenes_are_shown():
+    with pytest.raises(InputError, match="scene = 'chess': should be a scene"):
+        povgen.live("chess")
