@@ -81,9 +81,10 @@ class View:
         found = self.page.evaluate(script, list(size))
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
 
-    def picture(self, size: Size, rays: int) -> NDArray[np.uint8]:
-        """Return the picture, (height, width, 3), with this many rays a pixel."""
-        sums = _pixels(self.page.evaluate(f"([w, h, rays]) => ({ENCODE})(view.light(w, h, rays))", [*size, rays]), size)
+    def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
+        """Return the picture, (height, width, 3), with this many rays a pixel, in this part of its width and height."""
+        script = f"(numbers) => ({ENCODE})(view.light(...numbers))"
+        sums = _pixels(self.page.evaluate(script, [*size, rays, part]), size)
         light = sums[..., :3] / sums[..., 3:]
         encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
         return np.round(255 * encoded).astype(np.uint8)

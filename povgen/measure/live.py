@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 PICTURE = (320, 240)  # pictures are compared at this size
 RAYS = 64  # a pixel: `LiveView.RAYS`
+SHADOW_RAYS = 13  # through the same point, for soft shadows: each asks for one of the sun's lights
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
 SKY, OBJECT = 0, 3  # templates/live/objects.glsl
 WINDOWS: tuple[dict[str, Any], ...] = (
@@ -126,7 +127,8 @@ def shows_the_same(view: View, scene: Scene) -> Mask:
     piece's colour does. Elsewhere are floor and frame, spheres, and lost rays: there the colours are compared.
     """
     plain = rendered(scene, SMALL)
-    found, read = view.picture(SMALL, 1), view.readout(SMALL)["path"][..., 0]
+    found = view.picture(SMALL, SHADOW_RAYS, part=0)
+    read = view.readout(SMALL)["path"][..., 0]
     white, black = (rendered(scene.replace(background=background), SMALL) for background in ("white", "black"))
     povray_shows, view_shows = {SKY: abs(white - black)}, {SKY: read == SKY}
     if isinstance(scene, Chess):

@@ -231,12 +231,13 @@ class LiveView {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // Add ray number `count` to each pixel of a sum. The rays of a pixel are spread evenly; the first is in its middle.
-  addRay(name, width, height, count) {
+  // Add ray number `count` to each pixel of a sum. The rays are spread evenly over this part of the pixel's width and
+  // height; the first is in the middle.
+  addRay(name, width, height, count, part = 1) {
     const { gl } = this;
     const [from, to] = [count & 1, 1 - (count & 1)].map((k) => this.target(name + k, width, height));
     gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
-    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => ((0.5 + count * step) % 1) - 0.5);
+    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
     this.draw("picture", to, { size: [width, height], jitter, sum: 0, first: count === 0, rayNumber: count });
     return to;
   }
@@ -324,11 +325,11 @@ class LiveView {
   }
 
   // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
-  // number of rays. The rows begin at the bottom.
-  light(width, height, rays) {
+  // number of rays. The rows begin at the bottom. `part` as for `addRay`.
+  light(width, height, rays, part = 1) {
     const { gl } = this;
     let sum;
-    for (let count = 0; count < rays; count++) sum = this.addRay("still", width, height, count);
+    for (let count = 0; count < rays; count++) sum = this.addRay("still", width, height, count, part);
     gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
     const numbers = new Float32Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
