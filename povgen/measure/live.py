@@ -40,7 +40,7 @@ WINDOWS: tuple[dict[str, Any], ...] = (
     {"alpha": -20, "prisms": 200, "z2": 3},
     {"alpha": 66, "index": 1.7, "base_angle": 40},
     {"alpha": 66, "gap": 0.1, "aspect": 0.9},
-    {"sheet": "single", "prisms": 1},
+    {"sheet": "single", "prisms": 1, "z2": 9},
 )
 SCENES: tuple[Scene, ...] = (
     Chess(),
