@@ -67,12 +67,20 @@ def test_positions_agree_with_eq_7(browser):
     assert figure.holds, figure
 
 
-@pytest.mark.parametrize("sheet", ["none", "ideal", "detailed"])
-def test_pictures_agree_with_povray(browser, monkeypatch, sheet):
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
+        Spheres(sheet="ideal", eye=(0.2, 0.1)),
+        Chess(sheet="detailed", alpha=50),
+    ],
+    ids=lambda scene: scene.sheet,
+)
+def test_pictures_agree_with_povray(browser, monkeypatch, scene):
     monkeypatch.setattr(live, "SMALL", (320, 240))
     monkeypatch.setattr(live, "PICTURE", SIZE)
-    scenes = (Chess(piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)), Spheres(eye=(0.2, 0.1)))
-    figures = list(live.pictures(browser, sheet, scenes))
+    monkeypatch.setattr(live, "CONVERGED", "1,0.001,6")
+    figures = list(live.pictures(browser, scene.sheet, (scene,)))
     assert len(figures) == 2 and all(figure.holds for figure in figures), figures
 
 
