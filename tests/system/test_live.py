@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import refused
 
 import povgen
 from povgen import Chess, InputError, Spheres
@@ -233,6 +234,11 @@ def test_a_notebook_shows_the_view(browser):
     at_rest(frame)
     assert canvas(frame).std() > 10
     page.close()
+
+
+def test_the_view_is_verified_alone(tmp_path):
+    message = refused(["verify", "--live", "--sheet", "ideal"], tmp_path)
+    assert message.strip() == "live: the live view is measured alone; allowed without --sheet and --stability"
 
 
 def test_only_scenes_are_shown():
