@@ -82,10 +82,13 @@ class View:
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
 
     def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
-        """Return the picture, (height, width, 3), with this many rays a pixel, in this part of its width and height."""
+        """Return the picture, (height, width, 3), with this many rays a pixel, in this part of its width and height.
+
+        A transparent background is black.
+        """
         script = f"(numbers) => ({ENCODE})(view.light(...numbers))"
         sums = _pixels(self.page.evaluate(script, [*size, rays, part]), size)
-        light = sums[..., :3] / sums[..., 3:]
+        light = sums[..., :3] / rays
         encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
         return np.round(255 * encoded).astype(np.uint8)
 

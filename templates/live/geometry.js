@@ -62,15 +62,21 @@ const geometry = (() => {
     return piece.map((name, k) => ({ name, foot: [x[k], y, z1[k]], color: color[k], half: scene.pedestal_halves[name] }));
   }
 
-  const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 4);
+  const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 6);
+
+  // The greatest z1, tiles: POV-Ray's range is limited. povgen/scene/limits.py
+  function farthest(scene) {
+    const least = scene.sheet === "detailed" || scene.sheet === "single" ? Math.round(1.2 / prism(scene).pitch) : 0;
+    return 5e6 / Math.max(1000, least);
+  }
 
   // z1 of every sphere: if none is given, 2^n z2.
   function distances(scene) {
     if (scene.z1) return [scene.z1].flat();
-    const back = depth(scene) / 2;
+    const most = farthest(scene), back = depth(scene) / 2;
     let nearest = back;
     for (let n = 0; n < 30; n++) nearest = back + radius(nearest, scene.z2);
-    return Array.from({ length: 11 }, (_, n) => 2 ** (n - 5) * scene.z2).filter((z1) => z1 > nearest);
+    return Array.from({ length: 11 }, (_, n) => 2 ** (n - 5) * scene.z2).filter((z1) => z1 > nearest && z1 <= most);
   }
 
   function spheres(scene) {

@@ -115,7 +115,8 @@ vec3 shadowDirection() {
 }
 
 // ---- sky.pov.j2 ----
-uniform int background;  // 0: the scene's own sky; 1: black; 2: white
+const int BLACK = 1, WHITE = 2, TRANSPARENT = 3;
+uniform int background;  // one of these; 0: the sky
 
 float Zigzag(float t) { return asin(min(abs(cos(t)), 1.0)) * 2.0 / PI; }
 
@@ -146,7 +147,7 @@ vec3 SkyPigment(float rise) {
 }
 
 vec3 skyColour(vec3 d) {
-  if (background > 0) return vec3(background == 2 ? 1 : 0);
+  if (background == BLACK || background == WHITE) return vec3(background - BLACK);
   float azimuth = atan(d.x, d.z), rise = d.y / sqrt(d.x * d.x + d.z * d.z + 1e-6);
   if (rise > 0.17) return SkyPigment(rise);
 #if PIECES == 0

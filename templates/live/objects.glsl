@@ -88,7 +88,7 @@ float fieldAt(vec3 q, int volume) {
   const vec3 size = vec3(GRID);
   vec3 row = vec3(volume % 3, 0, volume / 3) * size;
   vec3 all = size * vec3(min(VOLUMES, 3), 1, (VOLUMES + 2) / 3);
-  return texture(volumes, (clamp(q, vec3(0), size - 1.0) + row + 0.5) / all).r;
+  return textureLod(volumes, (clamp(q, vec3(0), size - 1.0) + row + 0.5) / all, 0.0).r;
 }
 
 vec3 fieldNormal(vec3 q, int volume) {
@@ -138,9 +138,10 @@ void meetPedestal(int k, vec3 o, vec3 d, inout Hit hit) {
   vec2 reach = boxed(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, pedestal, wide));
   if (pedestal == 0.0 || reach.x > reach.y || reach.y < 0.0 || reach.x > hit.t) return;
   int what = OBJECT + PIECES + k;
-  meetBox(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, 0.10, wide), what, hit);
-  meetBox(o, d, foot + vec3(-narrow, 0.10, -narrow), foot + vec3(narrow, pedestal - 0.08, narrow), what, hit);
-  meetBox(o, d, foot + vec3(-wide, pedestal - 0.08, -wide), foot + vec3(wide, pedestal, wide), what, hit);
+  float base = min(0.10, 0.4 * pedestal), cap = pedestal - min(0.08, 0.3 * pedestal);
+  meetBox(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, base, wide), what, hit);
+  meetBox(o, d, foot + vec3(-narrow, base, -narrow), foot + vec3(narrow, cap, narrow), what, hit);
+  meetBox(o, d, foot + vec3(-wide, cap, -wide), foot + vec3(wide, pedestal, wide), what, hit);
 }
 #endif
 

@@ -1,4 +1,5 @@
-// One more ray for each pixel, added to the picture so far: the sum of the colours, and the number of rays.
+// One more ray for each pixel, added to the picture so far: the sum of the colours, and the number of rays that are not
+// transparent.
 
 uniform sampler2D sum;
 uniform bool first;  // the picture begins anew
@@ -6,5 +7,5 @@ out vec4 result;
 
 void main() {
   vec4 before = first ? vec4(0) : texelFetch(sum, ivec2(gl_FragCoord.xy), 0);
-  result = before + vec4(colourOf(see(eyeRay(gl_FragCoord.xy))), 1);
+  result = before + colourOf(see(eyeRay(gl_FragCoord.xy)));
 }

@@ -54,10 +54,11 @@ Seen see(vec3 d) {
   return seen;
 }
 
-// POV-Ray's shading: ambient, diffuse and specular light, without reflections.
-vec3 colourOf(Seen seen) {
-  if (seen.lost) return vec3(0);
-  if (seen.hit.what == SKY) return skyColour(seen.direction);
+// POV-Ray's shading: ambient, diffuse and specular light, without reflections. The fourth number is 0 where nothing is,
+// otherwise 1.
+vec4 colourOf(Seen seen) {
+  if (seen.lost) return vec4(0, 0, 0, 1);
+  if (seen.hit.what == SKY) return background == TRANSPARENT ? vec4(0) : vec4(skyColour(seen.direction), 1);
   vec3 p = seen.origin + seen.hit.t * seen.direction, normal = seen.hit.normal;
   Finish finish = finishOf(seen.hit.what, p);
   vec3 sun = normalize(sunDirection);
@@ -74,5 +75,5 @@ vec3 colourOf(Seen seen) {
       highlight *= mix(finish.pigment, vec3(1), clamp(0.014567225 / (grazing * grazing) - 0.011612903, 0.0, 1.0));
     }
   }
-  return min(finish.pigment * light + highlight, 1.0);
+  return vec4(min(finish.pigment * light + highlight, 1.0), 1);
 }

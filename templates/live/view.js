@@ -3,18 +3,19 @@
 // view = new LiveView(canvas, scene, volumes); await view.ready; view.set({ alpha: 66 });
 //
 // While values change it draws one ray a pixel, and fewer pixels where a frame takes long. At rest it adds rays, up to
-// RAYS a pixel, and then stops drawing.
+// RAYS a pixel, and then stops drawing. It adds them in strips, so that it can move again at once.
 
 "use strict";
 
 class LiveView {
   static RAYS = 64;
   static MODELS = { none: 0, ideal: 1, detailed: 2, single: 2 };
-  static BACKGROUNDS = { scene: 0, black: 1, white: 2 };
-  static MOVING = 200;     // ms without a change until the picture is at rest
-  static SLOW = 30;        // ms: a moving frame that takes longer gets fewer pixels
-  static FAST = 18;        // ms: below, it gets more
-  static LEAST = 0.2;      // of the canvas's width and height
+  static BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
+  static MOVING = 150;     // ms without a change until the picture is at rest
+  static SLOW = 25;        // ms: if drawing takes longer, fewer pixels are drawn at once
+  static FAST = 12;        // ms: below, more are
+  static LEAST = 0.15;     // of the canvas's width and height: the moving picture's
+  static STRIPS = 4;       // of the picture at rest, at most
 
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
   // `failed` is called with a sentence if the view cannot be shown, and with null when it can be shown again.
@@ -23,17 +24,22 @@ class LiveView {
     this.scene = { ...scene };
     this.volumes = volumes;
     this.failed = failed;
-    this.scale = 1;        // of the moving picture, pixels of the canvas
+    this.budget = 1e5;     // pixels that are drawn at once
     this.count = 0;        // rays a pixel in the sum
+    this.row = 0;          // of the sum, up to which the next ray has been added
     this.frames = [];      // milliseconds of the last moving frames
-    this.changed = -Infinity;
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       this.pending = null;
       this.failed("The graphics processor has stopped this page. It starts again by itself, or after reloading the page.");
     });
     canvas.addEventListener("webglcontextrestored", () => this.start());
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    const observer = new ResizeObserver(() => this.resize());
+    try {
+      observer.observe(canvas, { box: "device-pixel-content-box" });  // called for another pixel ratio, too
+    } catch {
+      observer.observe(canvas);
+    }
     this.ready = this.load().then(() => this.start());
   }
 
@@ -47,15 +53,19 @@ class LiveView {
   // Change values of the scene. The view is drawn soon after.
   set(values) {
     Object.assign(this.scene, values);
-    this.changed = performance.now();
     this.again();
   }
 
-  converged() {
-    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= LiveView.RAYS && this.shownScale === 1;
+  // The part of the canvas's pixels a side that the moving picture has.
+  get scale() {
+    return Math.min(1, Math.max(LiveView.LEAST, Math.sqrt(this.budget / (this.canvas.width * this.canvas.height))));
   }
 
-  // Milliseconds of the last moving frames, and the part of the canvas's pixels a side that the last of them had.
+  converged() {
+    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= LiveView.RAYS;
+  }
+
+  // Milliseconds of the last moving frames, and `scale`.
   statistics() {
     const times = [...this.frames].sort((a, b) => a - b);
     return { frames: times.length, median: times[times.length >> 1], worst: times[times.length - 1], scale: this.scale };
@@ -64,7 +74,7 @@ class LiveView {
   // ---- WebGL ----
 
   start() {
-    const gl = this.canvas.getContext("webgl2", { antialias: false, alpha: false, powerPreference: "high-performance" });
+    const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Without float textures rays cannot be summed.
     if (!gl || !gl.getExtension("EXT_color_buffer_float")) {
       this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
@@ -74,10 +84,12 @@ class LiveView {
     this.programs = {};
     this.targets = {};
     this.kinds = null;
+    this.parallel = gl.getExtension("KHR_parallel_shader_compile");
     gl.bindVertexArray(gl.createVertexArray());
     this.makeVolumes();
     this.failed(null);
     this.resize();
+    this.again();
   }
 
   // All distance fields in one texture: three a row along x, the rows along z.
@@ -133,28 +145,42 @@ class LiveView {
       return shader;
     });
     gl.linkProgram(program);
+    return { program, shaders };
+  }
+
+  // Whether a program can be used without waiting for the compiler.
+  compiled(name) {
+    const { program } = this.program(name);
+    return !this.parallel || this.gl.getProgramParameter(program, this.parallel.COMPLETION_STATUS_KHR);
+  }
+
+  // The places and types of a program's uniforms, by their names.
+  uniforms(made) {
+    const { gl } = this;
+    const { program, shaders } = made;
+    if (made.uniforms) return made.uniforms;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
       throw new Error(shaders.map((shader) => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(program));
     }
-    const found = {};
+    made.uniforms = {};
     for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k++) {
-      const { name: uniform, type } = gl.getActiveUniform(program, k);
-      found[uniform.replace("[0]", "")] = { place: gl.getUniformLocation(program, uniform), type };
+      const { name, type } = gl.getActiveUniform(program, k);
+      made.uniforms[name.replace("[0]", "")] = { place: gl.getUniformLocation(program, name), type };
     }
-    return { program, uniforms: found };
+    return made.uniforms;
   }
 
   // Use a program with the scene's values, and others.
   use(name, others) {
     const { gl } = this;
-    const { program, uniforms } = this.program(name);
-    gl.useProgram(program);
+    const made = this.program(name);
+    gl.useProgram(made.program);
     const setters = {
       [gl.FLOAT]: "uniform1fv", [gl.FLOAT_VEC2]: "uniform2fv", [gl.FLOAT_VEC3]: "uniform3fv", [gl.FLOAT_VEC4]: "uniform4fv",
       [gl.INT]: "uniform1iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
     };
     const values = { ...(name === "display" ? {} : this.values()), ...others };
-    for (const [key, { place, type }] of Object.entries(uniforms)) {
+    for (const [key, { place, type }] of Object.entries(this.uniforms(made))) {
       gl[setters[type]](place, [values[key]].flat(2).map(Number));
     }
   }
@@ -222,30 +248,35 @@ class LiveView {
     return (this.targets[name] = { width, height, framebuffer, textures: made });
   }
 
-  // Draw on a target, or on the canvas.
-  draw(name, target, values) {
+  // Draw on a target, or on the canvas. `rows`: the first row, and how many.
+  draw(name, target, size, values, rows = [0, size[1]]) {
     const { gl } = this;
     this.use(name, values);
     gl.bindFramebuffer(gl.FRAMEBUFFER, target?.framebuffer ?? null);
-    gl.viewport(0, 0, target?.width ?? this.canvas.width, target?.height ?? this.canvas.height);
+    gl.viewport(0, 0, ...size);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, rows[0], size[0], rows[1]);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // Add ray number `count` to each pixel of a sum. The rays are spread evenly over this part of the pixel's width and
-  // height; the first is in the middle.
-  addRay(name, width, height, count, part = 1) {
-    const { gl } = this;
+  // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
+  // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
+  addRay(name, size, count, { part = 1, rows } = {}) {
+    const { gl, canvas } = this;
+    // a moving picture is in a target of the canvas's size, which need not be made anew when the picture's size changes
+    const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;
     const [from, to] = [count & 1, 1 - (count & 1)].map((k) => this.target(name + k, width, height));
     gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
     const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
-    this.draw("picture", to, { size: [width, height], jitter, sum: 0, first: count === 0, rayNumber: count });
+    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber: count }, rows);
     return to;
   }
 
-  show(sum) {
+  show(sum, size, rays) {
     const { gl, canvas } = this;
+    const all = [canvas.width, canvas.height];
     gl.bindTexture(gl.TEXTURE_2D, sum.textures[0]);
-    this.draw("display", null, { sum: 0, canvas: [canvas.width, canvas.height] });
+    this.draw("display", null, all, { sum: 0, size, rays, canvas: all });
   }
 
   // ---- Drawing when it is needed ----
@@ -253,58 +284,88 @@ class LiveView {
   resize() {
     const { canvas } = this;
     const ratio = window.devicePixelRatio || 1;
-    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
+    if (width === canvas.width && height === canvas.height) return;
+    canvas.width = width;
+    canvas.height = height;
     this.again();
   }
 
   again() {
-    this.count = 0;
-    if (this.gl && !this.asked) {
-      this.asked = true;
-      requestAnimationFrame((now) => this.tick(now));
-    }
-  }
-
-  tick(now) {
-    this.asked = false;
-    const { gl, canvas } = this;
-    if (gl.isContextLost()) return;
-    if (this.pending && !this.finished(now)) return this.later();
-    const moving = now - this.changed < LiveView.MOVING;
-    const scale = moving ? this.scale : 1;
-    if (scale !== this.shownScale) this.count = 0;
-    if (this.count < LiveView.RAYS) {
-      const [width, height] = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(scale * pixels)));
-      this.show(this.addRay("sum", width, height, this.count));
-      this.count = moving ? 0 : this.count + 1;
-      this.shownScale = scale;
-      this.pending = { fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), start: performance.now(), moving };
-      gl.flush();
-    }
-    if (moving || this.pending) this.later();
+    clearTimeout(this.resting);
+    this.count = this.row = 0;
+    this.stale = true;
+    this.later();
   }
 
   later() {
-    if (!this.asked) {
-      this.asked = true;
-      requestAnimationFrame((now) => this.tick(now));
-    }
+    if (!this.gl || this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => this.move());
   }
 
-  // Whether the frame under way is finished. If it was a moving one, it decides how many pixels the next has.
-  finished() {
-    const { gl } = this;
-    if (gl.getSyncParameter(this.pending.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
-    gl.deleteSync(this.pending.fence);
-    if (this.pending.moving) {
-      const time = performance.now() - this.pending.start;
-      this.frames = [...this.frames.slice(-99), time];
-      const factor = time > LiveView.SLOW ? Math.max(0.5, Math.sqrt(LiveView.SLOW / time) * 0.95) : time < LiveView.FAST ? 1.1 : 1;
-      this.scale = Math.min(1, Math.max(LiveView.LEAST, this.scale * factor));
+  // Draw a frame of the moving picture, if the one shown is no longer right.
+  move() {
+    const { canvas, scale } = this;
+    this.asked = false;
+    if (this.gl.isContextLost() || this.pending || !this.stale) return;
+    if (!this.compiled("picture") || !this.compiled("display")) {
+      this.later();
+      return;
     }
-    this.pending = null;
-    return true;
+    const size = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(scale * pixels)));
+    this.stale = false;
+    this.show(this.addRay("sum", size, 0), size, 1);
+    this.finish(size[0] * size[1], LiveView.MOVING);
+  }
+
+  // Add a ray to each pixel of a strip of the picture at rest. The picture is shown when it is complete.
+  refine() {
+    const { canvas, count, row } = this;
+    if (this.gl.isContextLost() || count >= LiveView.RAYS) return;
+    const size = [canvas.width, canvas.height];
+    const strip = Math.ceil(Math.max(this.budget / size[0], size[1] / LiveView.STRIPS));
+    const rows = Math.min(strip, size[1] - row);
+    const sum = this.addRay("sum", size, count, { rows: [row, rows] });
+    this.row += rows;
+    if (this.row === size[1]) {
+      this.count++;
+      this.row = 0;
+      this.show(sum, size, this.count);
+    }
+    this.finish(rows * size[0], 0);
+  }
+
+  // Wait until these pixels are drawn. Then go on: without a change, after `pause` ms, with the picture at rest.
+  finish(pixels, pause) {
+    const { gl } = this;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), start = performance.now();
+    gl.flush();
+    this.pending = fence;
+    const poll = () => {
+      if (this.pending !== fence) return;  // the context has been lost
+      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
+        setTimeout(poll, 1);
+        return;
+      }
+      gl.deleteSync(fence);
+      this.pending = null;
+      const time = performance.now() - start;
+      this.adapt(pixels, time);
+      if (pause) this.frames = [...this.frames.slice(-99), time];
+      if (this.stale) this.later();
+      else this.resting = setTimeout(() => this.refine(), pause);
+    };
+    setTimeout(poll, 1);
+  }
+
+  // Change the number of pixels that are drawn at once, after so many have taken this time, ms.
+  adapt(pixels, time) {
+    const expected = time * Math.min(1, this.budget / pixels);  // for as many as may be drawn at once
+    if (expected > LiveView.SLOW) this.budget *= Math.max(0.25, 0.9 * LiveView.SLOW / expected);
+    else if (expected < LiveView.FAST && pixels > 0.9 * this.budget) this.budget *= 1.25;
+    const all = this.canvas.width * this.canvas.height;
+    this.budget = Math.min(all, Math.max(LiveView.LEAST ** 2 * all, this.budget));
   }
 
   // ---- Numbers ----
@@ -314,7 +375,8 @@ class LiveView {
   readout(width, height) {
     const { gl } = this;
     const target = this.target("readout", width, height, 3);
-    this.draw("readout", target, { size: [width, height], jitter: [0, 0], rayNumber: 0 });
+    const size = [width, height];
+    this.draw("readout", target, size, { size, jitter: [0, 0], rayNumber: 0 });
     const read = (k) => {
       const numbers = new Float32Array(4 * width * height);
       gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
@@ -325,11 +387,11 @@ class LiveView {
   }
 
   // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
-  // number of rays. The rows begin at the bottom. `part` as for `addRay`.
+  // number of rays that are not transparent. The rows begin at the bottom. `part` as for `addRay`.
   light(width, height, rays, part = 1) {
     const { gl } = this;
     let sum;
-    for (let count = 0; count < rays; count++) sum = this.addRay("still", width, height, count, part);
+    for (let count = 0; count < rays; count++) sum = this.addRay("still", [width, height], count, { part });
     gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
     const numbers = new Float32Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
@@ -338,10 +400,12 @@ class LiveView {
 
   // Milliseconds of each of some frames of the canvas's size, one ray a pixel.
   bench(count = 20) {
-    const times = [];
+    const { gl, canvas } = this;
+    const times = [], size = [canvas.width, canvas.height];
     for (let k = 0; k <= count; k++) {
       const start = performance.now();
-      this.light(this.canvas.width, this.canvas.height, 1);
+      this.show(this.addRay("still", size, 0), size, 1);
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the graphics processor
       if (k) times.push(performance.now() - start);  // the first one compiles
     }
     return times;

@@ -102,7 +102,12 @@ def test_a_piece_of_ones_own(browser, tmp_path):
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_the_script_derives(prisms, scene):
     """The script's prisms, frame and spheres are povgen's."""
-    for values in ({}, {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2}, {"sheet": "single", "aspect": 1.2}):
+    for values in (
+        {},
+        {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
+        {"sheet": "single", "aspect": 1.2, "z2": 1},
+        {"prisms": 3000, "aperture": 1, "z2": 150},
+    ):
         made = SCENES[scene](**{"z2": 12, **values})
         names = ("prism", "depth", "distances", "spheres", "pieces")
         script = "([names, scene]) => names.map((name) => geometry[name](scene))"
@@ -154,6 +159,19 @@ def test_the_page_shows_the_scene_and_follows_it(page):
     page.evaluate("view.set({ sheet: 'ideal', alpha: 66 })")
     at_rest(page)
     assert abs(canvas(page) - before).max() <= 1  # nothing of the way is left
+
+
+def test_a_transparent_background_shows_the_page(page):
+    page.evaluate("view.set({ background: 'white', sheet: 'none' })")
+    page.wait_for_function("!view.stale && !view.pending")
+    before = canvas(page)
+    page.evaluate("view.set({ background: 'transparent' })")
+    page.wait_for_function("!view.stale && !view.pending")
+    after = canvas(page)
+    sky = abs(before - 255).max(-1) == 0
+    assert 0.1 < sky.mean() < 0.6
+    assert abs(after[sky] - (0x15, 0x18, 0x1C)).max() <= 1  # the page's own colour
+    assert (abs(after - before)[~sky].max(-1) <= 1).mean() > 0.95  # without the pixels at the sky's border
 
 
 def test_the_canvas_has_the_displays_pixels(browser, file):
@@ -238,7 +256,7 @@ def test_a_notebook_shows_the_view(browser):
 
 def test_the_view_is_verified_alone(tmp_path):
     message = refused(["verify", "--live", "--sheet", "ideal"], tmp_path)
-    assert message.strip() == "live: the live view is measured alone; allowed without --sheet and --stability"
+    assert message.strip() == "povgen: live: the live view is measured alone; allowed without --sheet and --stability"
 
 
 def test_only_scenes_are_shown():
