@@ -170,8 +170,9 @@ def test_a_transparent_background_shows_the_page(page):
     after = canvas(page)
     sky = abs(before - 255).max(-1) == 0
     assert 0.1 < sky.mean() < 0.6
-    assert abs(after[sky] - (0x15, 0x18, 0x1C)).max() <= 1  # the page's own colour
-    assert (abs(after - before)[~sky].max(-1) <= 1).mean() > 0.95  # without the pixels at the sky's border
+    shows_page = abs(after - (0x15, 0x18, 0x1C)).max(-1) <= 1  # the page's own colour
+    assert shows_page[sky].mean() > 0.97  # a white pixel can be a highlight
+    assert (abs(after - before).max(-1) <= 1)[~sky].mean() > 0.95  # a pixel at the sky's border is half transparent
 
 
 def test_the_canvas_has_the_displays_pixels(browser, file):
