@@ -64,16 +64,17 @@ const geometry = (() => {
 
   const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 6);
 
-  // The greatest z1, tiles: POV-Ray's range is limited. povgen/scene/limits.py
-  function farthest(scene) {
-    const least = scene.sheet === "detailed" || scene.sheet === "single" ? Math.round(1.2 / prism(scene).pitch) : 0;
-    return 5e6 / Math.max(1000, least);
+  // POV-Ray's units per tile. povgen/scene/limits.py
+  function tile(scene) {
+    return Math.max(1000, sheets(scene).length ? Math.round(1.2 / prism(scene).pitch) : 0);
   }
+
+  const horizon = (scene) => 1e7 / tile(scene);  // POV-Ray does not show what is farther away
 
   // z1 of every sphere: if none is given, 2^n z2.
   function distances(scene) {
     if (scene.z1) return [scene.z1].flat();
-    const most = farthest(scene), back = depth(scene) / 2;
+    const most = 5e6 / tile(scene), back = depth(scene) / 2;
     let nearest = back;
     for (let n = 0; n < 30; n++) nearest = back + radius(nearest, scene.z2);
     return Array.from({ length: 11 }, (_, n) => 2 ** (n - 5) * scene.z2).filter((z1) => z1 > nearest && z1 <= most);
@@ -84,5 +85,5 @@ const geometry = (() => {
     return distances(scene).map((z1) => ({ centre: [...scene.line, z1], radius: radius(z1, scene.z2) }));
   }
 
-  return { radians, prism, sheets, depth, frameSection, frameLip, floorY, pieces, distances, spheres };
+  return { radians, prism, sheets, tile, horizon, depth, frameSection, frameLip, floorY, pieces, distances, spheres };
 })();

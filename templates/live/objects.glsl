@@ -14,6 +14,7 @@ uniform vec2 frameSection[CORNERS];    // corners of its cross-section: distance
 uniform float frameLip;                // width of the metal lip at the opening's front
 uniform bool hasFloor;
 uniform float floorY;
+uniform float horizon;                 // how far away the floor ends
 #if PIECES > 0
 uniform highp sampler3D volumes;       // the distance fields, side by side
 uniform vec3 pieceFoot[PIECES];        // centre of the foot
@@ -159,7 +160,8 @@ float reachOfSphere(int k, vec3 o, vec3 d, float most) {
 // The first surface that a ray meets. For the sky, t is infinite.
 Hit meet(vec3 o, vec3 d) {
   Hit hit = Hit(1e30, SKY, vec3(0));
-  if (hasFloor && d.y < 0.0 && floorY < o.y) hit = Hit((floorY - o.y) / d.y, FLOOR, vec3(0, 1, 0));
+  float below = (floorY - o.y) / d.y;
+  if (hasFloor && d.y < 0.0 && below > 0.0 && below < horizon) hit = Hit(below, FLOOR, vec3(0, 1, 0));
   meetFrame(o, d, hit);
 #if PIECES > 0
   for (int k = 0; k < PIECES; k++) {

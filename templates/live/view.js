@@ -203,6 +203,7 @@ class LiveView {
       frameLip: geometry.frameLip(scene),
       hasFloor: scene.name === "chess",
       floorY: geometry.floorY(scene),
+      horizon: geometry.horizon(scene),
       sheets: sheets.length,
       sheetTurn: [0, 1].map((k) => (sheets[k] ? [Math.cos(sheets[k].angle), Math.sin(sheets[k].angle)] : [1, 0])),
       sheetCentre: [0, 1].map((k) => sheets[k]?.centre ?? 0),

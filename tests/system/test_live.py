@@ -109,11 +109,12 @@ def test_what_the_script_derives(prisms, scene):
         {"prisms": 3000, "aperture": 1, "z2": 150},
     ):
         made = SCENES[scene](**{"z2": 12, **values})
-        names = ("prism", "depth", "distances", "spheres", "pieces")
+        names = ("prism", "tile", "depth", "distances", "spheres", "pieces")
         script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, given.values(made)])
+        prism, tile, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, given.values(made)])
         for name in ("pitch", "height", "length", "separation", "slab_shift"):
             assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
+        assert tile == made.tile
         assert depth == pytest.approx(made.depth, rel=1e-12)
         assert distances == pytest.approx(made.distances, rel=1e-12)
         if scene == "spheres":
