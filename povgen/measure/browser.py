@@ -86,11 +86,16 @@ class View:
 
         A transparent background is black.
         """
-        script = f"(numbers) => ({ENCODE})(view.light(...numbers))"
-        sums = _pixels(self.page.evaluate(script, [*size, rays, part]), size)
-        light = sums[..., :3] / rays
+        return self.measured(size, rays, part)[1]
+
+    def measured(self, size: Size, rays: int, part: float = 1) -> tuple[float, NDArray[np.uint8]]:
+        """Return the CPU seconds that the browser's processes use for a picture, and the picture."""
+        before = self.cpu_seconds()
+        self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
+        seconds = self.cpu_seconds() - before
+        light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / rays
         encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
-        return np.round(255 * encoded).astype(np.uint8)
+        return seconds, np.round(255 * encoded).astype(np.uint8)
 
     def cpu_seconds(self) -> float:
         """Return the CPU seconds that the browser's processes have used so far."""
