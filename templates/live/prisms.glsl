@@ -27,7 +27,7 @@ struct Passage {
   float path;      // the first nine faces, each a digit to the base 5: 1 base, 2 top, 3 near, 4 far
 };
 
-// Follow a ray that runs towards the sheets, from outside. The direction is a unit vector.
+// Follow a ray that comes to the sheets from outside. `origin` is any point of its line. The direction is a unit vector.
 Passage passage(vec3 origin, vec3 direction) {
   const float FAR = 1e30;
   float halfWindow = window / 2.0 / pitch;

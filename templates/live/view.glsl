@@ -14,31 +14,34 @@ struct Seen {
   Passage passage;         // through the prisms
 };
 
-vec3 eyeRay(vec2 pixel) {
-  vec2 place = (pixel + jitter - size / 2.0) / size.y * viewHeight;
-  return normalize(vec3(place, 0) - eye);
+// Where a pixel's ray crosses the plane z = 0.
+vec3 placeOf(vec2 pixel) {
+  return vec3((pixel + jitter - size / 2.0) / size.y * viewHeight, 0);
 }
 
-// The ray passes the window frame's front opening, and then the window at z, within the frame.
-bool entersWindow(vec3 d, float z) {
-  vec2 front = eye.xy + d.xy / d.z * (-frameDepth / 2.0 - eye.z), at = eye.xy + d.xy / d.z * (z - eye.z);
-  return max(max(abs(front.x), abs(front.y)), max(abs(at.x), abs(at.y))) < window / 2.0;
+// Whether the ray passes the window frame's front opening, and then the window at z, within the frame.
+bool entersWindow(vec3 place, vec3 d, float z) {
+  vec2 front = abs(place.xy - d.xy / d.z * frameDepth / 2.0), at = abs(place.xy + d.xy / d.z * z);
+  return max(max(front.x, front.y), max(at.x, at.y)) < window / 2.0;
 }
 
-Seen see(vec3 d) {
+// What the eye sees at a place in the plane z = 0. Rays to the sheets start there, not at the eye: a far eye's distance,
+// in pitches, would have too many digits.
+Seen see(vec3 place) {
   Seen seen;
+  vec3 d = normalize(place - eye);
   seen.origin = eye;
   seen.direction = d;
   seen.lost = false;
   seen.passage = Passage(eye, d, THROUGH, 0, 0.0);
   float front = model == 2 ? (sheetCentre[0] - prismHalf * pitch) : 0.0;
-  if (model > 0 && entersWindow(d, front)) {
+  if (model > 0 && entersWindow(place, d, front)) {
     if (model == 1) {
-      seen.origin = eye - d * (eye.z / d.z);
+      seen.origin = place;
       // A camera's ray runs against the light: it is turned by -alpha.
       seen.direction = vec3(alpha.x * d.x + alpha.y * d.y, alpha.x * d.y - alpha.y * d.x, d.z);
     } else {
-      seen.passage = passage(eye, d);
+      seen.passage = passage(place, d);
       seen.origin = seen.passage.position;
       seen.direction = seen.passage.direction;
       seen.lost = seen.passage.end == UNFINISHED;
