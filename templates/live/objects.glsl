@@ -93,7 +93,7 @@ float fieldAt(vec3 q, int volume) {
 }
 
 vec3 fieldNormal(vec3 q, int volume) {
-  const vec2 e = vec2(1, 0);
+  const vec2 e = vec2(0.5, 0);
   return normalize(vec3(
     fieldAt(q + e.xyy, volume) - fieldAt(q - e.xyy, volume),
     fieldAt(q + e.yxy, volume) - fieldAt(q - e.yxy, volume),

@@ -160,6 +160,7 @@ class LiveView {
     const { program, shaders } = made;
     if (made.uniforms) return made.uniforms;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      this.failed("This graphics processor cannot draw the live view.");
       throw new Error(shaders.map((shader) => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(program));
     }
     made.uniforms = {};
