@@ -104,6 +104,9 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
             message = "should be a list"
         case "dict_type" | "model_type":
             message = "should be a table"
+    several = any(isinstance(part, int) for part in fault["loc"][1:])
+    if several and fault["type"] != "missing" and not isinstance(fault["input"], dict):
+        message = f"{shown(fault['input'])} {message}"  # which of the values
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
