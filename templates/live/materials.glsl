@@ -118,46 +118,52 @@ vec3 shadowDirection() {
 const int BLACK = 1, WHITE = 2, TRANSPARENT = 3;
 uniform int background;  // one of these; 0: the sky
 
-float Zigzag(float t) { return asin(min(abs(cos(t)), 1.0)) * 2.0 / PI; }
+float Zigzag(float t) { return 1.0 - 2.0 * abs(t - floor(t + 0.5)); }
 
 float Mountain(float a) {
-  return 0.020 + 0.068 * Zigzag(5.0 * a - 0.86) + 0.050 * Zigzag(11.0 * a + 1.25) + 0.020 * Zigzag(26.0 * a + 0.4)
-    + 0.008 * Zigzag(67.0 * a + 1.0);
+  return 0.020 + 0.068 * Zigzag(5.0 * a - 0.274) + 0.050 * Zigzag(11.0 * a + 0.398) + 0.020 * Zigzag(26.0 * a + 0.127)
+    + 0.008 * Zigzag(67.0 * a + 0.318);
+}
+
+float SnowLine(float a) {
+  return 0.070 + 0.022 * Zigzag(17.0 * a) - 0.030 * Zigzag(41.0 * a + 0.191) + 0.012 * Zigzag(97.0 * a + 0.318);
 }
 
 float Foothill(float a) {
-  return 0.016 + 0.010 * sin(7.0 * a + 2.5) + 0.005 * sin(17.0 * a + 1.0) + 0.002 * sin(43.0 * a);
+  return 0.016 + 0.010 * sin(7.0 * PI * a + 2.5) + 0.005 * sin(17.0 * PI * a + 1.0) + 0.002 * sin(43.0 * PI * a);
 }
 
 float Above(float d) { return clamp(0.5 + d / 0.002, 0.0, 1.0); }
 
 float Sunlit(float a, float rise) {
-  float d = 0.004 + 0.25 * (Mountain(a) - rise);
+  float d = 0.0013 + 0.08 * (Mountain(a) - rise);
   return clamp(0.5 + 60.0 * (Mountain(a + d) - Mountain(a - d)), 0.0, 1.0);
 }
 
-float SnowLine(float a) {
-  return 0.070 + 0.022 * Zigzag(17.0 * a) - 0.030 * Zigzag(41.0 * a + 0.6) + 0.012 * Zigzag(97.0 * a + 1.0);
-}
-
-vec3 SkyPigment(float rise) {
+vec3 SkyPigment(float y) {
   const vec3 a = vec3(0.72, 0.83, 0.92), b = vec3(0.46, 0.66, 0.88), c = vec3(0.16, 0.36, 0.70), d = vec3(0.05, 0.16, 0.44);
-  float r = clamp(rise, 0.0, 1.0);
-  return r < 0.08 ? mix(a, b, r / 0.08) : r < 0.35 ? mix(b, c, (r - 0.08) / 0.27) : mix(c, d, (r - 0.35) / 0.65);
+  if (y < 0.08) return mix(a, b, y / 0.08);
+  return y < 0.33 ? mix(b, c, (y - 0.08) / 0.25) : mix(c, d, min((y - 0.33) / 0.38, 1.0));
 }
 
-vec3 skyColour(vec3 d) {
-  if (background == BLACK || background == WHITE) return vec3(background - BLACK);
-  float azimuth = atan(d.x, d.z), rise = d.y / sqrt(d.x * d.x + d.z * d.z + 1e-6);
-  if (rise > 0.17) return SkyPigment(rise);
-#if PIECES == 0
-  if (rise < 0.0) return colorMap(-d.y, 0.15, vec3(0.20, 0.17, 0.11), vec3(0.12, 0.11, 0.08), vec3(0.05, 0.05, 0.04));
-#endif
+vec3 FarPigment(float y, float azimuth, float rise) {
   float sunlit = Sunlit(azimuth, rise);
   vec3 rock = mix(vec3(0.10, 0.15, 0.26), vec3(0.27, 0.29, 0.34), sunlit);
   vec3 snow = mix(vec3(0.42, 0.54, 0.74), vec3(1.00, 0.98, 0.95), sunlit);
   vec3 mountain = mix(rock, snow, Above(rise - SnowLine(azimuth)));
-  vec3 far = mix(mountain, SkyPigment(rise), Above(rise - Mountain(azimuth)));
+  return mix(mountain, SkyPigment(y), Above(rise - Mountain(azimuth)));
+}
+
+// The direction d is a unit vector.
+vec3 skyColour(vec3 d) {
+  if (background == BLACK || background == WHITE) return vec3(background - BLACK);
+  if (d.y > 0.168) return SkyPigment(d.y);
+#if PIECES == 0
+  if (d.y < 0.0) return colorMap(-d.y, 0.15, vec3(0.20, 0.17, 0.11), vec3(0.12, 0.11, 0.08), vec3(0.05, 0.05, 0.04));
+#endif
+  float azimuth = atan(d.x, d.z) / PI, rise = d.y / sqrt(d.x * d.x + d.z * d.z + 1e-6);
+  vec3 far = FarPigment(d.y, azimuth, rise);
+  if (d.y > 0.034) return far;
   vec3 foothill = mix(vec3(0.66, 0.72, 0.68), vec3(0.19, 0.33, 0.25), clamp(rise / 0.03, 0.0, 1.0));
   return mix(foothill, far, Above(rise - Foothill(azimuth)));
 }
