@@ -318,6 +318,7 @@ class LiveView {
     const size = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(scale * pixels)));
     this.stale = false;
     this.show(this.addRay("sum", size, 0), size, 1);
+    if (size[0] === canvas.width && size[1] === canvas.height) this.count = 1;  // the first ray of the picture at rest
     this.finish(size[0] * size[1], LiveView.MOVING);
   }
 

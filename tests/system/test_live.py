@@ -190,23 +190,44 @@ def test_the_canvas_has_the_displays_pixels(browser, file):
     context.close()
 
 
-def test_a_slow_moving_picture_gets_fewer_pixels(page):
-    """Each frame is said to take longer than it may: then the next has fewer pixels, and at rest again all."""
+def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
+    """Each frame takes too long: then the next has fewer pixels, and the picture at rest is made of strips."""
+    at_rest(page)
+    before = canvas(page)
     page.evaluate("LiveView.SLOW = LiveView.FAST = 0.001")
     page.evaluate(
         """() => new Promise((done) => {
           const move = (n) => {
             view.set({ alpha: n });
-            if (n < 40 && view.scale > 0.5) requestAnimationFrame(() => move(n + 1));
+            if (n < 106 && view.scale > 0.5) requestAnimationFrame(() => move(n + 1));
             else done();
           };
-          move(0);
+          move(66);
         })"""
     )
     moved = page.evaluate("view.statistics()")
     assert moved["frames"] > 0 and moved["scale"] <= 0.5
+    page.evaluate("LiveView.RAYS = 1")
+    page.wait_for_function("view.row > 0 && view.row < view.canvas.height", polling=1)
+    page.evaluate("LiveView.RAYS = 64; view.set({ alpha: 66 })")  # while a strip is being drawn
     at_rest(page)
-    assert page.evaluate("view.targets.sum0.width") == SIZE[0]
+    assert abs(canvas(page) - before).max() <= 1
+
+
+def test_at_rest_nothing_is_drawn(page):
+    at_rest(page)
+    page.evaluate(
+        """() => {
+          window.drawn = 0;
+          const draw = view.gl.drawArrays.bind(view.gl);
+          view.gl.drawArrays = (...values) => { drawn += 1; draw(...values); };
+        }"""
+    )
+    page.wait_for_timeout(400)
+    assert page.evaluate("drawn") == 0
+    page.evaluate("LiveView.RAYS = 1; view.budget = 1e6; view.set({ alpha: 20 })")
+    at_rest(page)
+    assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
 
 
 def test_a_lost_context_is_said_and_comes_back(page):
@@ -236,6 +257,8 @@ def test_bench_says_the_frames_a_second(browser, file):
     page.wait_for_function(
         "document.getElementById('message').textContent.includes('frames a second')", timeout=120_000
     )
+    times = page.evaluate("view.bench(3)")  # what a page that has the view in it can call
+    assert len(times) == 3 and min(times) > 0
     page.close()
 
 
