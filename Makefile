@@ -91,7 +91,7 @@ verify: $(VENV)/charts-ready  ## pictures against the equations, and where metho
 	$(POVGEN) verify --stability
 	cp stability/stability.png docs
 
-chart: $(VENV)/charts-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
+chart: $(VENV)/charts-ready $(VENV)/live-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
 
 docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html

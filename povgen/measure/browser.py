@@ -42,7 +42,7 @@ def chromium() -> Iterator["Browser"]:
         from playwright.sync_api import Error, sync_playwright
     except ImportError:
         raise InputError(
-            "the live view is measured with playwright, which is not installed: pip install playwright"
+            "the live view is measured with playwright, which is not installed: pip install 'povgen[live]'"
         ) from None
     with sync_playwright() as playwright:
         try:

@@ -91,7 +91,7 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[Label]:
         axis.set_minor_formatter("")
     ax.grid(alpha=0.25, which="both")
     ax.margins(0.12)
-    ax.legend(loc="lower left")  # no point lies below the Pareto front
+    ax.legend(loc="lower left")  # no picture is both cheap and accurate
     return labels
 
 

@@ -16,7 +16,7 @@ uniform bool hasFloor;
 uniform float floorY;
 uniform float horizon;                 // how far away the floor ends
 #if PIECES > 0
-uniform highp sampler3D volumes;       // the distance fields, side by side
+uniform sampler3D volumes;             // the distance fields, side by side
 uniform vec3 pieceFoot[PIECES];        // centre of the foot
 uniform float pedestal;                // height of the pedestals; 0: none
 uniform float pedestalHalf[PIECES];    // half the width of each

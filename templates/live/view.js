@@ -75,11 +75,13 @@ class LiveView {
 
   start() {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
-    // Without float textures rays cannot be summed.
-    if (!gl || !gl.getExtension("EXT_color_buffer_float")) {
+    // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.
+    const float = gl?.getExtension("EXT_color_buffer_float");
+    if (!float && !gl?.getExtension("EXT_color_buffer_half_float")) {
       this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
       return;
     }
+    this.format = float ? gl.RGBA32F : gl.RGBA16F;
     this.gl = gl;
     this.programs = {};
     this.targets = {};
@@ -129,7 +131,8 @@ class LiveView {
 
   compile(defines, name) {
     const { gl } = this;
-    const head = `#version 300 es\nprecision highp float;\nprecision highp int;\n${defines}`;
+    const precision = ["float", "int", "sampler2D", "sampler3D"].map((type) => `precision highp ${type};\n`).join("");
+    const head = `#version 300 es\n${precision}${defines}`;
     const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "view", name];
     const texts = {
       [gl.VERTEX_SHADER]: `#version 300 es
@@ -241,7 +244,7 @@ class LiveView {
     const made = Array.from({ length: textures }, (_, k) => {
       const texture = gl.createTexture();
       gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, this.format, width, height);
       for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + k, gl.TEXTURE_2D, texture, 0);
       return texture;

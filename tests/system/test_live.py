@@ -243,6 +243,24 @@ def test_a_lost_context_is_said_and_comes_back(page):
     assert abs(canvas(page) - before).max() <= 1
 
 
+def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file):
+    at_rest(page)
+    other = browser.new_page(viewport={"width": 160, "height": 120})
+    other.add_init_script(
+        """const all = WebGL2RenderingContext.prototype.getExtension;
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+          return name === "EXT_color_buffer_float" ? null : all.call(this, name);
+        };"""
+    )
+    other.goto(file.as_uri())
+    other.evaluate("view.ready")
+    at_rest(other)
+    assert other.evaluate("view.format === view.gl.RGBA16F")
+    off = abs(canvas(other) - canvas(page))
+    assert off.max() <= 6 and off.mean() < 0.5
+    other.close()
+
+
 def test_without_webgl_the_page_says_so(browser, file):
     page = browser.new_page()
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
