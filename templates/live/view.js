@@ -124,8 +124,14 @@ class LiveView {
       GRID: (this.volumes?.grid ?? []).join(", "),
     };
     const defines = Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
-    if (this.kinds !== defines) this.programs = {};
-    this.kinds = defines;
+    if (this.kinds !== defines) {
+      for (const { program, shaders } of Object.values(this.programs)) {
+        gl.deleteProgram(program);
+        shaders.forEach((shader) => gl.deleteShader(shader));
+      }
+      this.programs = {};
+      this.kinds = defines;
+    }
     return (this.programs[name] ??= this.compile(defines, name));
   }
 
