@@ -180,6 +180,11 @@ class Scene(Model):
         return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
     @property
+    def has_prisms(self) -> bool:
+        """Whether the sheets consist of prisms."""
+        return self.sheet in ("detailed", "single")
+
+    @property
     def sheets_depth(self) -> float:
         """Extent of the sheets along z, tiles. They are centred on z = 0."""
         sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
