@@ -88,11 +88,15 @@ class View:
         """
         return self.measured(size, rays, part)[1]
 
-    def measured(self, size: Size, rays: int, part: float = 1) -> tuple[float, NDArray[np.uint8]]:
-        """Return the CPU seconds that the browser's processes use for a picture, and the picture."""
+    def measured(self, size: Size, rays: int, part: float = 1, repeats: int = 1) -> tuple[float, NDArray[np.uint8]]:
+        """Return the CPU seconds that the browser's processes use for a picture, and the picture.
+
+        They are known to 0.01 s divided by `repeats`, the number of times that the picture is drawn.
+        """
         before = self.cpu_seconds()
-        self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
-        seconds = self.cpu_seconds() - before
+        for _ in range(repeats):
+            self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
+        seconds = (self.cpu_seconds() - before) / repeats
         light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / rays
         encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
         return seconds, np.round(255 * encoded).astype(np.uint8)

@@ -16,6 +16,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import product
+from math import ceil
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
@@ -187,11 +189,10 @@ def live_points(scenes: Mapping[str, Scene], opened: ExitStack) -> list[Point]:
     for method, scene in scenes.items():
         view = View(browser, scene)
         view.picture(SIZES[0], 1)  # the first picture compiles the shaders
-        points += [
-            Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, partial(view.measured, size, rays))
-            for size in SIZES
-            for rays in LIVE_RAYS
-        ]
+        for size, rays in product(SIZES, LIVE_RAYS):
+            repeats = ceil(500_000 / (size[0] * size[1] * rays))  # a small picture takes less than the clock's step
+            make = partial(view.measured, size, rays, repeats=repeats)
+            points.append(Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, make))
     return points
 
 
