@@ -4,22 +4,22 @@ const diagram = $("diagram");
 let diagramMap = null;
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
-function mapOf(width, height, { L, E, sheet, P }) {
+function mapOf(width, height, { L, E, P }) {
   const D = minus(E, L);
   const distance = Math.max(abs(D), 0.02);
+  // the middle lies between L and E, and a little towards P
+  const towards = finite(P) ? scaled(0.5, minus(P, [0.5, 0])) : [0, 0];
+  const middle = plus([0.5, 0], scaled(Math.min(1, 0.3 / abs(towards)) || 0, towards));
+  const unit = Math.min(width / 2.2, height / 1.5);
   if (state.diagram === "paper") {
-    const unit = Math.min(width / 2.4, height / 1.5);
-    // if P is below the axis, leave more room there
-    const lean = finite(P) ? clamped(P[1], [-0.14, 0.14]) : 0;
-    const at = ([xi, psi]) => [unit * (xi - 0.5), unit * (lean - psi)];
+    const at = (p) => times([unit, 0], conj(minus(p, middle)));
     return { at, unit, turned: 0 };
   }
-  const unit = Math.min(width / 2, height / 1.9);
   const tile = unit / distance;
-  const centre = plus(L, scaled(0.5, D));
+  const centre = plus(L, times(D, middle));
   const ofTiles = ([x, y]) => [tile * (x - centre[0]), tile * (centre[1] - y)];
   const at = (p) => ofTiles(plus(L, times(D, p)));
-  return { at, unit, turned: arg(D), tile, ofTiles, sheet };
+  return { at, unit, turned: arg(D), tile, ofTiles };
 }
 
 function drawDiagram(now) {

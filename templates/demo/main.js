@@ -45,18 +45,20 @@ function speak(now) {
 
 function keepAddress() {
   if (held) return later("address", 400, keepAddress);
-  const hash = toHash();
-  if (hash !== (location.hash || openingHash)) history.pushState(null, "", hash);
+  if (toHash() === kept) return;
+  kept = toHash();
+  history.pushState(null, "", kept);
 }
 
 addEventListener("popstate", () => {
   player.pause();
   fromHash(location.hash);
+  kept = toHash();
   refresh();
 });
 
-const openingHash = toHash();
 fromHash(location.hash);
+let kept = toHash();  // the state that the address has
 for (const part of [stage, $("diagram-box"), sketch]) new ResizeObserver(refresh).observe(part);
 document.fonts?.ready.then(refresh);
 view.ready.then(refresh);

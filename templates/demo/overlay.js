@@ -16,14 +16,14 @@ function drawOverlay(now) {
   parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.two && now.M > NEAR_POLE) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
-  if (state.caption) {
-    const line = words("say caption", [0, box.height / 2 - 1.1 * rem], caption(now));
-    parts.push(line);
-  }
+  if (state.caption) parts.push(words("say caption", [0, box.height / 2 - 1.1 * rem], caption(now)));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
   overlay.style.fontSize = `${rem}px`;
   overlay.replaceChildren(...parts);
   shrunk(overlay.querySelector(".caption"), box.width - rem);
+  const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
+  overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
+  $("hint").classList.toggle("covered", state.caption);
 }
 
 // Text that is too wide gets a smaller font.
@@ -89,13 +89,11 @@ function marks(now, rem, box) {
     const chosen = z1 === now.z1;
     const out = edge(at, box, 0.6 * rem);
     const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) ? " unsure" : ""}`;
+    const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M) : 0.45 * rem;
     if (!out) {
-      const reach = state.scene === "spheres"
-        ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M)
-        : 0.45 * rem;
       rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
     }
-    if (chosen) parts.push(...nameOfP(at, out, [L, E], rem));
+    if (chosen) parts.push(...nameOfP(at, out, [L, E], rem, reach));
   });
   return [...rings, ...parts];
 }
@@ -108,8 +106,8 @@ function eyeMark(E, L, rem) {
   ];
 }
 
-function nameOfP(at, out, others, rem) {
-  if (!out) return [corner("P", at, others, 1.2 * rem)[1]];
+function nameOfP(at, out, others, rem, reach) {
+  if (!out) return [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]];
   return [
     arrowhead("arrow q q-P", out.tip, out.angle, rem),
     words("point q q-P", step(out.tip, out.angle + Math.PI, 1.9 * rem), "P"),
@@ -124,8 +122,7 @@ function key(now, rem, { width, height }) {
   if (state.image && now.two && state.scene === "chess") lines.push(["image", "predicted image"]);
   if (!lines.length) return [];
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
-  const widest = Math.max(...lines.map(([, text]) => text.length));
-  const parts = [svg("rect", { class: "key", x, y, width: (2.9 + 0.47 * widest) * rem, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
+  const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
   lines.forEach(([kind, text], n) => {
     const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
     if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));

@@ -95,7 +95,7 @@ const player = {
 
 for (const [n, { name, scene, parameter }] of data.presets.entries()) {
   const button = document.createElement("button");
-  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, textContent: `${scene === "chess" ? "Chess" : "Spheres"}: ${SYMBOL[parameter]}` });
+  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, textContent: scene === "chess" ? `vary ${SYMBOL[parameter]}` : name });
   button.addEventListener("click", () => player.choose(data.presets[n]));
   $("presets").append(button);
 }

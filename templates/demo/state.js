@@ -11,7 +11,7 @@ const START = {
 const OPENING = {
   scene: "chess", sheet: "ideal", alpha: data.scenes.chess.alpha, z2: data.scenes.chess.z2, prisms: data.scenes.chess.prisms,
   piece: data.scenes.chess.piece, E: [0, 0], ...START.chess,
-  position: true, circles: false, image: false, caption: false,  // what is drawn on the picture
+  position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
   diagram: "picture", question: -1,                              // the diagram's orientation; the question, or -1
 };
 const RANGES = { alpha: [-360, 360], z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms] };

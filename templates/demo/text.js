@@ -35,6 +35,8 @@ function turnedBy(nu) {
   return text === "0.0°" ? "not turned" : `turned by ${text}${text === "180.0°" ? "" : nu > 0 ? " counter-clockwise" : " clockwise"}`;
 }
 
+const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2));
+
 // What is seen, in a sentence or two.
 function explanation(now) {
   return [seen(now), ...remarks(now)].join(" ");
@@ -42,17 +44,18 @@ function explanation(now) {
 
 function seen(now) {
   const { sheet, M, nu, height, z1, z2 } = now;
-  const large = `${brief(M)} times as large as if it stood in the window`;
+  const large = `${timesText(M)} times as large as if it stood in the window`;
   if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
   if (sheet === "single") {
-    const across = `${brief(M)} times as wide and ${brief(height)} times as high as if it stood in the window`;
+    const across = `${timesText(M)} times as wide and ${timesText(height)} times as high as if it stood in the window`;
     return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
   if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
   if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${brief(now.seen)} tiles wide fills the window.`;
   if (Number.isNaN(nu)) return `These prisms show the ${thing()} mirrored, about ${large}.`;
-  return `The ${thing()} appears ${turnedBy(nu)} and ${large}.`;
+  const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
+  return `${which}${turnedBy(nu)}, and ${large}.`;
 }
 
 function remarks(now) {
