@@ -4,13 +4,12 @@ const diagram = $("diagram");
 let diagramMap = null;
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
-function mapOf(width, height, { L, E, P }) {
+function mapOf(width, height, { L, E, P, two }) {
   const D = minus(E, L);
   const distance = Math.max(abs(D), 0.02);
-  // the middle lies between L and E, and a little towards P
-  const towards = finite(P) ? scaled(0.5, minus(P, [0.5, 0])) : [0, 0];
-  const middle = plus([0.5, 0], scaled(Math.min(1, 0.3 / abs(towards)) || 0, towards));
-  const unit = Math.min(width / 2.2, height / 1.5);
+  // the middle is midway between L and E, and a little on P's side
+  const middle = [0.5, finite(P) ? clamped(0.5 * P[1], [-0.25, 0.25]) : 0];
+  const unit = Math.min(width / 2.2, height / (two ? 1.75 : 2.7));
   if (state.diagram === "paper") {
     const at = (p) => times([unit, 0], conj(minus(p, middle)));
     return { at, unit, turned: 0 };
@@ -42,7 +41,7 @@ function drawDiagram(now) {
       parts.push(...(same ? [] : triangle(L, E, P, { alpha: now.alpha, nu }, rem, box)));
       parts.push(...others(map, now, rem), ...corners(L, E, P, rem, box));
     } else {
-      parts.push(...corners(L, E, null, rem, box), ...poleWords(height, rem));
+      parts.push(...corners(L, E, null, rem, box), ...poleWords([L, E], height, rem));
     }
   } else {
     const P = map.ofTiles?.(now.place);
@@ -65,10 +64,14 @@ const corners = (L, E, P, rem, box) => [
   ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
 ];
 
-const poleWords = (height, rem) => [
-  words("far", [0, 0.4 * height - 1.4 * rem], "P is infinitely far away:"),
-  words("far", [0, 0.4 * height], "no light from L reaches E"),
-];
+// Far above or below L and E, or between them.
+function poleWords(points, height, rem) {
+  const room = (y) => Math.min(...points.map((point) => Math.abs(point[1] - y)));
+  const [y] = [-0.36, 0, 0.36].map((part) => part * height).sort((a, b) => room(b) - room(a));
+  return [
+    words("far", [0, y - 0.7 * rem], "P is infinitely far away:"), words("far", [0, y + 0.7 * rem], "no light from L reaches E"),
+  ];
+}
 
 function windowOutline({ ofTiles, tile }, { scene }) {
   const half = scene.aperture / 2;

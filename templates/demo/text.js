@@ -87,8 +87,8 @@ function describe(now) {
 function caption(now) {
   const sheets = { none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
   const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
-  if (!now.two) return parts.join("   ");
+  if (!now.two) return parts.join("\u2003");
   parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
-  return [...parts, `r = ${brief(now.r)}`, `ν = ${nu}`, `M = ${brief(now.M)}`].join("   ");
+  return [...parts, `r = ${brief(now.r)}`, `ν = ${nu}`, `M = ${brief(now.M)}`].join("\u2003");
 }
