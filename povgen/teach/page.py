@@ -47,15 +47,16 @@ def demo(
     for name, file in files.items():
         build.checked_movie(file, specs[name], Rendering(**options).quality)
     cache.check()
-    scene = Chess(piece=(*PIECES, *pieces))
-    shapes = volumes(live.pieces(scene))
+    shown = live.pieces(Chess(piece=(*PIECES, *pieces)))
+    shapes = volumes(shown)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **options)
     quality = Rendering(**options).quality
     data = {
         "scenes": {"chess": live.values(Chess()), "spheres": live.values(Spheres())},
         "faces": FACES,
-        "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in live.pieces(scene).items()},
+        "pieces": list(shown),
+        "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
         "volumes": {"grid": GRID, "pieces": {name: shape._asdict() for name, shape in shapes.items()}},
         "presets": [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()],
         "limits": {

@@ -30,9 +30,17 @@ for (const name of ["L", "E"]) {
   ["x", "y"].forEach((axis, k) => numberField($(`number-${name}${axis}`), (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
 }
 
+let typing = null;  // the field that someone is typing in
+
 function numberField(input, values) {
-  input.addEventListener("input", () => Number.isFinite(input.valueAsNumber) && given(values(input.valueAsNumber)));
-  input.addEventListener("change", () => showInputs(moment(), true));
+  input.addEventListener("input", () => {
+    typing = input;
+    if (Number.isFinite(input.valueAsNumber)) given(values(input.valueAsNumber));
+  });
+  input.addEventListener("change", () => {
+    typing = null;
+    refresh();
+  });
 }
 
 function given(values) {
@@ -42,7 +50,7 @@ function given(values) {
 }
 
 for (const input of document.querySelectorAll(".choice input")) input.addEventListener("change", () => given({ [input.name]: input.value }));
-for (const name of Object.keys(data.volumes.pieces)) $("piece").append(new Option(pieceName(name), name));
+for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
 for (const name of SWITCHES) {
   $(`show-${name}`).addEventListener("change", (event) => {
@@ -51,16 +59,16 @@ for (const name of SWITCHES) {
   });
 }
 
-// Show the state in all inputs; not in a field that is being typed in, unless `all`.
-function showInputs(now, all = false) {
+// Show the state in all inputs, except in a field that someone is typing in.
+function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
     const x = name === "prisms" ? state.prisms : name === "alpha" ? state.alpha : now[name];
     const slider = $(`slider-${name}`);
     if (document.activeElement !== slider || Math.abs(fromSlider(name, slider.value) - x) > 0.01 * Math.abs(x)) slider.value = toSlider(name, x);
     slider.setAttribute("aria-valuetext", name === "prisms" ? `${x} prisms` : quantity(name, x));
-    put(`number-${name}`, x, all);
+    put(`number-${name}`, x);
   }
-  for (const name of ["L", "E"]) ["x", "y"].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k], all));
+  for (const name of ["L", "E"]) ["x", "y"].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
   for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = !now.two;
   for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = now.sheet !== "detailed" && now.sheet !== "single";
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
@@ -69,9 +77,8 @@ function showInputs(now, all = false) {
   for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
 }
 
-function put(id, x, all) {
-  const input = $(id);
-  if (all || document.activeElement !== input) input.value = typed(x);
+function put(id, x) {
+  if ($(id) !== typing) $(id).value = typed(x);
 }
 
 // ---- Numbers ----

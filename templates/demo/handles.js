@@ -54,6 +54,7 @@ function holdInDiagram(event) {
 // While it is held, the pointer's step in pixels becomes a step of L or E in tiles.
 function hold(event, what, toTiles, map) {
   event.preventDefault();
+  document.activeElement.blur();
   event.target.closest(".handle")?.focus();
   player.pause();
   held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };

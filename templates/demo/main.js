@@ -52,6 +52,7 @@ function keepAddress() {
 
 addEventListener("popstate", () => {
   player.pause();
+  typing = null;
   fromHash(location.hash);
   kept = toHash();
   refresh();

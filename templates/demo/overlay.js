@@ -24,6 +24,7 @@ function drawOverlay(now) {
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
   $("hint").classList.toggle("covered", state.caption);
+  stage.classList.toggle("has-marks", state.position);
 }
 
 // Text that is too wide gets a smaller font.

@@ -17,7 +17,7 @@ const OPENING = {
 const RANGES = { alpha: [-360, 360], z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms] };
 const CHOICES = {
   scene: ["chess", "spheres"], sheet: ["none", "single", "detailed", "ideal"], diagram: ["picture", "paper"],
-  piece: Object.keys(data.volumes.pieces),
+  piece: data.pieces,
 };
 const ASIDE = 10;           // |x| and |y| of L and E are at most this
 const LEAST_PEDESTAL = 0.2;
@@ -33,7 +33,8 @@ function change(values) {
   state.prisms = Math.round(state.prisms);
   const chess = state.scene === "chess";
   const least = chess ? [FLOOR + LEAST_PEDESTAL, FLOOR + 0.05] : [-ASIDE, -ASIDE];
-  [state.L, state.E] = [state.L, state.E].map(([x, y], k) => [clamped(x, [-ASIDE, ASIDE]), clamped(y, [least[k], ASIDE])]);
+  const most = [chess ? FLOOR + 10 : ASIDE, ASIDE];  // a pedestal is at most 10 high
+  [state.L, state.E] = [state.L, state.E].map(([x, y], k) => [clamped(x, [-ASIDE, ASIDE]), clamped(y, [least[k], most[k]])]);
 }
 
 // ---- The scene ----
