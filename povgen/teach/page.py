@@ -41,17 +41,18 @@ def demo(
     rendered. Raises PovrayError if POV-Ray fails.
     """
     page, workers = checked_output(Path(output), [".html"]), worker_count(workers)
-    check_options(movies, options)
+    given: dict[str, Any] = options
+    check_options(movies, given)
     specs = {name: MovieSpec.load(name) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
-        build.checked_movie(file, specs[name], Rendering(**options).quality)
+        build.checked_movie(file, specs[name], Rendering(**given).quality)
     cache.check()
     shown = live.pieces(Chess(piece=(*PIECES, *pieces)))
     shapes = volumes(shown)
     for name, file in files.items():
-        build.movie(specs[name], file, workers=workers, progress=progress, **options)
-    quality = Rendering(**options).quality
+        build.movie(specs[name], file, workers=workers, progress=progress, **given)
+    quality = Rendering(**given).quality
     data = {
         "scenes": {"chess": live.values(Chess()), "spheres": live.values(Spheres())},
         "faces": FACES,

@@ -311,12 +311,19 @@ def test_switches_draw_on_the_picture(page):
 
 def test_the_predicted_position_is_marked(page):
     page.locator("#show-position").check()
-    for values in ({}, {"alpha": 150, "z1": 3, "E": [0.2, 0.1]}, {"sheet": "detailed", "alpha": -60}, {"scene": "spheres", "sheet": "ideal"}):
+    for values in (
+        {},
+        {"alpha": 150, "z1": 3, "E": [0.2, 0.1]},
+        {"sheet": "detailed", "alpha": -60},
+        {"scene": "spheres", "sheet": "ideal"},
+    ):
         show(page, **values)
         scene = scene_of(page)
         wanted = complex(scene.apparent_position(scene.L, page.evaluate("moment().z1")))
         assert abs(centre(page, "#predicted") - wanted) < 0.01
-    expect(page.locator("#overlay .mark:not(.halo):not(.chosen)")).to_have_count(page.evaluate("moment().objects.length") - 1)
+    expect(page.locator("#overlay .mark:not(.halo):not(.chosen)")).to_have_count(
+        page.evaluate("moment().objects.length") - 1
+    )
 
 
 def test_paths_are_parted_at_infinity(page):
@@ -390,7 +397,12 @@ def test_numbers_are_typed_and_sliders_moved(page):
     page.get_by_label("the light is turned by").last.fill("90")
     assert numbers(page)["nu"] == pytest.approx(np.degrees(rotation.nu(3, np.pi / 2)), abs=0.051)
     assert page.evaluate("$('slider-alpha').value") == "90"
-    for name, typed, kept in (("z1", "1e9", 5000), ("z2", "-3", 0.161), ("prisms", "400.2", 400), ("alpha", "-400", -360)):
+    for name, typed, kept in (
+        ("z1", "1e9", 5000),
+        ("z2", "-3", 0.161),
+        ("prisms", "400.2", 400),
+        ("alpha", "-400", -360),
+    ):
         page.locator("#sheet input[value=detailed]").check()
         field = page.locator(f"#number-{name}")
         field.fill(typed)
@@ -494,7 +506,9 @@ def test_arrow_keys_move_eye_and_object(page):
     page.keyboard.press("ArrowLeft")
     assert page.evaluate("[...state.E, state.L[0]]") == pytest.approx([0.05, 0.25, -0.05])
     page.evaluate("draw()")
-    expect(page.locator("#eye-picture")).to_have_attribute("aria-label", "Eye E at 0.05, 0.25 tiles: arrow keys move it")
+    expect(page.locator("#eye-picture")).to_have_attribute(
+        "aria-label", "Eye E at 0.05, 0.25 tiles: arrow keys move it"
+    )
 
 
 # ---- Movies ----
@@ -647,7 +661,9 @@ def test_questions_are_predicted_and_revealed(page):
             page.locator("#prediction input").fill(str(right * (1 + wrong)))
         page.get_by_role("button", name="Reveal").click()
         expect(page.locator("#answer")).to_contain_text("No: " if wrong else "Yes: ")
-        for name, value in page.evaluate(f"(() => {{ const {{ after }} = QUESTIONS[{n}]; return after.call ? after() : after; }})()").items():
+        for name, value in page.evaluate(
+            f"(() => {{ const {{ after }} = QUESTIONS[{n}]; return after.call ? after() : after; }})()"
+        ).items():
             assert page.evaluate(f"state.{name}") == value
         if n + 1 < count:
             page.get_by_role("button", name="Next").click()
@@ -661,7 +677,8 @@ def test_questions_are_predicted_and_revealed(page):
 def test_a_link_reopens_what_one_sees(page):
     page.evaluate(
         """() => {
-          change({ scene: "spheres", sheet: "detailed", alpha: -33.25, z2: 7.5, prisms: 250, L: [0.3, 0.1], E: [-0.2, 0.4] });
+          change({ scene: "spheres", sheet: "detailed", alpha: -33.25, z2: 7.5, prisms: 250 });
+          change({ L: [0.3, 0.1], E: [-0.2, 0.4] });
           Object.assign(state, { circles: true, caption: true, diagram: "paper", question: 2 });
         }"""
     )
@@ -686,7 +703,14 @@ def test_back_and_forward(page):
 
 @pytest.mark.parametrize(
     "link",
-    ["#", "#alpha=", "#alpha=1e999&z1=NaN&L=1&E=a,b", "#scene=house&sheet=3&piece=__proto__", "#%E0%A4%A", "#question=99"],
+    [
+        "#",
+        "#alpha=",
+        "#alpha=1e999&z1=NaN&L=1&E=a,b",
+        "#scene=house&sheet=3&piece=__proto__",
+        "#%E0%A4%A",
+        "#question=99",
+    ],
 )
 def test_nonsense_in_an_address_is_ignored(page, link):
     page.evaluate("(link) => { fromHash(link); draw(); }", link)
@@ -698,14 +722,21 @@ def test_nonsense_in_an_address_is_ignored(page, link):
 
 def test_keys_and_their_off_switch(page):
     for key, test in (
-        ("p", "state.sheet === 'detailed'"), ("p", "state.sheet === 'ideal'"), ("o", "state.position"), ("c", "state.circles"),
-        ("i", "state.image"), ("q", "state.question === 0"), ("q", "state.question === -1"), (" ", "player.playing"),
+        ("p", "state.sheet === 'detailed'"), ("p", "state.sheet === 'ideal'"), ("o", "state.position"),
+        ("c", "state.circles"), ("i", "state.image"), ("q", "state.question === 0"), ("q", "state.question === -1"),
+        (" ", "player.playing"),
         (" ", "!player.playing"),
     ):  # fmt: skip
         page.keyboard.press(key)
         assert page.evaluate(test), key
     show(page, sheet="ideal")
-    for control, key in (("#number-alpha", "p"), ("#piece", "p"), ("#reset", " "), ("#loop", " "), ("#tab-explore", " ")):
+    for control, key in (
+        ("#number-alpha", "p"),
+        ("#piece", "p"),
+        ("#reset", " "),
+        ("#loop", " "),
+        ("#tab-explore", " "),
+    ):
         page.locator(control).focus()
         page.keyboard.press(key)
         assert page.evaluate("[state.sheet, player.playing]") == ["ideal", False], control
@@ -720,7 +751,8 @@ def test_keys_and_their_off_switch(page):
 def test_everything_is_reached_by_the_tab_key(page):
     wanted = page.evaluate(
         """() => [...document.querySelectorAll("button, input, select, summary")].filter((control) =>
-             control.checkVisibility() && !control.disabled && control.tabIndex >= 0 && !control.closest("details:not([open]) > :not(summary)")
+             control.checkVisibility() && !control.disabled && control.tabIndex >= 0
+             && !control.closest("details:not([open]) > :not(summary)") 
              && (control.type !== "radio" || control.checked)).length"""
     )
     page.evaluate("window.reached = new Set(); addEventListener('focusin', (event) => reached.add(event.target))")
@@ -753,13 +785,23 @@ def test_nothing_is_cut_off(page, size):
     width, height = SIZES[size]
     page.evaluate("LiveView.RAYS = 0; document.querySelector('details').open = false")
     page.set_viewport_size({"width": width, "height": height})
-    for values in ({}, {"sheet": "detailed"}, {"scene": "spheres"}, {"sheet": "single"}, {"alpha": 180, "z1": 6}, {"question": 6}):
+    for values in (
+        {},
+        {"sheet": "detailed"},
+        {"scene": "spheres"},
+        {"sheet": "single"},
+        {"alpha": 180, "z1": 6},
+        {"question": 6},
+    ):
         page.evaluate("fromHash('')")
         show(page, **values)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         if size in ("laptop", "projector"):
             assert page.evaluate("document.documentElement.scrollHeight") <= height
-            assert page.evaluate("(({ scrollHeight, clientHeight }) => scrollHeight - clientHeight)(document.querySelector('.panel'))") <= 1
+            assert (
+                page.evaluate("((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector('.panel'))")
+                <= 1
+            )
         cut = """[...document.querySelectorAll("dl div, button, legend, label, .player, #sentence")]
           .filter((part) => part.scrollWidth > part.clientWidth + 1 && part.checkVisibility()
             && getComputedStyle(part).display !== "inline" && !part.matches(".hidden-text, .handle"))

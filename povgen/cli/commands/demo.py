@@ -17,16 +17,20 @@ def command(
     ] = None,
     movies: Annotated[
         bool,
-        typer.Option("--movies", help="render POV-Ray's three movies as well, beside the page; the other options are for them"),
+        typer.Option(
+            "--movies", help="render POV-Ray's three movies as well, beside the page; the other options are for them"
+        ),
     ] = False,
     workers: Workers = None,
     quiet: Quiet = False,
     **options: object,
 ) -> None:
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
+    from povgen.rendering.parallel import worker_count
     from povgen.teach.page import demo
 
     _, options = split(options)
-    page = demo(output, pieces=piece or (), movies=movies, workers=workers, progress=not quiet, **options)
+    count = worker_count(workers)
+    page = demo(output, pieces=piece or (), movies=movies, workers=count, progress=not quiet, **options)
     if not quiet:
         print(f"wrote {page}")
