@@ -15,12 +15,12 @@ function draw() {
   view.set(now.scene);
   drawTabs();
   drawQuestion();
+  showInputs(now);
+  showNumbers(now);  // before the drawings: the length of the text decides how large they are
   drawOverlay(now);
   drawDiagram(now);
   drawSketch(now);
   placeHandles(now);
-  showInputs(now);
-  showNumbers(now);
   showMarks();
   player.draw();
   povray.draw();

@@ -73,7 +73,7 @@ function edge(place, { width, height }, margin) {
 }
 
 // Positions along a branch of a curve: 0 is one end, 1 the other.
-const SHARES = Array.from({ length: 501 }, (_, n) => n / 500);
+const SHARES = Array.from({ length: 301 }, (_, n) => n / 300);
 for (let near = 1e-8; near < 0.5; near *= 1.04) SHARES.push(near, 1 - near);
 SHARES.sort((a, b) => a - b);
 

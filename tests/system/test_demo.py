@@ -350,7 +350,7 @@ def test_paths_are_parted_at_infinity(page):
             part = np.linspace(0, 1, 5)[:, None]
             drawn = (x - 1j * y)[:-1] * (1 - part) + (x - 1j * y)[1:] * part
             for place in drawn[abs(drawn) < 2.4][::7]:
-                assert abs(true - place).min() < 0.03
+                assert abs(true - place).min() < 0.02
 
 
 def test_the_picture_can_be_saved_with_its_numbers(page):
