@@ -19,7 +19,7 @@ function toSlider(name, x) {
 }
 
 // A number as an input shows it.
-const typed = (x) => String(Number(x.toPrecision(5)));
+const typed = (x) => String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)));
 
 for (const name of Object.keys(SLIDERS)) {
   const slider = $(`slider-${name}`);

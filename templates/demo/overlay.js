@@ -23,7 +23,7 @@ function drawOverlay(now) {
   shrunk(overlay.querySelector(".caption"), box.width - rem);
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
-  $("hint").classList.toggle("covered", state.caption);
+  $("hint").classList.toggle("covered", state.caption || povray.shown);
   stage.classList.toggle("has-marks", state.position);
 }
 

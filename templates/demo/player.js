@@ -137,7 +137,7 @@ const povray = {
     if (instead && movie) this.shown = true;
     $("povray").hidden = !movie || instead;
     $("povray").setAttribute("aria-pressed", this.shown);
-    video.hidden = !this.shown;
+    video.hidden = !this.shown || video.readyState < 2;
     if (!this.shown) return;
     if (video.getAttribute("src") !== movie.file) video.setAttribute("src", movie.file);
     const frame = Math.round(player.part() * (movie.frames - 1));
@@ -147,7 +147,7 @@ const povray = {
 };
 
 $("povray").addEventListener("click", () => povray.toggle());
-for (const event of ["loadedmetadata", "seeked"]) $("video").addEventListener(event, () => povray.draw());
+for (const event of ["loadedmetadata", "loadeddata", "seeked"]) $("video").addEventListener(event, () => povray.draw());
 $("video").addEventListener("error", () => {
   povray.broken.add($("video").getAttribute("src"));
   refresh();

@@ -169,7 +169,8 @@ function answerText(question) {
   const isRight = question.choices ? Number(given) === right : Math.abs(given - right) <= question.tolerance * right;
   const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
   const text = question.choices ? question.choices[right] : `${brief(right)} ${question.unit}`;
-  const strong = Object.assign(document.createElement("strong"), { textContent: `${verdict}${text}.` });
+  const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
+  const strong = Object.assign(document.createElement("strong"), { textContent: `${said}.` });
   return [strong, ` ${question.why()}`];
 }
 

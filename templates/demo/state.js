@@ -39,12 +39,15 @@ function change(values) {
 
 // ---- The scene ----
 
+// The least distance of the eye: just in front of the window frame, or far enough to see through a deep one.
+const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
+
 // The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
 function sceneValues() {
   const { scene, sheet, alpha, prisms, piece, L, E } = state;
   const values = { ...data.scenes[scene], sheet, alpha, prisms, eye: E, faces: data.faces };
   const back = geometry.depth(values) / 2;
-  values.z2 = Math.max(state.z2, back + 0.011);
+  values.z2 = Math.max(state.z2, leastZ2(back));
   if (scene === "spheres") return { ...values, line: L };
   const foot = data.pedestals[piece];
   const z1 = Math.max(state.z1, back + foot + 0.001);

@@ -42,6 +42,8 @@ function explanation(now) {
   return [seen(now), ...remarks(now)].join(" ");
 }
 
+const UNSURE = "Here the prediction is wrong by pixels: the prisms are large, or the pole is near.";
+
 function seen(now) {
   const { sheet, M, nu, height, z1, z2 } = now;
   const large = `${timesText(M)} times as large as if it stood in the window`;
@@ -53,7 +55,7 @@ function seen(now) {
   }
   if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
   if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${brief(now.seen)} tiles wide fills the window.`;
-  if (Number.isNaN(nu)) return `These prisms show the ${thing()} mirrored, about ${large}.`;
+  if (sheet === "detailed" && unsure(now)) return UNSURE;
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
 }
@@ -65,12 +67,12 @@ function remarks(now) {
     found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
   }
   if (state.z2 < z2 * 0.999 || (state.scene === "chess" && state.z1 < z1 * 0.999)) {
-    found.push(`With these prisms the frame is ${brief(geometry.depth(scene))} tiles deep, so z₁ and z₂ are larger than you asked for.`);
+    found.push(`The frame is ${brief(geometry.depth(scene))} tiles deep: z₁ and z₂ are larger than you asked for.`);
   }
-  if (now.M <= NEAR_POLE && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
+  else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
     found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : "its foot"} is not seen.`);
   }
-  if (sheet === "detailed" && unsure(now)) found.push("Here the prediction is wrong by pixels: the prisms are large, or the pole is near.");
+  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE)) found.push(UNSURE);
   return found;
 }
 

@@ -427,7 +427,7 @@ def test_few_large_prisms_push_eye_and_object_away(page):
     show(page, sheet="detailed", prisms=1)
     scene = scene_of(page)
     assert scene.z2 > scene.depth / 2 > 10 and scene.z1 > scene.depth / 2
-    assert "deep, so z₁ and z₂ are larger" in page.locator("#sentence").text_content()
+    assert "deep: z₁ and z₂ are larger" in page.locator("#sentence").text_content()
     show(page, prisms=100)
     assert page.evaluate("[moment().z1, moment().z2]") == [2, 6]
 
