@@ -36,6 +36,9 @@ def file(tmp_path_factory):
     return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
 
 
+COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
+
+
 class Faults(list):
     """What the console says, and the requests for anything but the page's own files."""
 
@@ -48,11 +51,12 @@ class Faults(list):
 
 
 def opened(browser, file, hash_="", **options):
-    """Open the page, with few rays a pixel."""
+    """Open the page, with few rays: those of a coarse display."""
     page = browser.new_page(viewport=WORK, **options)
     faults = Faults().watch(page, file.parent.as_uri())
     page.goto(file.as_uri() + hash_)
     page.evaluate("LiveView.RAYS = 1; view.ready")
+    page.evaluate(COARSE)
     return page, faults
 
 
@@ -69,6 +73,7 @@ def shared(browser, file):
 def page(shared):
     """The shared page, as it is when it has just been opened. The test fails if the page has an error."""
     page, faults = shared
+    page.evaluate(COARSE)
     page.set_viewport_size(WORK)
     page.emulate_media(reduced_motion="no-preference")
     page.evaluate(
@@ -145,6 +150,7 @@ def pixels(png):
 
 def picture(page):
     """Return the stage's pixels, when the picture has been drawn."""
+    page.evaluate(SHARP)
     page.wait_for_function("view.converged()")
     return pixels(page.locator("#stage").screenshot())
 
@@ -355,6 +361,7 @@ def test_paths_are_parted_at_infinity(page):
 
 def test_the_picture_can_be_saved_with_its_numbers(page):
     show(page, sheet="none", z1=3)
+    page.evaluate(SHARP)
     page.wait_for_function("view.converged()")
     with page.expect_download() as download:
         page.locator("#save").click()
