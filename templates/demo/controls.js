@@ -100,6 +100,7 @@ let pinned = "";
 
 function mark(name) {
   marked = name || pinned;
+  drawOverlay(moment());
   showMarks();
 }
 

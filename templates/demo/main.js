@@ -62,6 +62,9 @@ fromHash(location.hash);
 let kept = toHash();  // the state that the address has
 for (const part of [stage, $("diagram-box"), sketch]) new ResizeObserver(refresh).observe(part);
 document.fonts?.ready.then(refresh);
-view.ready.then(refresh);
+view.ready.then(() => {
+  $("hint").textContent = "Drag the object, or drag beside it to move your eye";
+  refresh();
+});
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = view.benchText()));

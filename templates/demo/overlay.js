@@ -12,7 +12,7 @@ function drawOverlay(now) {
   if (!box.width) return;
   const rem = Math.max(11, box.height / 36);
   const parts = [];
-  if (now.two) parts.push(...paths(now));
+  if (now.two && (state.circles || PATHS.includes(marked))) parts.push(...paths(now));
   parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.two && now.M > NEAR_POLE) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
@@ -34,6 +34,8 @@ function shrunk(text, width) {
 }
 
 const poleText = (now) => (Number.isFinite(now.M) ? `${brief(now.seen)} tiles of the ${thing()} fill the window` : `one point of the ${thing()} fills the window`);
+
+const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
 
 // The paths of P: alpha constant, while z1 changes, and r constant, while alpha changes. A dark line is under each.
 function paths(now) {

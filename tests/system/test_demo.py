@@ -393,6 +393,7 @@ def test_without_webgl_the_page_says_so(browser, file):
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page.goto(file.as_uri())
     expect(page.locator("#message")).to_contain_text("needs WebGL 2")
+    expect(page.locator("#hint")).to_be_hidden()
     expect(page.locator("#value-nu")).to_have_text("15.0°")  # the rest of the page works
     page.close()
 
@@ -569,7 +570,8 @@ def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch
     options = {"quality": "draft", "size": (64, 48), "antialias": "off", "progress": False}
     file = demo(tmp_path / "page.html", pieces=[own], movies=True, **options)
     assert {path.name for path in tmp_path.iterdir()} == {own.name, "page.html", "page-vary-alpha.mp4"}
-    page, faults = opened(browser, file, "#scene=chess&sheet=ideal&alpha=60")
+    page, faults = opened(browser, file, "?bench#scene=chess&sheet=ideal&alpha=60")
+    expect(page.locator("#message")).to_contain_text("frames a second", timeout=60_000)
     button = page.get_by_role("button", name="POV-Ray’s picture")
     button.click()
     page.wait_for_function("$('video').currentTime > 0 && !$('video').seeking")
@@ -676,6 +678,13 @@ def test_questions_are_predicted_and_revealed(page):
             page.get_by_role("button", name="Next").click()
     page.get_by_role("tab", name="Explore").click()
     expect(page.locator("#diagram")).to_be_visible()
+
+
+def test_full_screen(page):
+    button = page.get_by_role("button", name="Full screen")
+    for on in ("true", "false"):
+        button.click()
+        expect(button).to_have_attribute("aria-pressed", on)
 
 
 # ---- The address ----
