@@ -18,7 +18,7 @@ function mapOf(width, height, { L, E, P, two }) {
   const centre = plus(L, times(D, middle));
   const ofTiles = ([x, y]) => [tile * (x - centre[0]), tile * (centre[1] - y)];
   const at = (p) => ofTiles(plus(L, times(D, p)));
-  return { at, unit, turned: arg(D), tile, ofTiles };
+  return { at, unit: tile * abs(D), turned: arg(D), tile, ofTiles };
 }
 
 function drawDiagram(now) {
@@ -60,6 +60,7 @@ function diagramName(now) {
   return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
 }
 
+// The dots and names of L, E and P. P is left out if it is null or outside the drawing.
 const corners = (L, E, P, rem, box) => [
   ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
 ];

@@ -74,6 +74,11 @@ function construction(now, rem, box) {
   if (abs(minus(L, E)) < 1) return [];
   const nu = Number.isNaN(now.nu) ? 0 : now.nu;
   const parts = triangle(L, E, P, { alpha: now.two ? now.alpha : 0, nu }, rem, box);
+  if (!state.position) {
+    const named = corners(L, E, P, rem, box);
+    for (const part of named) part.classList.add("q-alpha", "q-r", "q-nu", "q-M");
+    parts.push(...named);
+  }
   for (const part of parts) part.classList.add("aid");
   return parts;
 }

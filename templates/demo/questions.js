@@ -138,7 +138,7 @@ function drawQuestion() {
   const question = QUESTIONS[n];
   if (n !== drawnQuestion) {
     $("question-count").textContent = `Question ${n + 1} of ${QUESTIONS.length}`;
-    $("ask").textContent = question.ask;
+    $("ask").textContent = question.ask.replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.choices ? question.choices.map(choiceInput) : [numberInput(question)]));
     drawnQuestion = n;
   }
@@ -168,7 +168,7 @@ function answerText(question) {
   const given = new FormData($("question-form")).get("prediction");
   const isRight = question.choices ? Number(given) === right : Math.abs(given - right) <= question.tolerance * right;
   const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
-  const text = question.choices ? question.choices[right] : `${brief(right)} ${question.unit}`;
+  const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
   const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
   const strong = Object.assign(document.createElement("strong"), { textContent: `${said}.` });
   return [strong, ` ${question.why()}`];
