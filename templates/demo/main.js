@@ -47,10 +47,11 @@ function keepAddress() {
   if (held) return later("address", 400, keepAddress);
   if (toHash() === kept) return;
   kept = toHash();
-  history.pushState(null, "", kept);
+  location.hash = kept;  // in Jupyter's frames history.pushState is forbidden
 }
 
 addEventListener("popstate", () => {
+  if (location.hash === kept) return;
   player.pause();
   typing = null;
   fromHash(location.hash);
