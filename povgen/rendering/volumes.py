@@ -10,6 +10,8 @@ import inspect
 import json
 import sys
 import zlib
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from hashlib import sha256
 from typing import NamedTuple
@@ -138,7 +140,13 @@ class _Lines:
         return np.moveaxis(np.minimum(following - points, points - preceding), -1, self.axis)
 
 
+def volumes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Volume]:
+    """Return the pieces' distance fields, by the same names. Raises what `volume` raises."""
+    with ThreadPoolExecutor() as pool:  # POV-Ray sleeps during a part of this
+        return dict(zip(pieces, pool.map(volume, pieces.values()), strict=True))
+
+
 def page(scene: Scene) -> str:
     """Return the page that shows a scene's live view. Raises what `volume` raises."""
-    fields = {name: volume(piece)._asdict() for name, piece in live.pieces(scene).items()}
+    fields = {name: shape._asdict() for name, shape in volumes(live.pieces(scene)).items()}
     return to_live({"scene": live.values(scene), "volumes": {"grid": GRID, "pieces": fields}})

@@ -422,4 +422,12 @@ class LiveView {
     }
     return times;
   }
+
+  // What `bench` measures, in words.
+  benchText() {
+    const times = this.bench().sort((a, b) => a - b);
+    const [median, worst] = [times[times.length >> 1], times[times.length - 1]].map((time) => time.toFixed(1));
+    const { width, height } = this.canvas;
+    return `${width}x${height}, one ray a pixel: ${(1000 / median).toFixed(1)} frames a second, median ${median} ms, longest ${worst} ms`;
+  }
 }
