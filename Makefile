@@ -43,9 +43,9 @@ movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
 frame: | $(READY)  ## one frame, frame.png: a chess piece and its predicted image
 	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) $(OPTIONS) -o frame.png
 
-demo: | $(READY)  ## a page for teaching, build/demo/index.html: the movies beside the equations; works offline
+demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, beside the equations; works offline
 	@mkdir -p build
-	$(POVGEN) demo -o build/demo --quality $(QUALITY) $(OPTIONS)
+	$(POVGEN) demo -o build/demo.html $(OPTIONS)
 
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
@@ -91,7 +91,7 @@ verify: $(VENV)/charts-ready  ## pictures against the equations, and where metho
 	$(POVGEN) verify --stability
 	cp stability/stability.png docs
 
-chart: $(VENV)/charts-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
+chart: $(VENV)/charts-ready $(VENV)/live-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
 
 docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html

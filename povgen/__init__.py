@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from povgen.scene.sdl import to_pov
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
+    from povgen.teach.live import live
     from povgen.video.build import Movie, movie
     from povgen.video.still import render, save, show
 
@@ -26,6 +27,7 @@ __all__ = [
     "PovrayError",
     "Rendering",
     "Spheres",
+    "live",
     "movie",
     "render",
     "save",
@@ -40,6 +42,7 @@ _MODULES = {
     "PovrayError": "errors",
     "Rendering": "settings",
     "Spheres": "scene.models",
+    "live": "teach.live",
     "movie": "video.build",
     "render": "video.still",
     "save": "video.still",

@@ -2,7 +2,8 @@
 
 A sampling is the choice of rays for a pixel, `Rendering.antialias`. CPU seconds are what the operating system reports
 of POV-Ray and of povgen, which reduces larger pictures. The POV-Ray processes run one at a time. They are measured in
-several rounds, in the same order, and the median of the rounds counts.
+several rounds, in the same order, and the median of the rounds counts. The live view is measured in the same rounds, in
+a Chromium that draws without a GPU, if there is one: CPU seconds are what all its processes use for a picture.
 A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
 the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
 0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
@@ -12,8 +13,11 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import product
+from math import ceil
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
@@ -25,6 +29,7 @@ from numpy.typing import NDArray
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure import probes
+from povgen.measure.browser import View, chromium
 from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
 from povgen.rendering import parallel, povray
@@ -47,6 +52,7 @@ SAMPLINGS = (
 )
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
+LIVE_RAYS = (1, 4, 16, 64)  # a pixel
 CONVERGED = "1,0.001,9"  # 81 rays a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
@@ -60,10 +66,10 @@ ROUNDS = 5
 class Point:
     """A point of the chart: a way to make a picture, its CPU seconds, and the picture's error."""
 
-    method: str  # 'detailed', 'ideal', or a baseline's name
+    method: str  # 'detailed', 'ideal', 'live detailed', 'live ideal', or a baseline's name
     sampling: str
     size: Size
-    text: str = field(repr=False)
+    make: Callable[[], tuple[float, Picture]] = field(repr=False)  # returns CPU seconds and the picture
     seconds: list[float] = field(default_factory=list, repr=False)
     picture: Picture = field(init=False, repr=False)
     rms: float = np.nan
@@ -142,32 +148,51 @@ def flip_evaluator() -> ModuleType:
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
     """Measure every method with every sampling. `sheet_macros` are the macros that `baselines` returns.
 
-    A method is a model of the sheets or a baseline. Calls `done` with the name of each finished step.
+    A method is a model of the sheets, the live view of one, or a baseline. Calls `done` with the name of each finished
+    step. Without a Chromium it says so, and does not measure the live view.
     """
-    detailed, ideal = Chess(), Chess(sheet="ideal")
-    texts = {"detailed": to_pov(detailed), "ideal": to_pov(ideal)}
-    texts |= {name: to_pov(detailed, sheet_macro=macro) for name, macro in sheet_macros.items()}
+    scenes = {"detailed": Chess(), "ideal": Chess(sheet="ideal")}
+    texts = {method: to_pov(scene) for method, scene in scenes.items()}
+    texts |= {name: to_pov(scenes["detailed"], sheet_macro=macro) for name, macro in sheet_macros.items()}
     points = [
-        Point(method, sampling, size, text)
+        Point(method, sampling, size, partial(sample, text, sampling, size))
         for method, text in texts.items()
-        for size in (SIZES if method in ("detailed", "ideal") else (MAIN_SIZE,))
-        for sampling in (SAMPLINGS if method in ("detailed", "ideal") else BASELINE_SAMPLINGS)
+        for size in (SIZES if method in scenes else (MAIN_SIZE,))
+        for sampling in (SAMPLINGS if method in scenes else BASELINE_SAMPLINGS)
     ]
-    for number in range(ROUNDS):
-        for point in points:
-            # only one round for the largest size: its frames take long, and their times vary little
-            if number == 0 or point.size != SIZES[-1]:
-                seconds, point.picture = sample(point.text, point.sampling, point.size)
-                point.seconds.append(seconds)
-        done(f"frames, round {number + 1} of {ROUNDS}")
+    with ExitStack() as opened:
+        try:
+            points += live_points(scenes, opened)
+        except InputError as error:
+            done(f"without the live view: {error}")
+        for number in range(ROUNDS):
+            for point in points:
+                # only one round for the largest size: its frames take long, and their times vary little
+                if number == 0 or point.size != SIZES[-1]:
+                    seconds, point.picture = point.make()
+                    point.seconds.append(seconds)
+            done(f"frames, round {number + 1} of {ROUNDS}")
     for size in SIZES:
-        right = {method: sample(texts[method], CONVERGED, size)[1] for method in ("detailed", "ideal")}
+        right = {method: sample(texts[method], CONVERGED, size)[1] for method in scenes}
         for point in points:
             if point.size == size:
-                own = right["ideal" if point.method == "ideal" else "detailed"]
-                point.rms, point.flip = picture_error(point.picture, own, detailed)
-                point.flip_detailed = picture_error(point.picture, right["detailed"], detailed)[1]
+                own = right["ideal" if point.method.endswith("ideal") else "detailed"]
+                point.rms, point.flip = picture_error(point.picture, own, scenes["detailed"])
+                point.flip_detailed = picture_error(point.picture, right["detailed"], scenes["detailed"])[1]
         done(f"converged pictures of {size[0]}x{size[1]}")
+    return points
+
+
+def live_points(scenes: Mapping[str, Scene], opened: ExitStack) -> list[Point]:
+    """Return points of the live view, which can be measured until `opened` is closed. Raises InputError without one."""
+    browser, points = opened.enter_context(chromium()), []
+    for method, scene in scenes.items():
+        view = View(browser, scene)
+        view.picture(SIZES[0], 1)  # the first picture compiles the shaders
+        for size, rays in product(SIZES, LIVE_RAYS):
+            repeats = ceil(500_000 / (size[0] * size[1] * rays))  # a small picture takes less than the clock's step
+            make = partial(view.measured, size, rays, repeats=repeats)
+            points.append(Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, make))
     return points
 
 

@@ -1,6 +1,7 @@
-"""The cache: a marked folder of finished frames and ray traces. A file is named after what it was made from.
+"""The cache: a marked folder of finished frames, ray traces and distance fields.
 
-`frame_path` makes a frame's key. A ray trace's key is made in surveys.py.
+A file is named after what it was made from. `frame_path` makes a frame's key. A ray trace's key is made in
+surveys.py, a distance field's in volumes.py.
 """
 
 import errno
@@ -43,7 +44,7 @@ def frame_path(source: str, rendering: Rendering) -> Path:
 
 
 def path_for(key: str, suffix: str) -> Path:
-    """Return the file named after a key's checksum. The suffix is .png for a frame, .json for a ray trace."""
+    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .json."""
     name = sha256(key.encode()).hexdigest()
     return folder() / name[:2] / f"{name}{suffix}"
 

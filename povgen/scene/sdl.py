@@ -89,6 +89,20 @@ def to_pov(
     )
 
 
+def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, file: str) -> str:
+    """Return the text with which POV-Ray writes to a file where lines cross a piece's surface.
+
+    The grid's points are numbered along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
+    """
+    template = _environment().get_template("probes/crossings.pov.j2")
+    return template.render(piece=piece, grid=grid, limit=limit, file=file)
+
+
+def to_live(data: Mapping[str, object]) -> str:
+    """Return the page that shows the live view alone. `data`: the scene's values, and the shapes of its pieces."""
+    return _environment().get_template("live/page.html.j2").render(data=data)
+
+
 def _input(file: str) -> str:
     """Return POV-Ray's option, as a shell takes it, for its input file; scene.pov if it cannot open the name."""
     if re.fullmatch(r"[\w.-]+", file, re.ASCII):

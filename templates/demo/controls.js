@@ -1,71 +1,176 @@
-// Keys, buttons and the slider.
+// Inputs, tabs, marked quantities, and keys.
 
-function toggleSheet() {
-  through(state.sheet === "ideal" ? "detailed" : "ideal");
+// The sliders: the values at their ends, and whether a step is a ratio.
+const SLIDERS = {
+  alpha: { ends: [-180, 180] }, z1: { ends: [0.3, 300], log: true }, z2: { ends: [0.5, 150], log: true },
+  prisms: { ends: [1, 400], log: true },
+};
+const STEPS = 1000;
+
+function fromSlider(name, place) {
+  const { ends: [least, most], log } = SLIDERS[name];
+  if (!log) return Number(place);
+  return Number((least * (most / least) ** (place / STEPS)).toPrecision(3));
 }
 
-function stepBy(n) {
-  play(false);
-  seek(slider.valueAsNumber + n);
+function toSlider(name, x) {
+  const { ends: [least, most], log } = SLIDERS[name];
+  return log ? (STEPS * Math.log(x / least)) / Math.log(most / least) : x;
 }
+
+// A number as an input shows it.
+const typed = (x) => String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)));
+
+for (const name of Object.keys(SLIDERS)) {
+  const slider = $(`slider-${name}`);
+  slider.addEventListener("input", () => given({ [name]: fromSlider(name, slider.value) }));
+  numberField($(`number-${name}`), (x) => ({ [name]: x }));
+}
+for (const name of ["L", "E"]) {
+  ["x", "y"].forEach((axis, k) => numberField($(`number-${name}${axis}`), (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
+}
+
+let typing = null;  // the field that someone is typing in
+
+function numberField(input, values) {
+  input.addEventListener("input", () => {
+    typing = input;
+    if (Number.isFinite(input.valueAsNumber)) given(values(input.valueAsNumber));
+  });
+  input.addEventListener("change", () => {
+    typing = null;
+    refresh();
+  });
+}
+
+function given(values) {
+  player.pause();
+  change(values);
+  refresh();
+}
+
+for (const input of document.querySelectorAll(".choice input")) input.addEventListener("change", () => given({ [input.name]: input.value }));
+for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
+$("piece").addEventListener("change", () => given({ piece: $("piece").value }));
+for (const name of SWITCHES) {
+  $(`show-${name}`).addEventListener("change", (event) => {
+    state[name] = event.target.checked;
+    refresh();
+  });
+}
+
+// Show the state in all inputs, except in a field that someone is typing in.
+function showInputs(now) {
+  for (const name of Object.keys(SLIDERS)) {
+    const x = name === "prisms" ? state.prisms : name === "alpha" ? state.alpha : now[name];
+    const slider = $(`slider-${name}`);
+    if (document.activeElement !== slider || Math.abs(fromSlider(name, slider.value) - x) > 0.01 * Math.abs(x)) slider.value = toSlider(name, x);
+    slider.setAttribute("aria-valuetext", name === "prisms" ? `${x} prisms` : quantity(name, x));
+    put(`number-${name}`, x);
+  }
+  for (const name of ["L", "E"]) ["x", "y"].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
+  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = !now.two;
+  for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = now.sheet !== "detailed" && now.sheet !== "single";
+  for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
+  $("piece").value = state.piece;
+  $("piece-choice").hidden = state.scene !== "chess";
+  for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
+}
+
+function put(id, x) {
+  if ($(id) !== typing) $(id).value = typed(x);
+}
+
+// ---- Numbers ----
+
+function showNumbers(now) {
+  const some = now.two || now.sheet === "none";
+  $("value-r").textContent = size(now.r);
+  $("value-P").textContent = some ? point(now.P) : "–";
+  $("value-nu").textContent = some ? angle(now.nu) : "–";
+  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${brief(now.height)} high` : size(now.M);
+  $("of-prisms").hidden = now.sheet !== "detailed";
+  $("sentence").textContent = explanation(now);
+}
+
+// ---- Marked quantities: in the picture, the diagram and the sketch ----
+
+let marked = "";
+let pinned = "";
+
+function mark(name) {
+  marked = name || pinned;
+  drawOverlay(moment());
+  showMarks();
+}
+
+function showMarks() {
+  for (const part of document.querySelectorAll("svg .q")) part.classList.toggle("marked", part.classList.contains(`q-${marked}`));
+  document.body.classList.toggle("marking", Boolean(marked));
+  for (const button of document.querySelectorAll("button.symbol")) button.setAttribute("aria-pressed", button.value === pinned);
+}
+
+for (const row of document.querySelectorAll("[data-quantity]")) {
+  const { quantity: name } = row.dataset;
+  row.addEventListener("pointerenter", () => !held && mark(name));
+  row.addEventListener("pointerleave", () => mark(""));
+  row.addEventListener("focusin", () => mark(name));
+  row.addEventListener("focusout", () => mark(""));
+}
+for (const button of document.querySelectorAll("button.symbol")) {
+  button.addEventListener("click", () => {
+    pinned = pinned === button.value ? "" : button.value;
+    mark(button.value === pinned ? pinned : "");
+  });
+}
+
+// ---- Tabs ----
+
+const TABS = [$("tab-explore"), $("tab-questions")];
+
+function drawTabs() {
+  const open = state.question >= 0 ? 1 : 0;
+  TABS.forEach((tab, n) => {
+    tab.setAttribute("aria-selected", n === open);
+    tab.tabIndex = n === open ? 0 : -1;
+    $(tab.getAttribute("aria-controls")).hidden = n !== open;
+  });
+}
+
+TABS.forEach((tab, n) => {
+  tab.addEventListener("click", () => openQuestion(n ? Math.max(0, drawnQuestion) : -1));
+  tab.addEventListener("keydown", (event) => {
+    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+    event.preventDefault();
+    TABS[1 - n].focus();
+    TABS[1 - n].click();
+  });
+});
+
+// ---- Keys ----
 
 const KEYS = {
-  " ": () => play(!state.playing),
-  ArrowLeft: () => stepBy(-1),
-  ArrowRight: () => stepBy(1),
-  Home: () => stepBy(-slider.max),
-  End: () => stepBy(Number(slider.max)),
-  p: toggleSheet,
-  o: () => predict(!state.prediction),
+  " ": () => $("play").click(),
+  p: () => given({ sheet: state.sheet === "ideal" ? "detailed" : "ideal" }),
+  o: () => $("show-position").click(),
+  c: () => $("show-circles").click(),
+  i: () => $("show-image").click(),
+  f: () => $("full-screen").click(),
+  q: () => openQuestion(state.question < 0 ? 0 : -1),
 };
-for (let n = 1; n <= Math.min(9, data.movies.length); n++) KEYS[n] = () => openTab(n - 1);
+for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 
-// While a tab has the focus, these keys go from tab to tab.
-const KEYS_ON_TAB = {
-  ArrowLeft: () => openNext(-1),
-  ArrowRight: () => openNext(1),
-  Home: () => openNext(-data.movies.indexOf(state.movie)),
-  End: () => openNext(-1 - data.movies.indexOf(state.movie)),
-};
-function openNext(n) {
-  const count = data.movies.length;
-  const next = (data.movies.indexOf(state.movie) + n + count) % count;
-  openTab(next);
-  $(`tab-${next + 1}`).focus();
+// Whether the focused control needs a key itself.
+function needs(target, key) {
+  if (target.matches("select, textarea, input:not([type=checkbox], [type=radio], [type=range])")) return true;
+  return key === " " && target.matches("button, input, summary, [role=tab]");
 }
 
 document.addEventListener("keydown", (event) => {
   const { target, key } = event;
-  const tab = target.getAttribute("role") === "tab";
-  if (event.ctrlKey || event.altKey || event.metaKey || target === $("sphere")) return;
-  if (key === " " && target.tagName === "BUTTON" && !tab) return; // the browser presses the button
-  const action = (tab && KEYS_ON_TAB[key]) || KEYS[key.length === 1 ? key.toLowerCase() : key];
+  if (!$("shortcuts").checked || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
+  const action = KEYS[key.toLowerCase()];
   if (!action) return;
   event.preventDefault();
   action();
 });
-
-// After a click, keys go to the slider: space plays, and the arrows step.
-document.addEventListener("click", (event) => {
-  if (event.detail && event.target.closest("button")) slider.focus({ preventScroll: true });
-});
-
-[...$("tabs").children].forEach((tab, n) => tab.addEventListener("click", () => openTab(n)));
-slider.addEventListener("input", () => {
-  play(false);
-  update();
-});
-$("play").addEventListener("click", () => play(!state.playing));
-$("detailed").addEventListener("click", () => through("detailed"));
-$("ideal").addEventListener("click", () => through("ideal"));
-$("prediction").addEventListener("click", () => predict(!state.prediction));
-$("sphere").addEventListener("change", (event) => {
-  state.movie.chosen = event.target.value;
-  update();
-});
-new ResizeObserver(() => drawDiagram(moment())).observe(diagram);
-
-for (const movie of data.movies) movie.chosen = "z₁ = z₂";
-openTab(0);
-through("detailed");
-predict(true);

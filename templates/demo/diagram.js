@@ -1,107 +1,133 @@
-// The diagram: figure 5(b) and (c) of the paper, with xi to the right and psi up.
+// The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
 const diagram = $("diagram");
+let diagramMap = null;
 
-function drawDiagram(now) {
-  const { lean } = state.movie;
-  const { width, height } = diagram.getBoundingClientRect();
-  const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
-  const unit = Math.min(width / 2.4, height / 1.44);
-  const at = ([xi, psi]) => [unit * (xi - 0.5), unit * (-0.14 * lean - psi)];
-  const [L, E, P] = [at([0, 0]), at([1, 0]), at(scaled(Math.min(1, 40 / abs(now.P)), now.P))];
-  const beside = (place) => Math.min(distanceToLine(place, P, L), distanceToLine(place, P, E)) > 1.5 * rem;
-  const clear = ([place]) => !finite(P) || (beside(place) && abs(minus(place, P)) > 3.5 * rem);
-  const [circles, names] = family(at, lean < 0 ? -1 : 1, width, height, rem);
-  const others = now.objects.map((z1) => equations.P(now.z2 / z1, now.alpha)).filter(finite);
-  const parts = [
-    ...circles,
-    curve("of-alpha", RATIOS.map((r) => at(equations.P(r, now.alpha)))),
-    curve("of-r", TURNS.map((alpha) => at(equations.P(now.r, alpha)))),
-    ...names.filter(clear).map(([place, name]) => words("scale", place, name)),
-  ];
-  if (others.length > 1) parts.push(...others.map((P) => dot("other", at(P), 0.26 * rem)));
-  if (finite(now.P)) {
-    parts.push(...triangle(now, at, rem, width, height));
-  } else {
-    parts.push(words("far", [0, 0.33 * height], "P is infinitely far away:"));
-    parts.push(words("far", [0, 0.33 * height + 1.4 * rem], "no light from L reaches E"));
+// From the paper's coordinates and from the picture's tiles to pixels of the diagram.
+function mapOf(width, height, { L, E, P, two }) {
+  const D = minus(E, L);
+  const distance = Math.max(abs(D), 0.02);
+  // the middle is midway between L and E, and a little on P's side
+  const middle = [0.5, finite(P) ? clamped(0.5 * P[1], [-0.25, 0.25]) : 0];
+  const unit = Math.min(width / 2.2, height / (two ? 1.75 : 2.7));
+  if (state.diagram === "paper") {
+    const at = (p) => times([unit, 0], conj(minus(p, middle)));
+    return { at, unit, turned: 0 };
   }
-  parts.push(dot("dot", L, 0.3 * rem, "L"), words("point", plus(L, [-0.8 * rem, -0.8 * rem]), "L"));
-  parts.push(dot("dot", E, 0.3 * rem, "E"), words("point", plus(E, [0.8 * rem, -0.8 * rem]), "E"));
-  diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
-  diagram.replaceChildren(...parts);
-
-  const corners = `L = 0, E = 1 and P = ${finite(now.P) ? point(now.P) : "∞, infinitely far away"}`;
-  const nu = angle(equations.nu(now.r, now.alpha));
-  const name = `Triangle of ${corners}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
-  diagram.setAttribute("aria-label", name);
+  const tile = unit / distance;
+  const centre = plus(L, times(D, middle));
+  const ofTiles = ([x, y]) => [tile * (x - centre[0]), tile * (centre[1] - y)];
+  const at = (p) => ofTiles(plus(L, times(D, p)));
+  return { at, unit: tile * abs(D), turned: arg(D), tile, ofTiles };
 }
 
-// The axes, the circles of constant alpha (through L and E) and of constant r (around L or E), and all their names.
-function family(at, sign, width, height, rem) {
+function drawDiagram(now) {
+  const { width, height } = diagram.getBoundingClientRect();
+  if (!width) return;
+  const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
+  const map = held?.map ?? mapOf(width, height, now);
+  diagramMap = map;
+  const box = { width, height };
+  const { at } = map;
   const [L, E] = [at([0, 0]), at([1, 0])];
-  const unit = E[0] - L[0];
-  const parts = [line("axis", [-width, L[1]], [width, L[1]]), line("axis", [L[0], -height], [L[0], height])];
-  const names = [
-    [[width / 2 - 0.8 * rem, L[1] + 0.9 * rem], "ξ"],
-    [[L[0] - 0.8 * rem, 0.9 * rem - height / 2], "ψ"],
-    [at([0.5, 0.46 * sign]), "r = 1"],
+  const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
+  if (now.two) {
+    parts.push(...family(map, box), ...curves(map, now));
+    if (state.diagram === "paper") parts.push(...scaleNames(at, now.alpha < 0 ? -1 : 1));
+    if (finite(now.P)) {
+      const P = at(scaled(Math.min(1, 1e4 / abs(now.P)), now.P));
+      const same = abs(minus(L, E)) < 1;
+      const nu = equations.nu(now.r, now.alpha);
+      parts.push(...(same ? [] : triangle(L, E, P, { alpha: now.alpha, nu }, rem, box)));
+      parts.push(...others(map, now, rem), ...corners(L, E, P, rem, box));
+    } else {
+      parts.push(...corners(L, E, null, rem, box), ...poleWords([L, E], height, rem));
+    }
+  } else {
+    const P = map.ofTiles?.(now.place);
+    if (P && finite(P)) parts.push(...triangle(L, E, P, { alpha: 0, nu: 0 }, rem, box));
+    parts.push(...corners(L, E, P && finite(P) ? P : null, rem, box));
+  }
+  diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
+  diagram.replaceChildren(...parts);
+  diagram.setAttribute("aria-label", diagramName(now));
+}
+
+function diagramName(now) {
+  if (!now.two) return "The points L and E, projected onto the window.";
+  const P = finite(now.P) ? point(now.P) : "∞, infinitely far away";
+  const nu = angle(equations.nu(now.r, now.alpha));
+  return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
+}
+
+// The dots and names of L, E and P. P is left out if it is null or outside the drawing.
+const corners = (L, E, P, rem, box) => [
+  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
+];
+
+// Far above or below L and E, or between them.
+function poleWords(points, height, rem) {
+  const room = (y) => Math.min(...points.map((point) => Math.abs(point[1] - y)));
+  const [y] = [-0.36, 0, 0.36].map((part) => part * height).sort((a, b) => room(b) - room(a));
+  return [
+    words("far", [0, y - 0.7 * rem], "P is infinitely far away:"), words("far", [0, y + 0.7 * rem], "no light from L reaches E"),
   ];
-  parts.push(line("family", [0, -height], [0, height]));
-  for (const [r, name] of [[1 / 4, "¼"], [1 / 2, "½"], [2, "r = 2"], [4, "4"]]) {
-    const [centre, radius] = [-1 / (r * r - 1), r / Math.abs(r * r - 1)];
-    parts.push(dot("family", at([centre, 0]), unit * radius));
-    names.push([at([centre, radius < 0.5 ? sign * radius : -sign * radius]), name]);
+}
+
+function windowOutline({ ofTiles, tile }, { scene }) {
+  const half = scene.aperture / 2;
+  const [x, y] = ofTiles([-half, half]);
+  return [svg("rect", { class: "window", x, y, width: 2 * half * tile, height: 2 * half * tile })];
+}
+
+function axes(at, { width, height }, rem) {
+  const L = at([0, 0]);
+  return [
+    line("axis", [-width, L[1]], [width, L[1]]), line("axis", [L[0], -height], [L[0], height]),
+    words("scale", [width / 2 - 0.8 * rem, L[1] + 0.9 * rem], "ξ"), words("scale", [L[0] - 0.8 * rem, 0.9 * rem - height / 2], "ψ"),
+  ];
+}
+
+const FAMILY_R = [[1 / 4, "¼"], [1 / 2, "½"], [2, "r = 2"], [4, "4"]];
+
+// The circles of constant alpha (through L and E) and of constant r (around L or E).
+function family({ at, unit, turned }, { width, height }) {
+  const reach = width + height;
+  const middle = at([0.5, 0]);
+  const parts = [line("family", step(middle, turned + Math.PI / 2, reach), step(middle, turned - Math.PI / 2, reach))];
+  for (const [r] of FAMILY_R) {
+    parts.push(dot("family", at([-1 / (r * r - 1), 0]), (unit * r) / Math.abs(r * r - 1)));
   }
   for (const degrees of [30, 60, 90, 120, 150]) {
     const alpha = radians(degrees);
-    parts.push(dot("family", at([0.5, 0.5 / Math.tan(alpha)]), (0.5 * unit) / Math.sin(alpha)));
-    const name = `${degrees === 30 ? "α = " : ""}${sign < 0 ? "−" : ""}${degrees}°`;
-    if (degrees <= 90) names.push([at([0.5, -0.5 * sign * Math.tan(alpha / 2)]), name]);
+    for (const side of degrees === 90 ? [1] : [1, -1]) {
+      if (degrees <= 90) parts.push(dot("family", at([0.5, (0.5 * side) / Math.tan(alpha)]), (0.5 * unit) / Math.sin(alpha)));
+    }
   }
-  return [parts, names];
+  return parts;
 }
 
-// The triangle L, P, E, with the vector P from L, the vector 1 - P to E, the angle alpha at P and the angle nu at E.
-function triangle(now, at, rem, width, height) {
-  const [L, E, far] = [at([0, 0]), at([1, 0]), abs(now.P) > 40];
-  const toE = arg(equations.oneMinusP(now.r, now.alpha));
-  const out = edge(at(now.P), width, height, 1.2 * rem);
-  // if P is far outside, only the directions to P are drawn
-  const P = far ? null : at(now.P);
-  const fromL = P ?? step(L, arg(now.P), 1e4);
-  const fromE = P ?? step(E, toE + Math.PI, 1e4);
-  const parts = [line("base", L, E), ...vector("ray", L, fromL, rem), ...vector("of-nu", fromE, E, rem)];
+function scaleNames(at, sign) {
+  const names = [words("scale", at([0.5, 0.46 * sign]), "r = 1")];
+  for (const [r, name] of FAMILY_R) {
+    const [centre, radius] = [-1 / (r * r - 1), r / Math.abs(r * r - 1)];
+    names.push(words("scale", at([centre, radius < 0.5 ? sign * radius : -sign * radius]), name));
+  }
+  for (const degrees of [30, 60, 90]) {
+    const name = `${degrees === 30 ? "α = " : ""}${sign < 0 ? "−" : ""}${degrees}°`;
+    names.push(words("scale", at([0.5, -0.5 * sign * Math.tan(radians(degrees) / 2)]), name));
+  }
+  return names;
+}
 
-  const nu = equations.nu(now.r, now.alpha);
-  const side = nu < 0 ? -1 : 1; // L lies on the other side of E - P
-  const length = abs(minus(fromE, E));
-  const radius = Math.min(3.2 * rem, 0.5 * length);
-  if (Math.abs(nu) > 0.03 && radius > 0.6 * rem) {
-    parts.push(arc("of-nu", E, radius, Math.PI, nu));
-    const beside = Math.abs(nu) * radius < 1.6 * rem; // no room inside the arc
-    const where = beside ? Math.PI - (side * 0.7 * rem) / radius : Math.PI + nu / 2;
-    parts.push(words("of-nu", step(E, where, radius + (beside ? 0 : 0.8 * rem)), "ν"));
-  }
-  if (length > 7.5 * rem) {
-    const along = step(E, toE + Math.PI, Math.min(0.42 * length, 6 * rem));
-    const room = 0.9 + 0.9 * Math.abs(Math.sin(toE)); // the text is wider than it is high
-    parts.push(words("of-nu", step(along, toE + Math.PI + (side * Math.PI) / 2, room * rem), "1 − P"));
-  }
-  if (out) {
-    parts.push(arrowhead("arrow", out.tip, out.angle, 1.1 * rem));
-    parts.push(words("point", step(out.tip, out.angle + Math.PI, 1.9 * rem), "P"));
-    return parts;
-  }
-  const bend = Math.min(1.7 * rem, 0.6 * length, 0.6 * abs(minus(P, L)));
-  if (Math.abs(now.alpha) > 0.03 && bend > 0.5 * rem) {
-    parts.push(line("straight", P, step(P, arg(now.P), bend + 1.2 * rem)));
-    parts.push(arc("of-alpha", P, bend, arg(now.P), now.alpha));
-    parts.push(words("of-alpha", step(P, arg(now.P) + now.alpha / 2, bend + 0.8 * rem), "α"));
-  }
-  // P's name goes on the side away from L and E
-  const away = plus(turn(arg(now.P)), turn(toE + Math.PI));
-  const aside = abs(away) > 0.05 ? arg(away) : -Math.PI / 2;
-  parts.push(dot("dot", P, 0.34 * rem, "P"), words("point", step(P, aside, 1.1 * rem), "P"));
-  return parts;
+const curves = ({ at }, now) => [
+  curve("of-alpha q q-z1 q-z2", RATIOS.map((r) => at(equations.P(r, now.alpha)))),
+  curve("of-r q q-r q-alpha", TURNS.map((alpha) => at(equations.P(now.r, alpha)))),
+];
+
+// P of the other objects.
+function others({ at }, now, rem) {
+  if (now.objects.length < 2) return [];
+  const places = now.objects.map((z1) => equations.P(now.z2 / z1, now.alpha)).filter(finite);
+  return places.map((P) => dot("other", at(P), 0.22 * rem));
 }

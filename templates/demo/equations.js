@@ -1,8 +1,6 @@
-// Complex numbers and the paper's equations. The page includes scripts raw: {{ }} has no meaning here.
+// Complex numbers and the paper's equations.
 
 "use strict";
-
-const data = JSON.parse(document.getElementById("data").textContent);
 
 // ---- Complex numbers, [re, im] ----
 
@@ -90,6 +88,12 @@ const equations = (() => {
     return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
   }
 
+  // The point where light from L crosses the plane z = 0 if there is a single sheet: paraxial.mirrored_position.
+  function mirrored(L, E, z1, z2, prism) {
+    const [x, y] = minus(L, E);
+    return plus(E, scaled(z2, [x / (z2 + z1 - prism.slab_shift), y ? y / (z2 - z1) : 0]));
+  }
+
   // The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
   // To get the values of z2 instead, pass z1 as the first argument.
   function infiniteZ1(z2, alpha, prism) {
@@ -106,7 +110,7 @@ const equations = (() => {
     return [-alpha, alpha];
   }
 
-  return { P, oneMinusP, nu, M, ideal, prisms, turned, infiniteZ1, infiniteAlpha };
+  return { P, oneMinusP, nu, M, ideal, prisms, mirrored, turned, infiniteZ1, infiniteAlpha };
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);

@@ -1,119 +1,154 @@
-// The player: from one frame or movie to another.
+// The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
-function imageAt(sheet, n) {
-  const { frames, images } = state.movie;
-  images[sheet] ??= [];
-  if (!images[sheet][n]) {
-    const image = new Image();
-    image.id = "shown";
-    image.decoding = "sync"; // so that picture and diagram are painted together
-    image.src = frames[sheet][n].file;
-    images[sheet][n] = image;
-  }
-  return images[sheet][n];
+const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
+
+const player = {
+  preset: data.presets[0], playing: false, since: 0,
+
+  value(part) {
+    const { start, stop, log } = this.preset;
+    return log ? start * (stop / start) ** part : start + (stop - start) * part;
+  },
+
+  // The part of the movie at which the swept quantity has its present value.
+  part() {
+    const { start, stop, log, parameter } = this.preset;
+    const x = state[parameter];
+    return clamped(log ? Math.log(x / start) / Math.log(stop / start) : (x - start) / (stop - start), [0, 1]) || 0;
+  },
+
+  seek(part) {
+    change({ [this.preset.parameter]: this.value(part) });
+    refresh();
+  },
+
+  choose(preset) {
+    this.pause();
+    this.preset = preset;
+    change(this.fixed(state.sheet === "detailed" ? "detailed" : "ideal"));
+    this.seek(0);
+    if (!reducedMotion.matches) this.play();
+  },
+
+  // What a preset fixes.
+  fixed(sheet) {
+    const { scene, fixed } = this.preset;
+    return { alpha: OPENING.alpha, z2: OPENING.z2, ...START[scene], ...fixed, scene, sheet, prisms: OPENING.prisms, piece: OPENING.piece, E: [0, 0] };
+  },
+
+  play() {
+    if (this.preset.scene !== state.scene) return;
+    if (this.part() >= 1) this.seek(0);
+    this.playing = true;
+    this.since = performance.now();
+    requestAnimationFrame((time) => this.tick(time));
+    refresh();
+  },
+
+  pause() {
+    if (!this.playing) return;
+    this.playing = false;
+    refresh();
+  },
+
+  stop() {
+    this.pause();
+    this.seek(0);
+  },
+
+  tick(time) {
+    if (!this.playing) return;
+    // with reduced motion the picture jumps every second
+    const step = (time - this.since) / 1000 / this.preset.seconds;
+    if (!reducedMotion.matches || time - this.since > 1000) {
+      this.since = time;
+      const part = this.part() + Math.max(0, step);
+      if (part < 1) this.seek(part);
+      else if ($("loop").checked) this.seek(0);
+      else {
+        this.seek(1);
+        this.pause();
+      }
+    }
+    requestAnimationFrame((next) => this.tick(next));
+  },
+
+  // A preset is for a scene: another scene takes its own.
+  follow() {
+    if (this.preset.scene === state.scene) return;
+    this.pause();
+    this.preset = data.presets.find(({ scene }) => scene === state.scene);
+  },
+
+  draw() {
+    this.follow();
+    const { parameter, start, stop } = this.preset;
+    for (const button of $("presets").children) button.setAttribute("aria-pressed", data.presets[button.value] === this.preset);
+    $("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
+    $("scrub").value = 1000 * this.part();
+    $("scrub").setAttribute("aria-label", `${SYMBOL[parameter]} from ${quantity(parameter, start)} to ${quantity(parameter, stop)}`);
+    $("scrub").setAttribute("aria-valuetext", quantity(parameter, state[parameter]));
+    $("scrub-value").textContent = `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`;
+  },
+};
+
+for (const [n, { name, scene, parameter }] of data.presets.entries()) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, textContent: scene === "chess" ? `vary ${SYMBOL[parameter]}` : name });
+  button.addEventListener("click", () => player.choose(data.presets[n]));
+  $("presets").append(button);
 }
-const wanted = () => imageAt(state.sheet, slider.valueAsNumber);
+$("play").addEventListener("click", () => (player.playing ? player.pause() : player.play()));
+$("stop").addEventListener("click", () => player.stop());
+$("scrub").addEventListener("input", () => {
+  player.pause();
+  player.seek($("scrub").value / 1000);
+});
 
-// Show the frame that the slider selects. Picture, diagram and numbers change together, when the picture is loaded.
-function update() {
-  const image = wanted();
-  if (image.complete) show(image);
-  else image.onload = image.onerror = () => image === wanted() && show(image);
-}
+// ---- POV-Ray's picture: the movie's frame at the same value ----
 
-function show(image) {
-  const now = moment();
-  const { sweep } = state.movie;
-  const value = sweep === "alpha" ? now.degrees : now[sweep];
-  const [nu, M] = [angle(equations.nu(now.r, now.alpha)), size(equations.M(now.r, now.alpha))];
-  if (image !== $("shown")) $("shown").replaceWith(image);
-  image.alt = describe(now);
-  drawPrediction(now);
-  drawDiagram(now);
-  listSpheres(now);
-  $("explanation").textContent = explanation(now);
-  $("value").textContent = `${SYMBOL[sweep]} = ${quantity(sweep, value)}`;
-  $("value-alpha").textContent = quantity("alpha", now.degrees);
-  $("value-z1").textContent = size(now.z1);
-  $("value-z2").textContent = size(now.z2);
-  $("value-r").textContent = size(now.r);
-  $("value-P").textContent = point(now.P);
-  $("value-nu").textContent = nu;
-  $("value-M").textContent = M;
-  slider.setAttribute("aria-valuetext", `${quantity(sweep, value)}: P = ${point(now.P)}, ν = ${nu}, M = ${M}`);
-}
+const povray = {
+  shown: false, broken: new Set(),
 
-function listSpheres(now) {
-  const list = $("sphere");
-  $("sphere-choice").hidden = now.labels.length < 2;
-  if (list.dataset.labels !== now.labels.join()) {
-    list.dataset.labels = now.labels.join();
-    list.replaceChildren(...now.labels.map((name) => new Option(name)));
-  }
-  list.selectedIndex = now.chosen;
-}
+  movie() {
+    const { movie } = player.preset;
+    return movie && !this.broken.has(movie.file) ? movie : null;
+  },
 
-function seek(n) {
-  slider.value = n;
-  update();
-}
+  toggle() {
+    this.shown = !this.shown;
+    if (this.shown) change({ ...player.fixed("detailed"), [player.preset.parameter]: player.value(player.part()) });
+    refresh();
+  },
 
-function openTab(index) {
-  play(false);
-  if (state.movie) state.movie.at = slider.valueAsNumber;
-  state.movie = data.movies[index];
-  const { movie } = state;
-  movie.images ??= {};
-  // if sin(alpha) is mostly positive, P is mostly below the axis: leave more room there
-  movie.lean = Math.sign(Math.round(movie.frames.ideal.reduce((sum, { alpha }) => sum + Math.sin(radians(alpha)), 0)));
-  [...$("tabs").children].forEach((tab, n) => {
-    tab.setAttribute("aria-selected", n === index);
-    tab.tabIndex = n === index ? 0 : -1;
-  });
-  $("panel").setAttribute("aria-labelledby", `tab-${index + 1}`);
-  $("title").textContent = movie.title;
-  $("detailed").textContent = `2 × ${movie.prisms} prisms`;
-  $("start").textContent = brief(movie.sweep, movie.start);
-  $("stop").textContent = brief(movie.sweep, movie.stop);
-  document.documentElement.style.setProperty("--ratio", movie.ratio);
-  slider.max = movie.frames.detailed.length - 1;
-  slider.setAttribute("aria-label", NAME[movie.sweep]);
-  seek(movie.at ?? 0);
-  for (const sheet of [state.sheet, "detailed", "ideal"]) movie.frames[sheet].forEach((_, n) => imageAt(sheet, n));
-}
+  // The movie shows its own scene only.
+  matches() {
+    const wanted = { ...player.fixed("detailed") };
+    delete wanted[player.preset.parameter];
+    return Object.entries(wanted).every(([name, value]) => String(value) === String(state[name]));
+  },
 
-function through(sheet) {
-  state.sheet = sheet;
-  for (const name of ["detailed", "ideal"]) $(name).setAttribute("aria-pressed", name === sheet);
-  update();
-}
+  draw() {
+    const movie = this.movie();
+    const video = $("video");
+    const instead = document.body.classList.contains("failed");
+    if (!movie || (!instead && !this.matches())) this.shown = false;
+    if (instead && movie) this.shown = true;
+    $("povray").hidden = !movie || instead;
+    $("povray").setAttribute("aria-pressed", this.shown);
+    video.hidden = !this.shown || video.readyState < 2;
+    if (!this.shown) return;
+    if (video.getAttribute("src") !== movie.file) video.setAttribute("src", movie.file);
+    const frame = Math.round(player.part() * (movie.frames - 1));
+    const time = ((frame + 0.5) / movie.frames) * video.duration;
+    if (Number.isFinite(time) && Math.abs(video.currentTime - time) > 1e-3 && !video.seeking) video.currentTime = time;
+  },
+};
 
-function predict(on) {
-  state.prediction = on;
-  $("prediction").setAttribute("aria-checked", on);
-  update();
-}
-
-// ---- Play ----
-
-function play(on) {
-  if (on && !state.playing) {
-    if (slider.value === slider.max) seek(0);
-    requestAnimationFrame(tick);
-  }
-  state.playing = on;
-  state.since = performance.now();
-  $("play-icon").setAttribute("d", on ? "M0.5 0H3.5V10H0.5ZM6.5 0H9.5V10H6.5Z" : "M1 0L10 5L1 10Z");
-  $("play-name").textContent = on ? "Pause" : "Play";
-}
-
-function tick(time) {
-  if (!state.playing) return;
-  const pause = 1000 / state.movie.rate;
-  if (time - state.since >= pause && $("shown") === wanted()) {
-    if (slider.value === slider.max) return play(false);
-    state.since = Math.max(state.since + pause, time - pause);
-    seek(slider.valueAsNumber + 1);
-  }
-  requestAnimationFrame(tick);
-}
+$("povray").addEventListener("click", () => povray.toggle());
+for (const event of ["loadedmetadata", "loadeddata", "seeked"]) $("video").addEventListener(event, () => povray.draw());
+$("video").addEventListener("error", () => {
+  povray.broken.add($("video").getAttribute("src"));
+  refresh();
+});

@@ -11,6 +11,8 @@ const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2
 const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, text);
 const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle))));
 
+const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]);
+
 // The distance from a point to the line between two others.
 function distanceToLine(place, a, b) {
   const [along, to] = [minus(b, a), minus(place, a)];
@@ -57,7 +59,7 @@ function vector(kind, from, to, rem) {
   const [x, y] = minus(to, from);
   const length = Math.hypot(x, y) - 0.4 * rem;
   if (length < 0.8 * rem) return [line(kind, from, to)];
-  const angle = Math.atan2(-y, x);
+  const angle = heading(from, to);
   return [
     line(kind, from, step(from, angle, length - 0.5 * rem)),
     arrowhead(`head ${kind}`, step(from, angle, length), angle, 0.75 * rem),
@@ -65,9 +67,9 @@ function vector(kind, from, to, rem) {
 }
 
 // For a point outside a picture: the tip and the angle of an arrow at the edge that points to it. Otherwise null.
-function edge(place, width, height, margin) {
+function edge(place, { width, height }, margin) {
   const excess = Math.max(Math.abs(place[0]) / (width / 2 - margin), Math.abs(place[1]) / (height / 2 - margin));
-  return excess > 1 ? { tip: scaled(1 / excess, place), angle: Math.atan2(-place[1], place[0]) } : null;
+  return excess > 1 ? { tip: scaled(1 / excess, place), angle: heading([0, 0], place) } : null;
 }
 
 // Positions along a branch of a curve: 0 is one end, 1 the other.

@@ -1,42 +1,143 @@
-// What is shown: the movie, the model of the sheets, and the numbers of the frame.
+// What the page shows, and the numbers that follow from it. Lengths are in tiles, points are [x, y] as the eye sees them.
 
 const $ = (id) => document.getElementById(id);
-const slider = $("slider");
-const state = { movie: null, sheet: "detailed", prediction: true, playing: false };
+const data = JSON.parse($("data").textContent);
 
-// A sphere's name in the list of spheres.
-function label(z1, z2) {
-  const n = Math.round(Math.log2(z1 / z2));
-  return state.movie.powers ? `z₁ = ${n ? `2${raised(n)} ` : ""}z₂` : `z₁ = ${size(z1)}`;
+const FLOOR = geometry.floorY(data.scenes.chess);
+const START = {
+  chess: { L: [data.scenes.chess.x, FLOOR + data.scenes.chess.pedestal], z1: data.scenes.chess.z1 },
+  spheres: { L: data.scenes.spheres.line, z1: data.scenes.spheres.z2 },
+};
+const OPENING = {
+  scene: "chess", sheet: "ideal", alpha: data.scenes.chess.alpha, z2: data.scenes.chess.z2, prisms: data.scenes.chess.prisms,
+  piece: data.scenes.chess.piece, E: [0, 0], ...START.chess,
+  position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
+  diagram: "picture", question: -1,                              // the diagram's orientation; the question, or -1
+};
+const RANGES = { alpha: [-360, 360], z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms] };
+const CHOICES = {
+  scene: ["chess", "spheres"], sheet: ["none", "single", "detailed", "ideal"], diagram: ["picture", "paper"],
+  piece: data.pieces,
+};
+const ASIDE = 10;           // |x| and |y| of L and E are at most this
+const LEAST_PEDESTAL = 0.2;
+const state = { ...OPENING };
+
+const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
+
+// Change values of the state to the nearest allowed ones. Another scene begins with its own L and z1.
+function change(values) {
+  if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
+  Object.assign(state, values);
+  for (const [name, range] of Object.entries(RANGES)) state[name] = clamped(state[name], range);
+  state.prisms = Math.round(state.prisms);
+  const chess = state.scene === "chess";
+  const least = chess ? [FLOOR + LEAST_PEDESTAL, FLOOR + 0.05] : [-ASIDE, -ASIDE];
+  const most = [chess ? FLOOR + 10 : ASIDE, ASIDE];  // a pedestal is at most 10 high
+  [state.L, state.E] = [state.L, state.E].map(([x, y], k) => [clamped(x, [-ASIDE, ASIDE]), clamped(y, [least[k], most[k]])]);
 }
 
-// The numbers of the frame that the slider selects, for the chosen object.
+// ---- The scene ----
+
+// The least distance of the eye: just in front of the window frame, or far enough to see through a deep one.
+const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
+
+// The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
+function sceneValues() {
+  const { scene, sheet, alpha, prisms, piece, L, E } = state;
+  const values = { ...data.scenes[scene], sheet, alpha, prisms, eye: E, faces: data.faces };
+  const back = geometry.depth(values) / 2;
+  values.z2 = Math.max(state.z2, leastZ2(back));
+  if (scene === "spheres") return { ...values, line: L };
+  const foot = data.pedestals[piece];
+  const z1 = Math.max(state.z1, back + foot + 0.001);
+  return { ...values, piece, pedestal_halves: data.pedestals, z1, x: L[0], pedestal: L[1] - FLOOR };
+}
+
+// All numbers that the page shows. Angles are in radians, but `degrees`.
 function moment() {
-  const frame = state.movie.frames[state.sheet][slider.valueAsNumber];
-  const labels = frame.z1.map((z1) => label(z1, frame.z2));
-  const chosen = Math.max(0, labels.indexOf(state.movie.chosen));
-  const z1 = frame.z1[chosen];
-  const [r, alpha] = [frame.z2 / z1, radians(frame.alpha)];
-  return { ...frame, degrees: frame.alpha, objects: frame.z1, labels, chosen, z1, r, alpha, P: equations.P(r, alpha) };
+  const scene = sceneValues();
+  const { z2, alpha: degrees, sheet } = scene;
+  const objects = geometry.distances(scene);
+  const z1 = objects.reduce((best, z) => (Math.abs(Math.log(z / state.z1)) < Math.abs(Math.log(best / state.z1)) ? z : best));
+  const alpha = sheet === "none" ? 0 : radians(degrees);
+  const r = z2 / z1;
+  const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
+  now.radii = geometry.spheres(scene).map(({ radius }) => radius);
+  now.two = sheet === "ideal" || sheet === "detailed";
+  now.P = equations.P(r, alpha);
+  now.place = apparentPosition(now);
+  Object.assign(now, appearance(now));
+  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object in the window
+  return now;
+}
+const NEAR_POLE = 12;  // a larger M is near the pole
+
+// The point of the plane z = 0 at which the sheets show a point, by default L.
+function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
+  const { E, prism } = now;
+  if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
+  if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism);
+  return equations.ideal(L, E, z1, z2, alpha);
 }
 
-// The point of the plane z = 0 at which the sheets show L, in tiles.
-function apparentPosition(z1, z2, alpha) {
-  const { L, E, prism } = state.movie;
-  const fine = state.sheet === "ideal";
-  return fine ? equations.ideal(L, E, z1, z2, alpha) : equations.prisms(L, E, z1, z2, alpha, prism);
-}
-
-// The angle nu by which the sheets show an object rotated, and its magnification M.
-function appearance(z1, z2, alpha) {
-  if (state.sheet === "detailed") return equations.turned(z1, z2, alpha, state.movie.prism);
+// The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
+// of the width; `height` is that of the height.
+function appearance({ sheet, z1, z2, alpha, prism }) {
+  if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
+  if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism);
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
+}
+
+// Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.
+function objectStep(now, step) {
+  const [right, up] = [[1, 0], [0, 1]].map((unit) => minus(apparentPosition(now, plus(now.E, unit)), now.E));
+  const determinant = right[0] * up[1] - right[1] * up[0];
+  if (!Number.isFinite(determinant) || Math.abs(determinant) > 50 || Math.abs(determinant) < 1e-6) return step;
+  return [(step[0] * up[1] - step[1] * up[0]) / determinant, (right[0] * step[1] - right[1] * step[0]) / determinant];
 }
 
 // Whether the prediction is wrong by pixels. The limits are in povgen/scene/limits.py.
 function unsure(now) {
-  if (state.sheet === "ideal") return equations.M(now.r, now.alpha) > data.limits.condition;
-  const thin = equations.ideal(state.movie.L, state.movie.E, now.z1, now.z2, now.alpha);
-  const moved = abs(minus(apparentPosition(now.z1, now.z2, now.alpha), thin));
-  return !((moved / state.movie.view) * 960 <= data.limits.correction); // NaN at the pole
+  if (now.sheet === "none") return false;
+  if (now.sheet === "ideal") return now.M > data.limits.condition;
+  const moved = now.sheet === "single"
+    ? (now.prism.pitch / 2) * Math.abs(now.z2 / (now.z2 - now.z1))
+    : abs(minus(now.place, equations.ideal(now.L, now.E, now.z1, now.z2, now.alpha)));
+  return !((moved / now.scene.view) * 960 <= data.limits.correction);  // NaN at the pole
 }
+
+// ---- The state in the page's address ----
+
+const short = (x) => String(Number(x.toPrecision(7)));
+const SWITCHES = ["position", "circles", "image", "caption"];
+
+function toHash() {
+  const { scene, sheet, piece, question } = state;
+  const parts = { scene, sheet };
+  if (scene === "chess") parts.piece = piece;
+  for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
+  for (const name of ["L", "E"]) parts[name] = state[name].map(short).join(",");
+  parts.show = SWITCHES.filter((name) => state[name]).join(",");
+  parts.diagram = state.diagram;
+  if (question >= 0) parts.question = question + 1;
+  return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
+}
+
+// Take the values from an address. What is missing or wrong there has the value that the page opens with.
+function fromHash(hash) {
+  const given = new URLSearchParams(hash.slice(1));
+  const values = {};
+  for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(given.get(name))) values[name] = given.get(name);
+  for (const name of Object.keys(RANGES)) if (isNumber(given.get(name))) values[name] = Number(given.get(name));
+  for (const name of ["L", "E"]) {
+    const parts = (given.get(name) ?? "").split(",");
+    if (parts.length === 2 && parts.every(isNumber)) values[name] = parts.map(Number);
+  }
+  if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
+  const question = Number(given.get("question")) - 1;
+  if (Number.isInteger(question) && question < QUESTIONS.length) values.question = question;
+  Object.assign(state, OPENING, START[values.scene ?? "chess"]);
+  change(values);
+}
+const isNumber = (text) => Boolean(text?.trim()) && Number.isFinite(Number(text));

@@ -1,7 +1,6 @@
 // Numbers and sentences, as the page prints them.
 
 const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂" };
-const NAME = { alpha: "Ray-rotation angle α", z1: "Distance z₁ behind the sheets", z2: "Distance z₂ of the eye" };
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
@@ -14,9 +13,9 @@ function printed(text) {
 
 const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2));
 const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x.toExponential(2)) : "∞");
+const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
 const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
 const quantity = (name, x) => (name === "alpha" ? `${fixed(x, 1)}°` : `${size(x)} tiles`);
-const brief = (name, x) => printed(String(x)) + (name === "alpha" ? "°" : "");
 
 // A complex number. Both parts have the same number of decimals, so that the larger has five digits at most.
 function point(a) {
@@ -28,31 +27,70 @@ function point(a) {
 
 // ---- Sentences ----
 
+const pieceName = (piece) => piece.split("/").pop().replace(/\.\w+$/, "");
+const thing = () => (state.scene === "spheres" ? "sphere" : pieceName(state.piece));
+
+function turnedBy(nu) {
+  const text = angle(Math.abs(nu));
+  return text === "0.0°" ? "not turned" : `turned by ${text}${text === "180.0°" ? "" : nu > 0 ? " counter-clockwise" : " clockwise"}`;
+}
+
+const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2));
+
+// What is seen, in a sentence or two.
 function explanation(now) {
-  if (!state.prediction) return "";
-  const { thing, marked, sweep } = state.movie;
-  if (!finite(now.P)) return "P is infinitely far away: no light from L reaches E."; // the pole
-  const [nu, M] = appearanceText(now);
-  const prisms = state.sheet === "detailed" ? ` Through these prisms: ν = ${nu}, M = ${M}.` : "";
-  if (unsure(now)) return `Here the prediction is wrong by pixels: near the pole, or through large prisms.${prisms}`;
-  const several = now.objects.length > 1;
-  const what = several ? `Rings: predicted positions of the ${thing}s.` : `P: predicted position of the ${marked}.`;
-  const others = `L and E: ${thing} and eye, projected.`;
-  return `${what} Line: path of P as ${SYMBOL[sweep]} changes. ${others}${prisms}`;
+  return [seen(now), ...remarks(now)].join(" ");
 }
 
-function appearanceText(now) {
-  const { nu, M } = appearance(now.z1, now.z2, now.alpha);
-  return [angle(nu), size(M)];
+const UNSURE = "Here the prediction is wrong by pixels: the prisms are large, or the pole is near.";
+
+function seen(now) {
+  const { sheet, M, nu, height, z1, z2 } = now;
+  const large = `${timesText(M)} times as large as if it stood in the window`;
+  if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
+  if (sheet === "single") {
+    const across = `${timesText(M)} times as wide and ${timesText(height)} times as high as if it stood in the window`;
+    return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
+      + `${z1 > z2 ? ", and upside down" : ""}.`;
+  }
+  if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
+  if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${brief(now.seen)} tiles wide fills the window.`;
+  if (sheet === "detailed" && unsure(now)) return UNSURE;
+  const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
+  return `${which}${turnedBy(nu)}, and ${large}.`;
 }
 
+function remarks(now) {
+  const { sheet, z1, z2, scene, degrees } = now;
+  const found = [];
+  if (now.two && Math.abs(Math.abs(degrees) - 180) < 0.05 && z1 < z2 * 0.95) {
+    found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
+  }
+  if (state.z2 < z2 * 0.999 || (state.scene === "chess" && state.z1 < z1 * 0.999)) {
+    found.push(`The frame is ${brief(geometry.depth(scene))} tiles deep: z₁ and z₂ are larger than you asked for.`);
+  }
+  else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
+    found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : "its foot"} is not seen.`);
+  }
+  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE)) found.push(UNSURE);
+  return found;
+}
+
+// The description of the picture for those who do not see it.
 function describe(now) {
-  const { thing, prisms } = state.movie;
-  const model = state.sheet === "ideal" ? "the infinitely fine sheet" : `two sheets of ${prisms} Dove prisms`;
-  const where = `α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles`;
-  const [nu, M] = appearanceText(now);
-  const how = finite(now.P)
-    ? `It appears rotated by ν = ${nu} and M = ${M} times as large as in the plane of the sheets.`
-    : "It is not seen, because P is infinitely far away.";
-  return `A ${thing} seen through ${model}, with ${where}. ${how}`;
+  const model = {
+    none: "without sheets", single: `through one sheet of ${now.scene.prisms} prisms`, ideal: "through the ideal sheet",
+    detailed: `through two sheets of ${now.scene.prisms} prisms`,
+  }[now.sheet];
+  return `A ${thing()} seen ${model}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles. ${explanation(now)}`;
+}
+
+// The caption on the picture.
+function caption(now) {
+  const sheets = { none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
+  const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
+  if (!now.two) return parts.join("\u2003");
+  parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
+  const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
+  return [...parts, `r = ${brief(now.r)}`, `ν = ${nu}`, `M = ${brief(now.M)}`].join("\u2003");
 }

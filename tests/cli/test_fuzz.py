@@ -204,7 +204,6 @@ SOME = {  # right values for what is no field of a model
     "frames": st.integers(2, 5).map(str),
     "frame_rate": st.floats(0.1, 120).map(repr),
     "spec": st.sampled_from(["spec.toml", "chess", "vary-alpha", "spheres", "-"]),
-    "specs": st.sampled_from(["spec.toml", "vary-z1"]),
     "what": st.sampled_from(["info", "clear"]),
     "numbers": st.sampled_from("123456"),
     "workers": st.integers(1, 256).map(str),
@@ -212,7 +211,9 @@ SOME = {  # right values for what is no field of a model
     "tolerance": st.sampled_from(["1px", "5px", "0.5flip", "100px,1flip"]),
     "json": st.just("x.json"),
     "baselines": st.just("baselines"),
-    "output": st.sampled_from(["x.png", "x.mp4", "x.gif", "x.webm", "x.pov", "x", "kept.png", "kept.mp4", "folder"]),
+    "output": st.sampled_from(
+        ["x.png", "x.mp4", "x.gif", "x.webm", "x.pov", "x.html", "x", "kept.png", "kept.mp4", "folder"]
+    ),
     "piece": st.sampled_from([*PIECES]),
     "color": st.sampled_from(["red", "#c87529", "#00f", "hsl(0, 100%, 50%)"]),
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
@@ -246,7 +247,7 @@ def words(draw, command, name, values):
         return [draw(st.sampled_from(option.split("/")))]
     value = draw(values)
     assume(name != "frames" or not LONG.fullmatch(value))
-    if kind is Path or name in ("spec", "specs"):
+    if kind is Path or name == "spec":
         assume(value in ELSEWHERE or (WORK / value).is_relative_to(WORK) and value.count("..") < 3)
     if not option:
         return [value]
@@ -379,7 +380,8 @@ def place(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
         patch.setattr(spec, "MOVIES", movies)
-        patch.setattr(page, "OWN", ("vary-z1",))
+        patch.setattr(page, "MOVIES", ("vary-z1",))
+        patch.setattr(page, "volumes", lambda pieces: {})
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(frames, "is_whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
@@ -398,7 +400,7 @@ def place(tmp_path_factory):
             patch.setattr(charts, name, lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
-        assert build.encode is encode and page.encode is encode
+        assert build.encode is encode and page.build is build
         skeletons()  # takes longer than a case may
         yield
     os.chdir(started)
@@ -475,10 +477,11 @@ def tried(line, stdin=b"", test=""):
         assert not changed, changed
         assert not out
     elif changed:
-        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo", "stability", "chart", "figures")]
+        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo.html", "stability", "chart", "figures")]
         asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
         asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
         asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]
+        asked += [page.with_name(f"{page.stem}-vary-z1.mp4") for page in asked if line[0] == "demo" and page.stem]
         others = {path for path in changed if not any(Path(path).is_relative_to(place) for place in asked)}
         assert not others, others
         assert not list(ROOT.rglob(".povgen-*"))
@@ -753,9 +756,7 @@ def test_no_sdl_in_options(command, name):
             if other == name:
                 line += [option, payload] if option else [payload]
             elif not word:
-                line.append(
-                    {"spec": "spec.toml", "specs": "spec.toml", "what": "info", "numbers": "1"}.get(other, "chess")
-                )
+                line.append({"spec": "spec.toml", "what": "info", "numbers": "1"}.get(other, "chess"))
         status, _, said = tried(
             [*line, "--size=32x32"] if "size" in parameters(command) and name != "size" else line, SPEC.encode(), "SDL"
         )
@@ -868,7 +869,7 @@ def test_the_size_of_the_cache(text, command):
             patch.setenv("POVGEN_CACHE_SIZE", text)
         except UnicodeEncodeError:
             assume(False)
-        needed = {"scene": "chess", "spec": "spec.toml", "specs": "spec.toml", "what": "info", "numbers": "1"}
+        needed = {"scene": "chess", "spec": "spec.toml", "what": "info", "numbers": "1"}
         line = [needed.get(name) for name, (_, option) in parameters(command).items() if not option]
         line += ["--size=32x32"] * ("size" in parameters(command))
         tried([command, *line], test="cache")

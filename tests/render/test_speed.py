@@ -24,6 +24,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         "SMALL": (200, 150),
         "SAMPLINGS": ("off", "2x"),
         "BASELINE_SAMPLINGS": ("off",),
+        "LIVE_RAYS": (1, 16),
         "CONVERGED": "1,0.001,5",
         "FLICKER_SAMPLINGS": ("off", "3x"),
         "FLICKER_ANGLES": (66,),
@@ -42,10 +43,13 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         *("frames.csv", "flicker.csv", "prisms.csv", "workers.csv", "machine.txt")
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
-    assert len(rows) == 2 * 2 * 2 + 2
+    assert len(rows) == 2 * 2 * 2 + 2 + 2 * 2 * 2
     error = {(r["method"], r["antialias"], r["height"]): float(r["RMS"]) for r in rows}
     assert error["detailed", "2x", "60"] < error["detailed", "off", "60"]
     assert error["intersections", "off", "60"] == pytest.approx(error["detailed", "off", "60"], abs=0.02)
+    for sheet in ("detailed", "ideal"):
+        assert error[f"live {sheet}", "16 rays", "60"] < 0.6 * error[f"live {sheet}", "1 ray", "60"]
+        assert error[f"live {sheet}", "1 ray", "60"] == pytest.approx(error[sheet, "off", "60"], rel=0.1)
     cost = {(r["method"], r["antialias"], r["height"]): float(r["CPU s"]) for r in rows}
     assert all(seconds > 0 for seconds in cost.values())
     off, finer = (float(row["flicker"]) for row in csv.DictReader((tmp_path / "flicker.csv").open()))
@@ -55,6 +59,21 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     assert float(few["position error (px)"]) == pytest.approx(4 * float(many["position error (px)"]), rel=0.2)
     (movie,) = csv.DictReader((tmp_path / "workers.csv").open())
     assert 0 < float(movie["fraction of cores busy"]) < 1.2
+
+
+def test_without_a_browser_the_live_view_is_not_measured(monkeypatch):
+    def without():
+        raise InputError("no Chromium")
+
+    monkeypatch.setattr(speed, "SIZES", ((64, 48),))
+    monkeypatch.setattr(speed, "SAMPLINGS", ("off",))
+    monkeypatch.setattr(speed, "CONVERGED", "1,0.001,2")
+    monkeypatch.setattr(speed, "ROUNDS", 1)
+    monkeypatch.setattr(speed, "chromium", without)
+    said = []
+    points = speed.measure_samplings({}, said.append)
+    assert said[0] == "without the live view: no Chromium"
+    assert [point.method for point in points] == ["detailed", "ideal"]
 
 
 def test_picture_error():
@@ -68,7 +87,7 @@ def test_picture_error():
 
 
 def test_the_pareto_front():
-    points = [speed.Point("m", name, (1, 1), "", [cpu], rms) for name, cpu, rms in
+    points = [speed.Point("m", name, (1, 1), tuple, [cpu], rms) for name, cpu, rms in
               (("a", 1, 0.5), ("b", 2, 0.6), ("c", 3, 0.1), ("d", 0.5, 0.9), ("e", 3.5, 0.1))]  # fmt: skip
     assert [point.sampling for point in speed.pareto_front(points, "rms")] == ["d", "a", "c"]
 

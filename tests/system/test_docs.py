@@ -230,10 +230,23 @@ def test_the_notebook_is_the_lesson_and_runs(tmp_path, environment, monkeypatch)
     monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
     NotebookClient(made, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
     shown = [out for cell in made.cells for out in cell.get("outputs", []) if out.output_type == "display_data"]
-    assert len(shown) == sum(cell.source.count('Image("') + cell.source.count('Video("') for cell in made.cells)
+    classes = ('Image("', 'Video("', "IFrame(")
+    assert len(shown) == sum(cell.source.count(each) for cell in made.cells for each in classes)
     assert sum("image/png" in out.data for out in shown) > 10
     printed = "".join(out.text for cell in made.cells for out in cell.get("outputs", []) if out.output_type == "stream")
     assert "designed path" in printed and "nan" not in printed and "Traceback" not in printed
+
+
+def test_no_answer_stands_under_its_question():
+    """In the lesson answers are folded. In the notebook they are at the end."""
+    lesson = notebook.LESSON.read_text()
+    text = "\n".join(cell.source for cell in notebook.notebook(lesson).cells)
+    question, answers = text.split("## Answers")
+    assert (
+        lesson.count("<details>") == question.count("is at the end of this notebook") == answers.count("**Answer ") == 4
+    )
+    assert "details>" not in text and "**Answer " not in question
+    assert "(Yes:" not in lesson
 
 
 def test_the_table_of_parallaxes():

@@ -149,7 +149,7 @@ def test_folders_that_cannot_be_written_to(open_folder):
         ["frame", "chess", *TINY, "-o", "shut/a.png"],
         ["frame", "chess", *TINY, "-o", "shut/there.png"],
         ["movie", "vary-z1", "-o", "shut/a.mp4"],
-        ["demo", "-o", "shut/page"],
+        ["demo", "-o", "shut/page.html"],
         ["figure", "1", "-o", "shut/figures"],
         ["pov", "chess", "-o", "shut/a.pov"],
     ):
@@ -221,7 +221,7 @@ def test_the_current_folder_removed(tmp_path):
         (["frame", "chess", *TINY], "output = 'frame.png'", {}),
         (["movie", "vary-z1", *TINY], "output = 'vary-z1.mp4'", {}),
         (["movie", "a.toml"], "a.toml", {}),
-        (["demo"], "output = 'demo'", {}),
+        (["demo"], "output = 'demo.html'", {}),
         (["cache", "info"], "POVGEN_CACHE = 'cache'", {"POVGEN_CACHE": "cache"}),
     ):
         done = gone(*arguments, **environment)

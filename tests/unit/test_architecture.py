@@ -87,6 +87,7 @@ def test_there_is_no_circle_of_imports():
         ("matplotlib", {"measure.plotting"}),
         ("PIL", {"video.overlay", "video.still", "rendering.frames", "rendering.light", "scene.models"}),
         ("flip_evaluator", {"measure.speed"}),
+        ("playwright", {"measure.browser"}),
         ("typer", {"cli"}),
         ("rich", {"cli", "progress"}),
         ("distributed", {"rendering.cluster"}),

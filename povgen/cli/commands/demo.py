@@ -6,44 +6,31 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import Quiet, Workers, split, takes
-from povgen.cli.report import warn
-from povgen.progress import bar
 
 
 @takes("rendering")
 def command(
-    specs: Annotated[
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="the page, .html")] = Path("demo.html"),
+    piece: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[SPEC]...",
-            help="a movie's TOML file, or the name of one of povgen's own movies",
-            show_default="the paper's three",
-        ),
+        typer.Option(metavar="FILE", help="a chess piece of your own: a file that declares Piece; can be repeated"),
     ] = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FOLDER", help="the folder for index.html and its frames")
-    ] = Path("demo"),
+    movies: Annotated[
+        bool,
+        typer.Option(
+            "--movies", help="render POV-Ray's three movies as well, beside the page; the other options are for them"
+        ),
+    ] = False,
     workers: Workers = None,
     quiet: Quiet = False,
     **options: object,
 ) -> None:
-    """Make a page to teach with: movies, seen through prisms or the ideal sheet, beside the diagram of figure 5."""
-    from povgen.rendering import cache
+    """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
     from povgen.rendering.parallel import worker_count
-    from povgen.scene.spec import MovieSpec
-    from povgen.settings import Rendering
-    from povgen.teach.page import OWN, checked_page, one_eyed, scenes
-    from povgen.teach.page import demo as make
+    from povgen.teach.page import demo
 
-    loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
     _, options = split(options)
-    rendering = one_eyed(Rendering(**options))
-    shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
-    cache.check()  # before the page's folder is made
-    checked_page(output)
-    if not quiet:
-        warn(shown, rendering)
-    with bar(output.name, len(shown), quiet) as done:
-        page = make(loaded, output, workers=count, done=done, **options)
+    count = worker_count(workers)
+    page = demo(output, pieces=piece or (), movies=movies, workers=count, progress=not quiet, **options)
     if not quiet:
         print(f"wrote {page}")

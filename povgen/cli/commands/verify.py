@@ -11,6 +11,8 @@ from povgen.cli.options import made_folder
 from povgen.errors import InputError
 
 if TYPE_CHECKING:  # slow to import
+    from collections.abc import Iterator
+
     from povgen.measure.verify import Measured
 
 
@@ -23,6 +25,9 @@ def command(
     ] = None,
     stability: Annotated[
         bool, typer.Option("--stability", help="measure and draw where methods fail, as maps, and check the limits")
+    ] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="measure the live view instead, in a Chromium (needs playwright)")
     ] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="folder for the maps (default stability)")
@@ -40,17 +45,14 @@ def command(
     from povgen.files import checked_output, save
     from povgen.rendering import povray
 
-    if sheet not in (None, "ideal", "detailed"):
-        raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
-    if output and not stability:
-        raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
+    _check_options(sheet, stability, live, output)
     if json_file:
         json_file = checked_output(json_file, [".json"])
     folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
     figures = []
-    with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as live:
+    with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as shown:
 
         def add(measured: "Measured") -> None:
             bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
@@ -58,7 +60,7 @@ def command(
             table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
             value = measured.value if isfinite(measured.value) else None
             figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
-            live.refresh()
+            shown.refresh()
 
         if folder:
             from povgen.measure.charts import save_maps
@@ -66,11 +68,29 @@ def command(
 
             save_maps(maps(sheet), folder, add)
         else:
-            from povgen.measure.verify import checks
-
-            for measured in checks(sheet):
+            for measured in _checks(sheet, live):
                 add(measured)
     if json_file:
         save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json_file)
     if not all(figure["holds"] for figure in figures):
         raise typer.Exit(1)
+
+
+def _check_options(sheet: str | None, stability: bool, live: bool, output: Path | None) -> None:
+    """Raise InputError if the options do not go together."""
+    if sheet not in (None, "ideal", "detailed"):
+        raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
+    if live and (sheet or stability):
+        raise InputError("live: the live view is measured alone; allowed without --sheet and --stability")
+    if output and not stability:
+        raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
+
+
+def _checks(sheet: str | None, live: bool) -> "Iterator[Measured]":
+    if live:
+        from povgen.measure.live import checks
+
+        return checks()
+    from povgen.measure import verify
+
+    return verify.checks(sheet)

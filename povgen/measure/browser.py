@@ -1,0 +1,114 @@
+"""The live view in a real browser, for measurements: a Chromium without window, which draws without a GPU."""
+
+import base64
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.errors import InputError
+from povgen.files import temporary_folder
+from povgen.rendering.volumes import page
+from povgen.scene import live
+from povgen.scene.models import Scene
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser as Browser  # for others, too
+    from playwright.sync_api import Page
+
+Floats = NDArray[np.float32]
+Size = tuple[int, int]  # width and height, pixels
+# SwiftShader draws in software; Chromium uses it only if it is told to. The others keep Chromium off the network.
+ARGUMENTS = (
+    "--use-angle=swiftshader --enable-unsafe-swiftshader --no-sandbox --disable-quic --no-first-run "
+    "--disable-background-networking --disable-component-update --disable-sync"
+).split()
+# A typed array's bytes in base 64, in parts that a function call can take.
+ENCODE = """(numbers) => {
+  const bytes = new Uint8Array(numbers.buffer);
+  let text = "";
+  for (let k = 0; k < bytes.length; k += 32768) text += String.fromCharCode(...bytes.subarray(k, k + 32768));
+  return btoa(text);
+}"""
+
+
+@contextmanager
+def chromium() -> Iterator["Browser"]:
+    """Start a Chromium, and end it afterwards. Raises InputError if playwright or Chromium is not installed."""
+    try:
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        raise InputError(
+            "the live view is measured with playwright, which is not installed: pip install 'povgen[live]'"
+        ) from None
+    with sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+        except Error:
+            raise InputError("no Chromium: install it as 'chromium', or by 'playwright install chromium'") from None
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+class View:
+    """A page that shows a scene's live view. Pictures have their first row at the top."""
+
+    def __init__(self, browser: "Browser", scene: Scene) -> None:
+        """Open the page. Raises InputError if the browser cannot draw it."""
+        self.browser = browser
+        self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
+        with temporary_folder() as folder:
+            file = folder / "view.html"
+            file.write_text(page(scene), "utf-8")
+            self.page.goto(file.as_uri())
+            self.page.evaluate("view.ready")
+        if not self.page.evaluate("Boolean(view.gl)"):
+            raise InputError(f"Chromium: {self.page.inner_text('#message')}")
+
+    def set(self, scene: Scene) -> None:
+        """Show another scene, with pieces of the same kinds."""
+        self.page.evaluate("(values) => view.set(values)", live.values(scene))
+
+    def readout(self, size: Size) -> dict[str, Floats]:
+        """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
+        names = ("ray", "path", "place")
+        script = f"([width, height]) => Object.values(view.readout(width, height)).map({ENCODE})"
+        found = self.page.evaluate(script, list(size))
+        return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
+
+    def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
+        """Return the picture, (height, width, 3), with this many rays a pixel, in this part of its width and height.
+
+        A transparent background is black.
+        """
+        return self.measured(size, rays, part)[1]
+
+    def measured(self, size: Size, rays: int, part: float = 1, repeats: int = 1) -> tuple[float, NDArray[np.uint8]]:
+        """Return the CPU seconds that the browser's processes use for a picture, and the picture.
+
+        They are known to 0.01 s divided by `repeats`, the number of times that the picture is drawn.
+        """
+        before = self.cpu_seconds()
+        for _ in range(repeats):
+            self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
+        seconds = (self.cpu_seconds() - before) / repeats
+        light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / rays
+        encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
+        return seconds, np.round(255 * encoded).astype(np.uint8)
+
+    def cpu_seconds(self) -> float:
+        """Return the CPU seconds that the browser's processes have used so far."""
+        session = self.browser.new_browser_cdp_session()
+        processes: list[dict[str, Any]] = session.send("SystemInfo.getProcessInfo")["processInfo"]
+        session.detach()
+        return float(sum(process["cpuTime"] for process in processes))
+
+
+def _pixels(text: str, size: Size) -> Floats:
+    width, height = size
+    return np.frombuffer(base64.b64decode(text), np.float32).reshape(height, width, 4)[::-1]

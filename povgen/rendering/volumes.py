@@ -1,0 +1,152 @@
+"""Chess pieces as distance fields, for the live view: the distance to the piece's surface at each point of a grid.
+
+POV-Ray finds where the grid's lines meet the surface (templates/probes/crossings.pov.j2), so a piece's only description
+is its own text. Finished fields are kept in the cache.
+"""
+
+import base64
+import functools
+import inspect
+import json
+import sys
+import zlib
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from hashlib import sha256
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.errors import InputError
+from povgen.files import temporary_folder
+from povgen.rendering import cache, povray
+from povgen.scene import live
+from povgen.scene.models import Scene
+from povgen.scene.pieces import FILE_RADIUS, PieceFile
+from povgen.scene.sdl import to_crossings, to_live
+from povgen.settings import Rendering
+
+GRID = (72, 160, 72)  # points along x, y and z
+MOST = 2.0  # distances up to this many voxels are stored
+CROSSINGS = "crossings.txt"
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class Volume(NamedTuple):
+    """A piece's distance field. `templates/live/volume.js` reads it."""
+
+    place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
+    data: str  # a byte for each point, x fastest, as difference to the point before along z; compressed, in base 64
+    most: float = MOST  # the distance, in voxels, that the byte 255 means
+
+
+def volume(piece: str | PieceFile) -> Volume:
+    """Return a piece's distance field, from the cache or new. Raises PovrayError, and InputError for an empty piece."""
+    source = to_crossings(piece, GRID, FILE_RADIUS, CROSSINGS)
+    cache.check()
+    path = cache.path_for("\0".join((povray.version(), _code(), source)), ".json")
+    with suppress(ValueError, TypeError, KeyError):  # missing or damaged
+        found = json.loads(cache.read(path, most=2**21) or b"")
+        if found.pop("sha256") == _digest(made := Volume(tuple(found["place"]), found["data"])):
+            return made
+    made = _volume(piece, source)
+    with suppress(OSError), cache.work_folder() as folder:
+        file = folder / "volume"
+        file.write_text(json.dumps({**made._asdict(), "sha256": _digest(made)}))
+        cache.store(file, path)
+    cache.trim(cache.max_bytes())
+    return made
+
+
+@functools.cache
+def _code() -> str:
+    """Return the text of this module. A field that other code made is not used."""
+    return inspect.getsource(sys.modules[__name__])
+
+
+def _digest(made: Volume) -> str:
+    return sha256(repr(made).encode()).hexdigest()
+
+
+def _volume(piece: str | PieceFile, source: str) -> Volume:
+    with temporary_folder() as folder:
+        picture = povray.run(source, Rendering(size=(32, 32), antialias="off"), folder)
+        text = (picture.parent / CROSSINGS).read_text()
+    numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
+    place, met = numbers[:4], numbers[4:].reshape(-1, 4)
+    if not len(met):
+        raise InputError(
+            f"piece = {str(piece)!r}: empty within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece"
+        )
+    distance = distances(met)
+    stored = np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
+    steps = np.diff(stored, axis=0, prepend=np.uint8(0))  # modulo 256
+    return Volume(tuple(place.tolist()), base64.b64encode(zlib.compress(steps.tobytes(), 9)).decode())
+
+
+def distances(met: Floats) -> Floats:
+    """Return the distance to the piece's surface at each point of the grid, in voxels, below 0 inside. Shape: GRID.
+
+    `met` (n, 4) says where lines meet surfaces: the number of the line's axis, its numbers along the two other axes,
+    and the place on the line, in voxels. Surfaces of parts that are hidden inside the piece are ignored: a point is
+    outside if nothing stands between it and the grid's border in one of the six directions along the axes.
+
+    A surface that is flat near a point has the distance 1/sqrt(1/dx^2 + 1/dy^2 + 1/dz^2), where dx, dy and dz are the
+    distances along the axes. Far from the surface the result is inaccurate: it is for points within MOST voxels.
+    """
+    lines = [_Lines(met[met[:, 0] == axis], axis) for axis in range(3)]
+    outside = lines[0].free | lines[1].free | lines[2].free
+    with np.errstate(divide="ignore"):
+        distance = 1 / np.sqrt(sum(1 / axis.along(outside) ** 2 for axis in lines))
+    return np.asarray(np.where(outside, distance, -distance))
+
+
+class _Lines:
+    """All lines along one axis, and where they meet surfaces. Arrays have the shape GRID."""
+
+    def __init__(self, met: Floats, axis: int) -> None:
+        self.axis = axis
+        i, j, place = met[:, 1].astype(int), met[:, 2].astype(int), met[:, 3]
+        self.count = GRID[axis]
+        others = [n for k, n in enumerate(GRID) if k != axis]
+        # after point k and before point k + 1: the first and the last place
+        self.first = np.full((*others, self.count), np.inf)
+        self.last = np.full((*others, self.count), -np.inf)
+        k = np.clip(place.astype(int), 0, self.count - 1)
+        np.minimum.at(self.first, (i, j, k), place)
+        np.maximum.at(self.last, (i, j, k), place)
+        points = np.arange(self.count)
+        free = points <= self.first.min(-1, keepdims=True)
+        free |= points >= self.last.max(-1, keepdims=True)
+        self.free = np.moveaxis(free, -1, axis)
+
+    def along(self, outside: Mask) -> Floats:
+        """Return the distance along the axis to the nearest place where a line enters or leaves the piece."""
+        side = np.moveaxis(outside, self.axis, -1)
+        points = np.arange(self.count)
+        leaves, enters = side[..., 1:] & ~side[..., :-1], side[..., :-1] & ~side[..., 1:]
+        place = np.where(leaves, self.last[..., :-1], np.where(enters, self.first[..., :-1], np.inf))
+        middle = points[:-1] + 0.5  # for a change that only lines along other axes show
+        place = np.where((leaves | enters) & ~np.isfinite(place), middle, place)
+        following, preceding = np.full(side.shape, np.inf), np.full(side.shape, -np.inf)
+        following[..., :-1] = place
+        preceding[..., 1:] = np.where(np.isfinite(place), place, -np.inf)
+        following = np.minimum.accumulate(following[..., ::-1], -1)[..., ::-1]
+        preceding = np.maximum.accumulate(preceding, -1)
+        return np.moveaxis(np.minimum(following - points, points - preceding), -1, self.axis)
+
+
+def volumes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Volume]:
+    """Return the pieces' distance fields, by the same names. Raises what `volume` raises."""
+    with ThreadPoolExecutor() as pool:  # POV-Ray sleeps during a part of this
+        return dict(zip(pieces, pool.map(volume, pieces.values()), strict=True))
+
+
+def page(scene: Scene) -> str:
+    """Return the page that shows a scene's live view. Raises what `volume` raises."""
+    fields = {name: shape._asdict() for name, shape in volumes(live.pieces(scene)).items()}
+    return to_live({"scene": live.values(scene), "volumes": {"grid": GRID, "pieces": fields}})

@@ -1,0 +1,22 @@
+"""What the live view is given: a scene's values, and the names of the pieces whose shapes it needs."""
+
+from typing import Any
+
+from povgen.scene import prediction
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, rgb
+from povgen.scene.pieces import PieceFile
+
+
+def values(scene: Scene) -> dict[str, Any]:
+    """Return a scene's parameters for `LiveView` (templates/live/view.js): tiles, degrees, colours 0 to 1 (sRGB)."""
+    found = scene.model_dump() | {"name": scene.name, "rim": scene.rim, "faces": prediction.max_trace_level(scene)}
+    if isinstance(scene, Chess):
+        colors = scene.color if isinstance(scene.color, tuple) else (scene.color,)
+        found["color"] = [rgb(color) for color in colors]
+        found["pedestal_halves"] = {str(piece.piece): piece.radius + PEDESTAL_EDGE for piece in scene.pieces}
+    return found
+
+
+def pieces(scene: Scene) -> dict[str, str | PieceFile]:
+    """Return the pieces that a scene shows, by the names that `values` has for them."""
+    return {str(standing.piece): standing.piece for standing in scene.pieces} if isinstance(scene, Chess) else {}

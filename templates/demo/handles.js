@@ -1,0 +1,116 @@
+// Dragging the object and the eye, in the picture and in the diagram; and moving them by the arrow keys.
+
+let held = null;  // what is being dragged
+
+const KEY_STEP = 0.05;  // tiles; with Shift five times as far
+const KEY_STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+const pointerAt = (event, box) => [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
+
+// What a pointer takes hold of in the picture: the object's image, or else the eye.
+function underPointer(event, at, now) {
+  const handle = event.target.closest(".handle");
+  if (handle) return handle.dataset.moves;
+  if (state.scene === "spheres") {
+    const found = sphereAt(at, now);
+    if (found === undefined) return "E";
+    change({ z1: now.objects[found] });
+    return "L";
+  }
+  const path = $("image");
+  const near = finite(now.place) && abs(minus(onStage(now.place), at)) < 0.06 * stage.clientHeight;
+  return near || path?.isPointInFill(new DOMPoint(...at)) ? "L" : "E";
+}
+
+// The number of the nearest sphere whose image is at a point, or undefined.
+function sphereAt(at, now) {
+  const gaps = now.objects.map((z1, k) => {
+    const there = { ...now, z1 };
+    const place = apparentPosition(there);
+    return finite(place) ? abs(minus(onStage(place), at)) - tilePixels() * now.radii[k] * appearance(there).M : Infinity;
+  });
+  const least = Math.min(...gaps);
+  return least < 12 ? gaps.indexOf(least) : undefined;
+}
+
+function holdInPicture(event) {
+  if (event.button || povray.shown) return;
+  const at = pointerAt(event, stage.getBoundingClientRect());
+  const what = underPointer(event, at, moment());
+  const now = moment();
+  hold(event, what, (step) => {
+    const tiles = scaled(1 / tilePixels(), [step[0], -step[1]]);
+    return what === "E" ? tiles : objectStep(now, tiles);
+  });
+}
+
+function holdInDiagram(event) {
+  const handle = event.target.closest(".handle");
+  if (event.button || !handle) return;
+  const map = diagramMap;
+  hold(event, handle.dataset.moves, (step) => scaled(1 / map.tile, [step[0], -step[1]]), map);
+}
+
+// While it is held, the pointer's step in pixels becomes a step of L or E in tiles.
+function hold(event, what, toTiles, map) {
+  event.preventDefault();
+  document.activeElement.blur();
+  event.target.closest(".handle")?.focus();
+  player.pause();
+  held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };
+  event.currentTarget.setPointerCapture(event.pointerId);
+  document.body.classList.add("dragging");
+  $("hint").hidden = true;
+}
+
+function drag(event) {
+  if (held?.pointer !== event.pointerId) return;
+  const step = held.toTiles([event.clientX - held.start[0], event.clientY - held.start[1]]);
+  change({ [held.what]: plus(held.from, step) });
+  refresh();
+}
+
+function release(event) {
+  if (held?.pointer !== event.pointerId) return;
+  held = null;
+  document.body.classList.remove("dragging");
+  refresh();
+}
+
+for (const [place, take] of [[stage, holdInPicture], [$("diagram-box"), holdInDiagram]]) {
+  place.addEventListener("pointerdown", take);
+  place.addEventListener("pointermove", drag);
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) place.addEventListener(end, release);
+}
+
+for (const handle of document.querySelectorAll(".handle")) {
+  handle.addEventListener("keydown", (event) => {
+    const step = KEY_STEPS[event.key];
+    if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    const { moves } = handle.dataset;
+    player.pause();
+    change({ [moves]: plus(state[moves], scaled(KEY_STEP * (event.shiftKey ? 5 : 1), step)) });
+    refresh();
+  });
+}
+
+// Put the handles where the eye and the object's image are; at the border if they are outside.
+function placeHandles(now) {
+  const inside = ([x, y], { clientWidth: width, clientHeight: height }) =>
+    [clamped(x, [20 - width / 2, width / 2 - 20]), clamped(y, [20 - height / 2, height / 2 - 20])];
+  const put = (id, at, box) => {
+    const [x, y] = inside(at, box);
+    $(id).style.transform = `translate(${x}px, ${y}px)`;
+    const name = id.startsWith("eye") ? "E" : "L";
+    const where = state[name].map((x) => fixed(x, 2)).join(", ");
+    $(id).setAttribute("aria-label", `${name === "E" ? "Eye E" : "Object L"} at ${where} tiles${id.endsWith("diagram") ? ", in the diagram" : ""}: arrow keys move it`);
+  };
+  put("eye-picture", onStage(now.E), stage);
+  put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);
+  const turns = state.diagram === "picture";
+  for (const id of ["eye-diagram", "object-diagram"]) $(id).hidden = !turns;
+  if (!turns || !diagramMap) return;
+  put("eye-diagram", diagramMap.at([1, 0]), $("diagram-box"));
+  put("object-diagram", diagramMap.at([0, 0]), $("diagram-box"));
+}

@@ -1,0 +1,71 @@
+// Show the state everywhere: in the picture, the diagram, the numbers, the address, and in words.
+
+let asked = false;
+
+// Draw all that depends on the state, before the next frame.
+function refresh() {
+  if (asked) return;
+  asked = true;
+  requestAnimationFrame(draw);
+}
+
+function draw() {
+  asked = false;
+  const now = moment();
+  view.set(now.scene);
+  drawTabs();
+  drawQuestion();
+  showInputs(now);
+  showNumbers(now);  // before the drawings: the length of the text decides how large they are
+  drawOverlay(now);
+  drawDiagram(now);
+  drawSketch(now);
+  placeHandles(now);
+  showMarks();
+  player.draw();
+  povray.draw();
+  later("speak", 900, () => speak(now));
+  later("address", 400, keepAddress);
+}
+
+// Do something when the page has been still for some time, milliseconds.
+const timers = {};
+function later(name, time, action) {
+  clearTimeout(timers[name]);
+  if (!player.playing) timers[name] = setTimeout(action, time);
+}
+
+let silent = true;  // until something has changed
+function speak(now) {
+  const text = describe(now);
+  $("view").setAttribute("aria-label", text);
+  if (!silent && $("spoken").textContent !== text) $("spoken").textContent = text;
+  silent = false;
+}
+
+function keepAddress() {
+  if (held) return later("address", 400, keepAddress);
+  if (toHash() === kept) return;
+  kept = toHash();
+  location.hash = kept;  // in Jupyter's frames history.pushState is forbidden
+}
+
+addEventListener("popstate", () => {
+  if (location.hash === kept) return;
+  player.pause();
+  typing = null;
+  fromHash(location.hash);
+  kept = toHash();
+  refresh();
+});
+
+fromHash(location.hash);
+let kept = toHash();  // the state that the address has
+for (const part of [stage, $("diagram-box"), sketch]) new ResizeObserver(refresh).observe(part);
+document.fonts?.ready.then(refresh);
+view.ready.then(() => {
+  $("hint").textContent = "Drag the object, or drag beside it to move your eye";
+  refresh();
+});
+refresh();
+if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = view.benchText()));

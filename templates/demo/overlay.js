@@ -1,0 +1,141 @@
+// What is drawn on the picture: predicted positions, circles, the predicted image, the caption, and a key.
+
+const overlay = $("overlay");
+const stage = $("stage");
+
+// From tiles of the plane z = 0 to pixels of the stage, from its centre.
+const tilePixels = () => stage.clientHeight / data.scenes.chess.view;
+const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
+
+function drawOverlay(now) {
+  const box = { width: stage.clientWidth, height: stage.clientHeight };
+  if (!box.width) return;
+  const rem = Math.max(11, box.height / 36);
+  const parts = [];
+  if (now.two && (state.circles || PATHS.includes(marked))) parts.push(...paths(now));
+  parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
+  if (now.two && now.M > NEAR_POLE) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
+  parts.push(...key(now, rem, box));
+  if (state.caption) parts.push(words("say caption", [0, box.height / 2 - 1.1 * rem], caption(now)));
+  overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
+  overlay.style.fontSize = `${rem}px`;
+  overlay.replaceChildren(...parts);
+  shrunk(overlay.querySelector(".caption"), box.width - rem);
+  const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
+  overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
+  $("hint").classList.toggle("covered", state.caption || povray.shown);
+  stage.classList.toggle("has-marks", state.position);
+}
+
+// Text that is too wide gets a smaller font.
+function shrunk(text, width) {
+  const wide = text?.getComputedTextLength() ?? 0;
+  if (wide > width) text.style.fontSize = `${width / wide}em`;
+}
+
+const poleText = (now) => (Number.isFinite(now.M) ? `${brief(now.seen)} tiles of the ${thing()} fill the window` : `one point of the ${thing()} fills the window`);
+
+const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
+
+// The paths of P: alpha constant, while z1 changes, and r constant, while alpha changes. A dark line is under each.
+function paths(now) {
+  const prism = now.sheet === "ideal" ? { slab_shift: 0, separation: 0 } : now.prism;
+  const ofAlpha = (log) => onStage(apparentPosition(now, now.L, { ...now, z1: now.z2 * Math.exp(log) }));
+  const infinite = equations.infiniteZ1(now.z2, now.alpha, prism).map((z1) => Math.log(z1 / now.z2));
+  const ofR = (alpha) => onStage(apparentPosition(now, now.L, { ...now, alpha }));
+  const lines = [
+    curve("of-alpha q q-z1 q-z2", branches(ofAlpha, -8, 8, infinite)),
+    curve("of-r q q-r q-alpha", branches(ofR, -Math.PI, Math.PI, equations.infiniteAlpha(now.z1, now.z2, prism))),
+  ];
+  return lines.flatMap((path) => {
+    const shown = state.circles ? "" : " aid";
+    const halo = path.cloneNode();
+    halo.setAttribute("class", `halo ${path.getAttribute("class")}${shown}`);
+    path.setAttribute("class", path.getAttribute("class") + shown);
+    return [halo, path];
+  });
+}
+
+// The piece's outline where the sheets show it, by the equations. It is also where the piece can be dragged.
+function image(now) {
+  if (state.scene !== "chess" || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
+  const d = outlineOf(state.piece).map((line) => {
+    const points = line.map((d) => onStage(apparentPosition(now, plus(now.L, d))).map((x) => x.toFixed(1)));
+    return `M${points.map((point) => point.join(" ")).join("L")}Z`;
+  });
+  const kind = `image q q-nu q-M${state.image && now.two ? "" : " hidden"}`;
+  return [svg("path", { class: kind, id: "image", d: d.join("") })];
+}
+
+// The triangle of figure 5, which is shown while one of its quantities is marked.
+function construction(now, rem, box) {
+  const [L, E] = [onStage(now.L), onStage(now.E)];
+  const P = finite(now.place) ? onStage(now.place) : null;
+  if (abs(minus(L, E)) < 1) return [];
+  const nu = Number.isNaN(now.nu) ? 0 : now.nu;
+  const parts = triangle(L, E, P, { alpha: now.two ? now.alpha : 0, nu }, rem, box);
+  if (!state.position) {
+    const named = corners(L, E, P, rem, box);
+    for (const part of named) part.classList.add("q-alpha", "q-r", "q-nu", "q-M");
+    parts.push(...named);
+  }
+  for (const part of parts) part.classList.add("aid");
+  return parts;
+}
+
+function marks(now, rem, box) {
+  if (!state.position) return [];
+  const [L, E, P] = [onStage(now.L), onStage(now.E), finite(now.place) ? onStage(now.place) : null];
+  const parts = corner("L", L, [E, P], rem);
+  parts.push(...eyeMark(E, L, rem));
+  const rings = [];
+  now.objects.forEach((z1, k) => {
+    const there = { ...now, z1, r: now.z2 / z1 };
+    there.place = apparentPosition(there);
+    if (!finite(there.place)) return;
+    const at = onStage(there.place);
+    const chosen = z1 === now.z1;
+    const out = edge(at, box, 0.6 * rem);
+    const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) ? " unsure" : ""}`;
+    const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M) : 0.45 * rem;
+    if (!out) {
+      rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
+    }
+    if (chosen) parts.push(...nameOfP(at, out, [L, E], rem, reach));
+  });
+  return [...rings, ...parts];
+}
+
+// E is an open ring, so that it hides nothing.
+function eyeMark(E, L, rem) {
+  const name = step(E, Math.PI / 2, 1.4 * rem);
+  return [
+    dot("halo ring", E, 0.55 * rem), dot("ring q q-E", E, 0.55 * rem), words("point q q-E", name, "E"),
+  ];
+}
+
+function nameOfP(at, out, others, rem, reach) {
+  if (!out) return [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]];
+  return [
+    arrowhead("arrow q q-P", out.tip, out.angle, rem),
+    words("point q q-P", step(out.tip, out.angle + Math.PI, 1.9 * rem), "P"),
+  ];
+}
+
+// The key, in the picture's upper left corner.
+function key(now, rem, { width, height }) {
+  const lines = [];
+  if (state.position) lines.push(["mark", "P: predicted position"], ["dot", "L: the object"], ["ring", "E: the eye"]);
+  if (state.circles && now.two) lines.push(["of-alpha", "α constant, z₁ changes"], ["of-r", "r constant, α changes"]);
+  if (state.image && now.two && state.scene === "chess") lines.push(["image", "predicted image"]);
+  if (!lines.length) return [];
+  const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
+  const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
+  lines.forEach(([kind, text], n) => {
+    const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
+    if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));
+    else parts.push(dot(`${kind}${kind === "mark" ? " chosen" : ""}`, middle, (kind === "dot" ? 0.3 : 0.42) * rem));
+    parts.push(words("keyword", plus(middle, [1.2 * rem, 0]), text));
+  });
+  return parts;
+}

@@ -1,0 +1,62 @@
+// The canvas, its picture as a file, and what is shown where there is none.
+
+class PageView extends LiveView {
+  show(...what) {
+    this.last = what;
+    super.show(...what);
+  }
+
+  // Draw the last picture again: a browser keeps the canvas's pixels only until they have been shown.
+  repaint() {
+    super.show(...this.last);
+  }
+}
+
+function failed(sentence) {
+  $("message").textContent = sentence ? `${sentence}${data.presets.some(({ movie }) => movie) ? " Meanwhile you see POV-Ray’s movies." : ""}` : "";
+  document.body.classList.toggle("failed", Boolean(sentence));
+  refresh();
+}
+
+const view = new PageView($("view"), sceneValues(), data.volumes, failed);
+
+// Save the picture with its overlay and its numbers.
+async function savePicture() {
+  const canvas = Object.assign(document.createElement("canvas"), { width: view.canvas.width, height: view.canvas.height });
+  const pen = canvas.getContext("2d");
+  view.repaint();
+  pen.drawImage(view.canvas, 0, 0);
+  pen.drawImage(await overlayImage(canvas), 0, 0);
+  const link = document.createElement("a");
+  link.href = canvas.toDataURL("image/png");
+  link.download = `povgen ${toHash().slice(1).replace(/&?(show|diagram|question)=[^&]*/g, "").replaceAll("&", " ")}.png`;
+  link.click();
+}
+
+// The overlay with its caption, as an image of the canvas's size.
+async function overlayImage({ width, height }) {
+  const before = state.caption;
+  state.caption = true;
+  drawOverlay(moment());
+  state.caption = before;
+  const copy = overlay.cloneNode(true);
+  refresh();
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  copy.setAttribute("width", width);
+  copy.setAttribute("height", height);
+  copy.append(svg("style", {}, $("overlay-style").textContent));
+  const image = new Image();
+  image.src = `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  await image.decode();
+  return image;
+}
+
+$("save").addEventListener("click", savePicture);
+$("full-screen").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
+$("full-screen").hidden = !document.fullscreenEnabled;
+document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
+$("reset").addEventListener("click", () => {
+  player.pause();
+  change({ ...OPENING });
+  refresh();
+});

@@ -1,0 +1,51 @@
+// The sketch: eye, sheets and object, seen from the right side. z is to scale, unless one of z1 and z2 is very short.
+
+const sketch = $("sketch");
+
+function drawSketch(now) {
+  const { width, height } = sketch.getBoundingClientRect();
+  if (!width) return;
+  const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
+  const [left, right] = [2.2 * rem, width - 2.2 * rem];
+  const part = clamped(now.z2 / (now.z1 + now.z2), [0.14, 0.86]);
+  const x = left + part * (right - left);
+  const [top, bottom] = [0.5 * rem, height - 1.9 * rem];
+  const tile = (bottom - top) / now.scene.view;
+  const y = (tiles) => clamped((top + bottom) / 2 - tile * tiles, [top, bottom]);
+  const eye = [left, y(now.E[1])], object = [right, y(now.L[1])];
+  const half = (tile * now.scene.aperture) / 2, middle = (top + bottom) / 2;
+  const parts = [];
+  if (finite(now.place)) parts.push(curve("ray", [object, [x, y(now.place[1])], eye]));
+  const panes = { none: [], single: [0], detailed: [-3, 3], ideal: [0] }[now.sheet];
+  parts.push(line("frame", [x, middle - half], [x, middle + half]));
+  for (const aside of panes) {
+    parts.push(svg("rect", { class: `pane ${now.sheet}`, x: x + aside - 2, y: middle - half, width: 4, height: 2 * half }));
+  }
+  parts.push(...eyeShape(eye, rem), ...objectShape(object, rem));
+  parts.push(...dimension("q q-z2", left, x, height - 0.9 * rem, "z₂", rem), ...dimension("q q-z1", x, right, height - 0.9 * rem, "z₁", rem));
+  sketch.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  sketch.replaceChildren(...parts);
+  sketch.setAttribute("aria-label", `From the side: the eye E, the sheets ${brief(now.z2)} tiles behind it, the object L ${brief(now.z1)} tiles behind the sheets.`);
+}
+
+function dimension(kind, from, to, y, name, rem) {
+  const room = to - from > 3 * rem;
+  const parts = [line(kind, [from + 1, y], [to - 1, y])];
+  if (room) parts.push(arrowhead(`head ${kind}`, [from + 1, y], Math.PI, 0.55 * rem), arrowhead(`head ${kind}`, [to - 1, y], 0, 0.55 * rem));
+  return [...parts, words(kind, [(from + to) / 2, y - 0.05 * rem], name)];
+}
+
+function eyeShape([x, y], rem) {
+  const [wide, high] = [0.95 * rem, 0.75 * rem];
+  const d = `M${x - wide} ${y}Q${x} ${y - high} ${x + wide} ${y}Q${x} ${y + high} ${x - wide} ${y}Z`;
+  return [svg("path", { class: "eye q q-E", d }), svg("circle", { class: "pupil q q-E", cx: x + 0.3 * rem, cy: y, r: 0.27 * rem }),
+    words("point q q-E", [x, y - 1.05 * rem < 0.6 * rem ? y + 1.15 * rem : y - 1.05 * rem], "E")];
+}
+
+function objectShape([x, y], rem) {
+  const name = words("point q q-L", [x + 1.3 * rem, y], "L");
+  if (state.scene === "spheres") return [svg("circle", { class: "object q q-L", cx: x, cy: y, r: 0.55 * rem }), name];
+  const at = (dx, dy) => `${x + dx * rem} ${y - dy * rem}`;
+  const d = `M${at(-0.6, 0)}L${at(0.6, 0)}L${at(0.22, 0.9)}L${at(-0.22, 0.9)}Z`;
+  return [svg("path", { class: "object q q-L", d }), svg("circle", { class: "object q q-L", cx: x, cy: y - 1.2 * rem, r: 0.42 * rem }), name];
+}

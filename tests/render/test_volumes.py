@@ -1,0 +1,77 @@
+"""Chess pieces as distance fields, which POV-Ray measures."""
+
+import base64
+import zlib
+
+import numpy as np
+import pytest
+
+from povgen import InputError
+from povgen.rendering import povray, volumes
+from povgen.scene.pieces import PIECES, PieceFile
+from povgen.scene.sdl import to_crossings
+
+
+def stored(volume):
+    """Return the stored distances, in voxels, as templates/live/volume.js decodes them: (x, y, z)."""
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(volume.data)), np.uint8).reshape(volumes.GRID[::-1])
+    return ((np.cumsum(steps, axis=0, dtype=np.uint8).astype(float) - 128) / 127 * volume.most).transpose(2, 1, 0)
+
+
+def points(volume):
+    """Return the grid's points, tiles: (x, y, z, 3)."""
+    return np.array(volume.place[:3]) + volume.place[3] * np.moveaxis(np.indices(volumes.GRID), 0, -1)
+
+
+def own(text):
+    return volumes.volume(PieceFile("own.inc", f"#declare Piece = {text}\n"))
+
+
+def test_a_sphere_has_its_distance():
+    made = own("sphere { 0.4*y, 0.4 }")
+    exact = (np.linalg.norm(points(made) - (0, 0.4, 0), axis=-1) - 0.4) / made.place[3]
+    near = abs(exact) < 0.5
+    assert near.sum() > 10000
+    assert abs(stored(made) - exact)[near].max() < 0.02  # of a voxel: the surface is curved
+
+
+def test_hollows_and_hidden_surfaces():
+    """A slit is outside, though only along one axis it can be seen; parts that overlap have no surface between them."""
+    made = own(
+        "union { difference { box { <-0.4, 0, -0.4>, <0.4, 0.8, 0.4> } box { <-0.5, 0.3, -0.05>, <0.5, 0.5, 0.05> } }"
+        " cylinder { 0, 1.2*y, 0.2 open } }"
+    )
+    distance, place = stored(made), points(made)
+
+    def at(*point):
+        return distance[np.unravel_index(np.linalg.norm(place - point, axis=-1).argmin(), volumes.GRID)]
+
+    assert at(0.3, 0.4, 0) > 0  # in the slit
+    assert at(0, 0.6, 0) < -1.9 and at(0.2, 0.6, 0) < -1.9  # the cylinder's side is hidden in the box
+    assert at(0.3, 0.4, 0.1) < -1.9
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_pieces_are_solid(piece):
+    """A piece's field has no single points that differ from all around them, as missed surfaces would leave."""
+    inside = stored(volumes.volume(piece)) < 0
+    assert 20000 < inside.sum() < 200000
+    around = np.zeros(inside.shape, int)
+    for axis in range(3):
+        around += np.roll(inside, 1, axis).astype(int) + np.roll(inside, -1, axis)
+    assert (inside & (around == 0)).sum() + (~inside & (around == 6)).sum() == 0
+
+
+def test_a_field_is_kept_in_the_cache(monkeypatch):
+    made = own("sphere { 0.3*y, 0.3 }")
+    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("POV-Ray ran again"))
+    assert own("sphere { 0.3*y, 0.3 }") == made
+
+
+def test_an_empty_piece_is_refused():
+    with pytest.raises(InputError, match="'own.inc': empty within 0.5 tiles"):
+        own("sphere { 3*x, 0.3 }")
+
+
+def test_the_probe_says_what_it_is():
+    assert "a piece from 'own.inc'" in to_crossings(PieceFile("own.inc", "sphere"), volumes.GRID, 0.5, "x").lower()

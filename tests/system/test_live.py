@@ -1,0 +1,308 @@
+"""The live view in a real Chromium, drawn without a GPU. Where WebGL 2 does not work, these tests fail."""
+
+import numpy as np
+import pytest
+from conftest import refused
+
+import povgen
+from povgen import Chess, InputError, Spheres
+from povgen.measure import live
+from povgen.measure.browser import View, chromium
+from povgen.measure.probes import Directions
+from povgen.scene import live as given
+from povgen.scene.models import SCENES
+
+pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
+SIZE = (160, 120)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def prisms(browser):
+    return View(browser, Directions(sheet="detailed"))
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """The page of a chess scene, as a user opens it."""
+    return povgen.live(Chess(sheet="ideal")).save(tmp_path_factory.mktemp("live") / "a view #1.html")
+
+
+@pytest.fixture
+def page(browser, file):
+    """The opened page. The test fails if the page has an error, or asks for anything but itself."""
+    faults, requests = [], []
+    opened = browser.new_page(viewport={"width": 160, "height": 120})
+    opened.on("console", lambda message: faults.append(message.text))
+    opened.on("pageerror", lambda error: faults.append(str(error)))
+    opened.on("request", lambda request: requests.append(request.url))
+    opened.goto(file.as_uri())
+    opened.evaluate("view.ready")
+    yield opened
+    assert not faults and requests == [file.as_uri()]
+    opened.close()
+
+
+# ---- Accuracy: the checks of `povgen verify --live` at reduced size ----
+
+
+def test_directions_agree_with_the_ray_trace(prisms):
+    figures = list(live.directions(prisms, live.WINDOWS, SIZE))
+    assert len(figures) == 2 and all(figure.holds for figure in figures), figures
+
+
+def test_directions_disagree_with_another_glass(prisms, monkeypatch):
+    """The check can fail: the shader's index is wrong by a thousandth."""
+    right = given.values
+    monkeypatch.setattr(given, "values", lambda scene: right(scene) | {"index": 1.0015 * scene.index, "alpha": 66.1})
+    assert not any(figure.holds for figure in live.directions(prisms, ({},), SIZE))
+
+
+def test_positions_agree_with_eq_7(browser):
+    (figure,) = live.positions(View(browser, Directions(sheet="ideal")), 6, (320, 240))
+    assert figure.holds, figure
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
+        Spheres(sheet="ideal", eye=(0.2, 0.1)),
+        Chess(sheet="detailed", alpha=50),
+    ],
+    ids=lambda scene: scene.sheet,
+)
+def test_pictures_agree_with_povray(browser, monkeypatch, scene):
+    monkeypatch.setattr(live, "SMALL", (320, 240))
+    monkeypatch.setattr(live, "PICTURE", SIZE)
+    monkeypatch.setattr(live, "CONVERGED", "1,0.001,6")
+    figures = list(live.pictures(browser, scene.sheet, (scene,)))
+    assert len(figures) == 2 and all(figure.holds for figure in figures), figures
+
+
+def test_a_piece_of_ones_own(browser, tmp_path):
+    file = tmp_path / "ball.inc"
+    file.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
+    scene = Chess(piece=str(file), sheet="none")
+    view = View(browser, scene)
+    # the ball, and no sky: 3 is OBJECT in objects.glsl
+    shown = view.readout(SIZE)["path"][..., 0] == 3
+    y, x = np.argwhere(shown).mean(0)
+    across = 0.8 / 8 * 6 / scene.view * SIZE[1]  # seen from 6 tiles before the sheets, 2 behind them
+    assert shown.sum() == pytest.approx(np.pi / 4 * across**2, rel=0.08)
+    assert x == pytest.approx(SIZE[0] / 2 - 0.5, abs=0.3)
+    view.page.close()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_what_the_script_derives(prisms, scene):
+    """The script's prisms, frame and spheres are povgen's."""
+    for values in (
+        {},
+        {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
+        {"sheet": "single", "aspect": 1.2, "z2": 1},
+        {"prisms": 3000, "aperture": 1, "z2": 150},
+    ):
+        made = SCENES[scene](**{"z2": 12, **values})
+        names = ("prism", "tile", "depth", "distances", "spheres", "pieces")
+        script = "([names, scene]) => names.map((name) => geometry[name](scene))"
+        prism, tile, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, given.values(made)])
+        for name in ("pitch", "height", "length", "separation", "slab_shift"):
+            assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
+        assert tile == made.tile
+        assert depth == pytest.approx(made.depth, rel=1e-12)
+        assert distances == pytest.approx(made.distances, rel=1e-12)
+        if scene == "spheres":
+            assert [s["radius"] for s in spheres] == pytest.approx(
+                [made.radius(z1) for z1 in made.distances], rel=1e-12
+            )
+        else:
+            assert [complex(*p["foot"][:2]) for p in pieces] == pytest.approx([L for L, _ in made.objects], rel=1e-12)
+
+
+# ---- The page ----
+
+
+def canvas(page):
+    """Return the canvas's pixels, as the user sees them."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    with Image.open(BytesIO(page.locator("canvas").screenshot())) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def at_rest(page):
+    page.wait_for_function("view.converged()", timeout=240_000)
+    page.wait_for_function("!view.pending && !view.asked", timeout=60_000)
+
+
+def test_the_page_shows_the_scene_and_follows_it(page):
+    at_rest(page)
+    before = canvas(page)
+    shown = page.evaluate("([w, h]) => { const l = view.light(w, h, 64); return [...l.slice(0, 4)]; }", list(SIZE))
+    assert before.std() > 30 and shown[3] == 64
+    page.evaluate("view.set({ alpha: -66 })")
+    assert not page.evaluate("view.converged()")
+    at_rest(page)
+    after = canvas(page)
+    changed = abs(after - before).max(-1) > 30
+    height, width = changed.shape
+    assert changed[height // 4 : height // 2, width // 3 : -width // 3].mean() > 0.3  # in the window
+    assert changed[:, : width // 8].mean() < 0.01  # beside it
+    page.evaluate("view.set({ sheet: 'detailed', prisms: 40 })")
+    page.evaluate("view.set({ sheet: 'ideal', alpha: 66 })")
+    at_rest(page)
+    assert abs(canvas(page) - before).max() <= 1  # nothing of the way is left
+
+
+def test_a_transparent_background_shows_the_page(page):
+    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("view.set({ background: 'white', sheet: 'none' })")
+    at_rest(page)
+    before = canvas(page)
+    page.evaluate("view.set({ background: 'transparent' })")
+    at_rest(page)
+    after = canvas(page)
+    shows_page = abs(after - (0x15, 0x18, 0x1C)).max(-1) <= 1  # the page's own colour
+    white = before.min(-1) == 255
+    assert 0.2 < shows_page.mean() < 0.6 and white[shows_page].all()
+    assert shows_page[white].mean() > 0.9  # highlights are white, too
+    assert abs(after - before)[~white].max() <= 1
+
+
+def test_the_canvas_has_the_displays_pixels(browser, file):
+    context = browser.new_context(viewport={"width": 120, "height": 90}, device_scale_factor=2)
+    page = context.new_page()
+    page.goto(file.as_uri())
+    page.evaluate("view.ready")
+    assert page.evaluate("[view.canvas.width, view.canvas.height]") == [240, 180]
+    page.set_viewport_size({"width": 100, "height": 80})
+    page.wait_for_function("view.canvas.width === 200 && view.canvas.height === 160")
+    at_rest(page)
+    assert canvas(page).std() > 30
+    context.close()
+
+
+def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
+    """Each frame takes too long: then the next has fewer pixels, and the picture at rest is made of strips."""
+    at_rest(page)
+    before = canvas(page)
+    page.evaluate("LiveView.SLOW = LiveView.FAST = 0.001")
+    page.evaluate(
+        """() => new Promise((done) => {
+          const move = (n) => {
+            view.set({ alpha: n });
+            if (n < 106 && view.scale > 0.5) requestAnimationFrame(() => move(n + 1));
+            else done();
+          };
+          move(66);
+        })"""
+    )
+    moved = page.evaluate("view.statistics()")
+    assert moved["frames"] > 0 and moved["scale"] <= 0.5
+    page.evaluate("LiveView.RAYS = 1")
+    page.wait_for_function("view.row > 0 && view.row < view.canvas.height", polling=1)
+    page.evaluate("LiveView.RAYS = 64; view.set({ alpha: 66 })")  # while a strip is being drawn
+    at_rest(page)
+    assert abs(canvas(page) - before).max() <= 1
+
+
+def test_at_rest_nothing_is_drawn(page):
+    at_rest(page)
+    page.evaluate(
+        """() => {
+          window.drawn = 0;
+          const draw = view.gl.drawArrays.bind(view.gl);
+          view.gl.drawArrays = (...values) => { drawn += 1; draw(...values); };
+        }"""
+    )
+    page.wait_for_timeout(400)
+    assert page.evaluate("drawn") == 0
+    page.evaluate("LiveView.RAYS = 1; view.budget = 1e6; view.set({ alpha: 20 })")
+    at_rest(page)
+    assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
+
+
+def test_a_lost_context_is_said_and_comes_back(page):
+    at_rest(page)
+    before = canvas(page)
+    page.evaluate("window.loss = view.gl.getExtension('WEBGL_lose_context'); loss.loseContext()")
+    page.wait_for_function("document.getElementById('message').textContent.includes('starts again')")
+    assert not page.evaluate("view.converged()")
+    page.evaluate("view.set({ alpha: 66 })")  # does nothing, and fails not
+    page.evaluate("loss.restoreContext()")
+    page.wait_for_function("document.getElementById('message').textContent === ''")
+    at_rest(page)
+    assert abs(canvas(page) - before).max() <= 1
+
+
+def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file):
+    at_rest(page)
+    other = browser.new_page(viewport={"width": 160, "height": 120})
+    other.add_init_script(
+        """const all = WebGL2RenderingContext.prototype.getExtension;
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+          return name === "EXT_color_buffer_float" ? null : all.call(this, name);
+        };"""
+    )
+    other.goto(file.as_uri())
+    other.evaluate("view.ready")
+    at_rest(other)
+    assert other.evaluate("view.format === view.gl.RGBA16F")
+    off = abs(canvas(other) - canvas(page))
+    assert off.max() <= 6 and off.mean() < 0.5
+    other.close()
+
+
+def test_without_webgl_the_page_says_so(browser, file):
+    page = browser.new_page()
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(file.as_uri())
+    page.wait_for_function("document.getElementById('message').textContent.includes('needs WebGL 2')")
+    page.close()
+
+
+def test_bench_says_the_frames_a_second(browser, file):
+    page = browser.new_page(viewport={"width": 64, "height": 48})
+    page.goto(f"{file.as_uri()}?bench")
+    page.wait_for_function(
+        "document.getElementById('message').textContent.includes('frames a second')", timeout=120_000
+    )
+    times = page.evaluate("view.bench(3)")  # what a page that has the view in it can call
+    assert len(times) == 3 and min(times) > 0
+    page.close()
+
+
+def test_the_page_is_one_small_file(file):
+    assert file.stat().st_size < 250_000
+    text = file.read_text("utf-8")
+    assert "src=" not in text and "http" not in text.replace("http-equiv", "")
+
+
+def test_a_notebook_shows_the_view(browser):
+    """Jupyter puts `_repr_html_` into its page."""
+    page = browser.new_page()
+    page.set_content(f"<p>A notebook</p>{povgen.live(Spheres(sheet='none'), 96, 72)._repr_html_()}")
+    frame = page.frames[1]
+    frame.wait_for_function("view.gl")
+    assert frame.evaluate("[view.canvas.width, view.canvas.height]") == [96, 72]
+    at_rest(frame)
+    assert canvas(frame).std() > 10
+    page.close()
+
+
+def test_the_view_is_verified_alone(tmp_path):
+    message = refused(["verify", "--live", "--sheet", "ideal"], tmp_path)
+    assert message.strip() == "povgen: live: the live view is measured alone; allowed without --sheet and --stability"
+
+
+def test_only_scenes_are_shown():
+    with pytest.raises(InputError, match="scene = 'chess': should be a scene"):
+        povgen.live("chess")
