@@ -90,9 +90,9 @@ def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: i
     vertical, oblique = 1j, 1j * np.exp(-0.5j * alpha)  # clockwise, as the paper draws it
     once = vertical**2 * point.conj()
     twice = vertical**2 * (oblique**2 * point.conj()).conj()
-    unchanged, mirrored, turned, expected = (
-        _colours_at(picture, scene, -0.24j + 0.7 * source) for source in (point, once, twice, point * np.exp(1j * alpha))
-    )
+    sources = point, once, twice, point * np.exp(1j * alpha)
+    # the middle of the piece is at about -0.24j
+    unchanged, mirrored, turned, expected = (_colours_at(picture, scene, -0.24j + 0.7 * source) for source in sources)
     difference = np.sqrt(np.mean((turned - expected)[abs(point) < 1] ** 2)) / 255
     return MirroredTwice((unchanged, mirrored, turned), (vertical, complex(oblique)), float(difference))
 
