@@ -64,7 +64,6 @@ def demo(
             "condition": limits.MAX_CONDITION,
             "correction": limits.MAX_CORRECTION,
             "prisms": limits.MAX_PRISMS,
-            "designed": limits.MIN_DESIGNED_FRACTION,
         },
     }
     save(to_html(data).encode(), page)

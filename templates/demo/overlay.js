@@ -33,7 +33,7 @@ function shrunk(text, width) {
   if (wide > width) text.style.fontSize = `${width / wide}em`;
 }
 
-const poleText = (now) => (Number.isFinite(now.M) ? `${brief(now.seen)} tiles of the ${thing()} fill the window` : `one point of the ${thing()} fills the window`);
+const poleText = (now) => (Number.isFinite(now.M) ? `${rough(now.seen)} tiles of the ${thing()} fill the window` : `one point of the ${thing()} fills the window`);
 
 const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
 

@@ -13,13 +13,6 @@ const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle)
 
 const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]);
 
-// The distance from a point to the line between two others.
-function distanceToLine(place, a, b) {
-  const [along, to] = [minus(b, a), minus(place, a)];
-  const part = (along[0] * to[0] + along[1] * to[1]) / (abs(along) ** 2 || 1);
-  return abs(minus(to, scaled(Math.min(1, Math.max(0, part)), along)));
-}
-
 // A curve through points. It is interrupted at null, and at points far outside the drawing.
 function curve(kind, points) {
   let d = "";

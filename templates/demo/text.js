@@ -14,6 +14,7 @@ function printed(text) {
 const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2));
 const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x.toExponential(2)) : "∞");
 const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
+const rough = (x) => printed(String(Number(x.toPrecision(2))));
 const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
 const quantity = (name, x) => (name === "alpha" ? `${fixed(x, 1)}°` : `${size(x)} tiles`);
 
@@ -54,7 +55,7 @@ function seen(now) {
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
   if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
-  if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${brief(now.seen)} tiles wide fills the window.`;
+  if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${rough(now.seen)} tiles wide fills the window.`;
   if (sheet === "detailed" && unsure(now)) return UNSURE;
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
