@@ -7,33 +7,39 @@ Other shifts depend on the point at which a ray enters a prism, and are zero on 
 derivation.
 
 Let light from L reach E with the slope s = (P - E)/z2, a complex number. Then L - E = A s + B conj(s), with A and B
-that depend on z1, z2, alpha and the pitch (`_depths`).
+that depend on the windows, z1, z2 and the pitch (`_depths`).
 
-Signs and units are as in `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
-refer to this plane.
+Signs and units are as in `rotation`. The plane of a window is midway between its two sheets. z2 and the apparent
+position refer to the plane of the first window, z = 0. z1 refers to the plane of the last one. `behind` are the windows
+behind the first one, as in `rotation.depth`. All windows have equal prisms.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.optics.prism import Prism
-from povgen.optics.rotation import Complexes, Floats
+from povgen.optics.rotation import Complexes, Floats, Windows, depth
 
 
-def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
+def image(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows = ()
+) -> tuple[Complexes, Complexes]:
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
-    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0, a = 1 - P of eq. 7, and b = 0.
+    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0 and one window, a = 1 - P of eq. 7,
+    and b = 0.
     At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
     so are their errors (`limits.MAX_CORRECTION`).
     """
-    A, B = _depths(z1, z2, alpha, prism)
+    A, B = _depths(z1, z2, alpha, prism, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.divide(z2, abs(A) ** 2 - abs(B) ** 2)
         return A.conj() * scale, -B * scale
 
 
-def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Floats, Floats]:
+def nu_and_M(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows = ()
+) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
     A short step d on the object appears as a d + b conj(d), with a and b from `image`. Then nu = arg(a). The
@@ -41,8 +47,9 @@ def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tu
     a pitch of 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is
     |b|. If |A| = |B|, nu is NaN and M is infinite.
     """
-    A, B = _depths(z1, z2, alpha, prism)
-    a, b = image(z1, z2, alpha, prism)
+    behind = tuple(behind)
+    A, B = _depths(z1, z2, alpha, prism, behind)
+    a, b = image(z1, z2, alpha, prism, behind)
     M = np.where(abs(A) == abs(B), np.inf, np.maximum(abs(a), abs(b)))
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 
@@ -69,10 +76,16 @@ def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
 
 
 def apparent_position(
-    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism
+    L: ArrayLike,
+    E: ArrayLike,
+    z1: ArrayLike,
+    z2: ArrayLike,
+    alpha: ArrayLike,
+    prism: Prism,
+    behind: Windows = (),
 ) -> Complexes:
     """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for real prisms."""
-    a, b = image(z1, z2, alpha, prism)
+    a, b = image(z1, z2, alpha, prism, behind)
     D = np.subtract(L, E)
     return np.add(E, a * D) + b * np.conj(D)
 
@@ -89,9 +102,21 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
         return np.add(E, np.multiply(z2, slope))
 
 
-def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
-    """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
+def _depths(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows
+) -> tuple[Complexes, Complexes]:
+    """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s.
+
+    Each window shortens the distances on its two sides by h, and adds (apart - g) exp(i a) conj(s) to L - E. Here a is
+    the sum of the angles up to this window (docs/beyond.md).
+    """
     g, apart = prism.slab_shift, prism.separation
     h = (apart + g) / 2
-    turn = np.exp(-1j * np.asarray(alpha))
-    return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
+    total = np.asarray(alpha, float)
+    B = np.exp(1j * total)
+    shortened = []
+    for d, turn in behind:
+        total = total + np.asarray(turn, float)
+        B = B + np.exp(1j * total)
+        shortened.append((np.subtract(d, 2 * h), turn))
+    return depth(np.subtract(z1, h), np.subtract(z2, h), alpha, shortened), (apart - g) * B

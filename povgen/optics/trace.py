@@ -1,13 +1,15 @@
 """Exact ray trace of Dove-prism sheets, on numpy arrays. Each ray is followed until it leaves the sheets.
 
-The coordinates are the scenes': x right, y up, z away from the eye. The sheets are centred on z = 0. Lengths are in the
-unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. Light that
-meets the window frame ends there.
+The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
+in the unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. A ray
+that meets the frame of a window from inside ends there, and so does a ray that misses the first window on its way. A
+ray that misses a later window passes beside it.
 
 Each sheet has its own coordinate system, in which its prisms' ridges lie along x. Each of its prisms has a cell, one
 pitch high: the prism and the air above it. There u is the height above the prism's base.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -48,6 +50,7 @@ class Sheet:
 
     angle: float
     centre: float
+    window: int = 0  # the window that the sheet is in; a window's sheets follow one another
 
 
 @dataclass
@@ -115,10 +118,20 @@ class _Glass:
         return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
 
 
-def pair(alpha: float, prism: Prism) -> tuple[Sheet, Sheet]:
-    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
-    aside = prism.separation / 2
-    return Sheet(alpha / 2, -aside), Sheet(0.0, aside)
+def pair(alpha: float, prism: Prism, behind: Iterable[tuple[float, float]] = ()) -> tuple[Sheet, ...]:
+    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2.
+
+    `behind` are further windows, as in `rotation.depth`: the distance from the middle of the window before, and alpha.
+    Two sheets of each follow. Raises ValueError for windows that overlap.
+    """
+    aside, z = prism.separation / 2, 0.0
+    sheets = [Sheet(alpha / 2, -aside), Sheet(0.0, aside)]
+    for window, (distance, turn) in enumerate(behind, 1):
+        if distance < prism.thickness(2):
+            raise ValueError(f"distance between windows = {distance:g}; allowed: {prism.thickness(2):g} or more")
+        z += distance
+        sheets += [Sheet(turn / 2, z - aside, window), Sheet(0.0, z + aside, window)]
+    return tuple(sheets)
 
 
 def sheets(model: str, alpha: float, prism: Prism) -> tuple[Sheet, ...]:
@@ -137,7 +150,8 @@ def trace(
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill a square window with the given side. A ray ends after `most` faces.
+    eye's side first, and fill square windows with the given side. A ray ends after `most` faces. A ray that passes
+    beside a window meets none of its faces.
     Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prism)
@@ -196,6 +210,7 @@ class _Trace:
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
         self.centre = np.array([sheet.centre for sheet in sheets])
+        self.window = np.array([sheet.window for sheet in sheets])
         self.x, self.u, self.z, self.dx, self.dy, self.dz, self.cell, self.c, self.s = np.empty((9, n))
         self.forward = rays.direction[:, 2] > 0
         self.sheet = np.where(self.forward, 0, len(sheets) - 1)
@@ -216,18 +231,26 @@ class _Trace:
         here = self.sheet[i]
         c = self.c[i] = self.cosine[here]
         s = self.s[i] = self.sine[here]
-        x, y, z = self.rays.position[i].T
         dx, dy, dz = self.rays.direction[i].T
-        surface = np.where(dz > 0, -self.glass.half, self.glass.half)
-        step = (surface + self.centre[here] - z) / dz
-        x, y = x + step * dx, y + step * dy
+        x, y, surface, outside = self.arrival(i)
         v = c * y - s * x
         self.x[i], self.z[i] = c * x + s * y, surface
         self.dx[i], self.dy[i], self.dz[i] = c * dx + s * dy, c * dy - s * dx, dz
         cell = self.cell[i] = np.floor((v - self.glass.first) / self.glass.pitch)
         self.u[i] = v - self.glass.first - cell * self.glass.pitch
-        half = self.glass.window / 2
-        return self.without_ended(i, (abs(x) > half) | (abs(y) > half), End.FRAME)
+        return self.without_ended(i, outside, End.FRAME)
+
+    def arrival(self, i: Indices) -> tuple[Floats, Floats, Floats, Booleans]:
+        """Return where rays in the scene's coordinates reach the surface of their sheet, and if this is outside it.
+
+        x and y are in the scene's coordinates, z is from the sheet's middle plane.
+        """
+        x, y, z = self.rays.position[i].T
+        dx, dy, dz = self.rays.direction[i].T
+        surface = np.where(dz > 0, -self.glass.half, self.glass.half)
+        step = (surface + self.centre[self.sheet[i]] - z) / dz
+        x, y, half = x + step * dx, y + step * dy, self.glass.window / 2
+        return x, y, surface, (abs(x) > half) | (abs(y) > half)
 
     def leave(self, i: Indices) -> None:
         """Write positions and directions in the scene's coordinates."""
@@ -264,11 +287,16 @@ class _Trace:
     def change_sheet(self, i: Indices) -> Indices:
         """Take rays that leave a sheet to the next one, if there is one. Return those that reach it."""
         self.leave(i)
-        self.sheet[i] += np.where(self.dz[i] > 0, 1, -1)
-        at = self.sheet[i]
+        onward = self.dz[i] > 0
+        before = self.sheet[i]
+        at = self.sheet[i] = before + np.where(onward, 1, -1)
         ended = (at < 0) | (at == self.sheets)
+        # Beside one window, a ray is beside all that follow: a straight line leaves the square for good.
+        other = ~ended
+        other[other] = self.window[at[other]] != self.window[before[other]]
+        ended[other] = self.arrival(i[other])[-1]
         out = i[ended]
-        self.rays.end[out] = np.where((at[ended] > 0) == self.forward[out], End.THROUGH, End.BACK)
+        self.rays.end[out] = np.where(onward[ended] == self.forward[out], End.THROUGH, End.BACK)
         return self.enter(i[~ended])
 
     def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
