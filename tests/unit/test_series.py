@@ -200,12 +200,12 @@ def test_a_ray_that_misses_a_window_passes_beside_it():
     prism = Prism(WINDOW / 30)
     start, slope = [[0, 0.02, -6]], [[0.9, 0, 6]]
     first = trace(start, slope, pair(0.0, prism), WINDOW, prism)
-    assert first.end[0] == End.THROUGH and meets(first, 2.1)[0].real > WINDOW / 2
-    beside, within = (trace(start, slope, pair(0.0, prism, [(d, 1.0), (0.7, 0.4)]), WINDOW, prism) for d in (2.5, 1.0))
+    assert first.end[0] == End.THROUGH and meets(first, 2.25)[0].real > WINDOW / 2
+    beside, within = (trace(start, slope, pair(0.0, prism, [(d, 1.0), (0.7, 0.4)]), WINDOW, prism) for d in (2.7, 1.0))
     for name in ("end", "count", "position", "direction"):
         np.testing.assert_array_equal(getattr(beside, name), getattr(first, name))
     assert not beside.designed[0] and within.count[0] > first.count[0]
-    back = trace(first.position + 3 * first.direction, -first.direction, pair(0.0, prism, [(1.0, 1.0)]), WINDOW, prism)
+    back = trace(first.position + 3 * first.direction, -first.direction, pair(0.0, prism, [(2.7, 1.0)]), WINDOW, prism)
     assert back.end[0] == End.FRAME and back.count[0] == 0  # it starts beside its first window
 
 
