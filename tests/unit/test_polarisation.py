@@ -98,6 +98,6 @@ def test_only_the_designed_path_has_a_matrix(rng):
 
 @pytest.mark.parametrize(("degrees", "reflects"), [(-53, False), (-45, True), (42, True), (50, False)])
 def test_the_range_of_the_designed_path(degrees, reflects):
-    """Light that runs down by more than 49 degrees leaves by the base. Up by more than 45, it does not meet the facet."""
+    """Down by more than 49 degrees, light leaves by the base. Up by more than 45, it does not meet the facet."""
     J = jones([0, np.tan(np.radians(degrees)), 1], [0], DEFAULT)
     assert np.isfinite(J).all() == reflects
