@@ -7,6 +7,8 @@ OPTIONS ?=
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
+GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
+  pieces))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
 # This file says that make created the environment. Only then may make remove it.
@@ -29,7 +31,7 @@ $(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" && $(VENV)/bin
 # Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
-.PHONY: movies frame demo figures readme-images test-fast test test-release test-deps lint verify chart docs bench \
+.PHONY: movies frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
   cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
@@ -59,14 +61,22 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
 	cat docs/figures/figure?.md > docs/figures/README.md
 
-readme-images: | $(READY)  ## the pictures in README.md
-	$(POVGEN) movie vary-alpha --sheet ideal --size 400x300 --antialias 1,0.1,3 --caption --overlay -o docs/alpha.gif
-	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 -o docs/prisms.png
-	$(POVGEN) frame chess --quality high --antialias 2,0.1,3 --sheet ideal -o docs/ideal.png
-	$(POVGEN) frame spheres --alpha 150 --quality high --antialias 2,0.1,3 --overlay --caption -o docs/spheres.png
-	$(POVGEN) frame chess --alpha 180 --quality high --antialias 2,0.1,3 --caption -o docs/real-image.png
-	$(POVGEN) frame chess --alpha 90 --z1 15 --quality high --antialias 2,0.1,3 --overlay --caption -o docs/far.png
-	$(POVGEN) frame chess --sheet single --quality high --antialias 2,0.1,3 --caption -o docs/single.png
+gallery: $(GALLERY)  ## the pictures of docs/gallery.md
+
+docs/gallery/rotation.gif: ARGUMENTS = movie chess --sweep alpha=0:352 --frames 45 --sheet ideal --size 400x300 --antialias 2x --caption
+docs/gallery/prisms.png: ARGUMENTS = frame chess --quality hd
+docs/gallery/prediction.png: ARGUMENTS = frame chess --quality high --predicted-image --caption
+docs/gallery/single.png: ARGUMENTS = frame chess --quality high --sheet single
+docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption
+docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption
+docs/gallery/far.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 90 --z1 15 --overlay --caption
+docs/gallery/spheres.png: ARGUMENTS = frame spheres --quality high --sheet ideal --alpha 120 --overlay --caption
+docs/gallery/pieces.png: ARGUMENTS = frame chess --size 1280x720 --antialias 3x --sheet none --aperture 7.5 --view 1.8 --eye 0,0.25 \
+  --pedestal 2 --z1 8 --piece king --piece queen --piece bishop --piece knight --piece rook --piece pawn \
+  --x -3 --x -1.8 --x -0.6 --x 0.6 --x 1.8 --x 3
+$(GALLERY): $(SOURCES) | $(READY)
+	@mkdir -p docs/gallery
+	$(POVGEN) $(ARGUMENTS) -o $@
 
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py

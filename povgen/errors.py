@@ -1,9 +1,5 @@
 """Errors that are not faults of povgen, and the text of their messages."""
 
-from typing import Any, TypeVar
-
-Model = TypeVar("Model")
-
 
 class InputError(ValueError):
     """A value that the user gave is not allowed. The message names it and says what is allowed."""
@@ -17,14 +13,6 @@ class PovrayError(RuntimeError):
 
 class TransientError(PovrayError):
     """POV-Ray was killed or took too long. Another frame, or another try, may succeed."""
-
-
-def validated(model: type[Model], values: dict[str, Any]) -> Model:
-    """Return a model made from values that a user gave; each may be text.
-
-    Raises InputError with one line about the first value that is not allowed.
-    """
-    return model(**values)
 
 
 def shown(value: object) -> str:

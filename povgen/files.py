@@ -16,15 +16,18 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, suppre
 from pathlib import Path
 
 from povgen import stopping
-from povgen.errors import InputError
+from povgen.errors import InputError, shown
 
 WORK_PREFIX = ".povgen-"  # a work folder's name begins with this
 LOCK_FILE = "lock"  # in each work folder; the process that uses the folder holds a lock on it
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
-def checked_output(path: Path, suffixes: Iterable[str]) -> Path:
+def checked_output(path: str | Path, suffixes: Iterable[str]) -> Path:
     """Return the path if a file with one of these suffixes can be written there. Raises InputError if not."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise InputError(f"output = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
+    path = Path(path)
     name = f"output = {str(path)!r}"
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")

@@ -18,23 +18,31 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    def __init__(self, /, **values: Any) -> None:  # noqa: ANN401
+    def __init__(self, /, *unnamed: object, **values: object) -> None:
+        if unnamed:
+            raise InputError(f"{shown(unnamed[0])}: a value without a name; allowed: NAME=VALUE, as in help()")
         with _errors(type(self), values):
             super().__init__(**values)
 
+    def __setattr__(self, name: str, value: object) -> None:
+        raise InputError(f"{name} = {shown(value)}: values never change; allowed: a copy, .replace({name}=...)")
+
+    def __delattr__(self, name: str) -> None:
+        raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
+
     @classmethod
-    def model_validate(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+    def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (pydantic's options)
         """Return a model made from a dictionary. Raises InputError."""
         with _errors(cls, obj if isinstance(obj, dict) else {}):
             return super().model_validate(obj, **options)
 
-    def replace(self, /, **changes: Any) -> Self:  # noqa: ANN401
+    def replace(self, /, **changes: object) -> Self:
         """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
         given = {name: getattr(self, name) for name in self.model_fields_set}
         return type(self)(**{**given, **changes})
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:  # noqa: ANN401
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         """Describe the parameters in the class's docstring and signature, for help() and editors."""
         fields = cls.model_fields
         about = []
@@ -85,8 +93,17 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
         return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
-    if fault["type"] == "missing":  # a part of the value is missing
-        message = "has too few parts"
+    match fault["type"]:  # pydantic's words for these are Python's
+        case "missing":  # a part of the value is missing
+            message = "has too few parts"
+        case "too_short":
+            message = f"should have at least {fault['ctx']['min_length']} values"
+        case "too_long":
+            message = f"should have at most {fault['ctx']['max_length']} values"
+        case "tuple_type":
+            message = "should be a list"
+        case "dict_type" | "model_type":
+            message = "should be a table"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"

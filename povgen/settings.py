@@ -6,16 +6,16 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from povgen.model import Model
 
-# Each quality's picture size and antialiasing (POV-Ray's method, threshold and depth). No other antialiasing is both
-# faster and more accurate (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states.
-# hd states frames a second instead, because players and editors expect 30.
+# Each quality's picture size and antialiasing. Through prisms, no other antialiasing is both faster and more accurate
+# (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states. hd states frames a
+# second instead, because players and editors expect 30.
 QUALITIES: dict[str, dict[str, Any]] = {
-    "draft": {"size": (320, 240), "antialias": "off", "frames": 1 / 4},
-    "standard": {"size": (480, 360), "antialias": "1,0.9,2", "frames": 1},
-    "high": {"size": (960, 720), "antialias": "1,0.1,2", "frames": 3},
-    "hd": {"size": (1920, 1080), "antialias": "1,0.1,2", "frame_rate": 30},
+    "draft": {"size": (320, 240), "antialias": None, "frames": 1 / 4},
+    "standard": {"size": (480, 360), "antialias": "1.5x", "frames": 1},
+    "high": {"size": (960, 720), "antialias": "2x", "frames": 3},
+    "hd": {"size": (1920, 1080), "antialias": "2x", "frame_rate": 30},
 }
-SAMPLING = ("quality", "size", "antialias")  # the fields of Rendering that decide POV-Ray's options
+MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 
 
@@ -32,14 +32,14 @@ def _size(value: object) -> object:
 def _antialias(value: object) -> object:
     if value == "off":
         return None
-    return value.split(",") if isinstance(value, str) else value
+    return value.split(",") if isinstance(value, str) and not value.endswith("x") else value
 
 
 Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
 
 
-class Rendering(Model):
-    """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
+class Sampling(Model):
+    """What POV-Ray's options decide. Size and antialiasing follow from the quality if they are not given."""
 
     file: ClassVar[str] = "frame.png"
     format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
@@ -55,13 +55,60 @@ class Rendering(Model):
             Annotated[float, Field(ge=0.001, lt=1)],
             Annotated[int, Field(ge=1, le=9)],
         ]
+        | Literal["1.5x", "2x", "3x", "4x"]
         | None,
         BeforeValidator(_antialias),
     ] = Field(
         QUALITIES["standard"]["antialias"],
-        description="off, or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
+        description="off; 1.5x, 2x, 3x or 4x: POV-Ray's picture is so many times as wide and as high, and povgen "
+        "averages its light; or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
         "(default: the quality's)",
     )
+
+    @model_validator(mode="after")
+    def _follow_quality(self) -> Self:
+        for name in {"size", "antialias"} - self.model_fields_set:
+            object.__setattr__(self, name, QUALITIES[self.quality][name])  # the model is frozen
+        return self
+
+    @model_validator(mode="after")
+    def _check_pixels(self) -> Self:
+        width, height = self.size
+        if self.supersampling > 1 and self.supersampling**2 * width * height > MAX_PIXELS:
+            raise ValueError(
+                f"size = {width}x{height}: too large for antialias = {self.sampling!r}; allowed: up to "
+                f"{MAX_PIXELS / self.supersampling**2 / 1e6:.3g} million pixels, or another antialias"
+            )
+        return self
+
+    @property
+    def supersampling(self) -> float:
+        """How many times as wide and as high as povgen's picture POV-Ray's is."""
+        return float(self.antialias[:-1]) if isinstance(self.antialias, str) else 1
+
+    @property
+    def sampling(self) -> str:
+        """Return the antialiasing as text, as in a command."""
+        if isinstance(self.antialias, tuple):
+            return ",".join(f"{value:g}" for value in self.antialias)
+        return self.antialias or "off"
+
+    @property
+    def picture_options(self) -> list[str]:
+        """Return POV-Ray's options for the file format, the size and the antialiasing."""
+        width, height = (round(self.supersampling * pixels) for pixels in self.size)
+        if isinstance(self.antialias, tuple):
+            method, threshold, depth = self.antialias
+            # -J: no jitter, so that the same scene gives the same pixels
+            sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
+        else:
+            sampling = ["-A"]
+        return [*self.format, f"+W{width}", f"+H{height}", *sampling]
+
+
+class Rendering(Sampling):
+    """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
+
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
         1800, description="time limit for a frame, above 0 to 1e6 seconds"
     )
@@ -80,35 +127,8 @@ class Rendering(Model):
         "with red on the left, cyan on the right) or none (one eye)",
     )
     eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles"
+        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
     )
-
-    @model_validator(mode="after")
-    def _follow_quality(self) -> Self:
-        for name in {"size", "antialias"} - self.model_fields_set:
-            object.__setattr__(self, name, QUALITIES[self.quality][name])  # the model is frozen
-        return self
-
-    @model_validator(mode="after")
-    def _check_eyes(self) -> Self:
-        if self.stereo == "none" and "eye_distance" in self.model_fields_set:
-            raise ValueError(
-                f"eye_distance = {self.eye_distance:g}: stereo = 'none' has one eye; "
-                "allowed: with stereo = 'pair' or 'anaglyph'"
-            )
-        return self
-
-    @property
-    def picture_options(self) -> list[str]:
-        """Return POV-Ray's options for the file format, the size and the antialiasing."""
-        width, height = self.size
-        if self.antialias is None:
-            sampling = ["-A"]
-        else:
-            method, threshold, depth = self.antialias
-            # -J: no jitter, so that the same scene gives the same pixels
-            sampling = [f"+AM{method}", f"+A{threshold:g}", f"+R{depth}", "-J"]
-        return [*self.format, f"+W{width}", f"+H{height}", *sampling]
 
     @property
     def annotated(self) -> bool:

@@ -85,7 +85,7 @@ def povgen(arguments, folder):
 
 def run_povgen(*arguments, cwd, status=0, **options):
     """Run the program in a folder. Check its exit status; return the completed process with its output as text."""
-    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, **options)
+    done = subprocess.run([POVGEN, *arguments], cwd=cwd, capture_output=True, text=True, timeout=200, **options)
     assert done.returncode == status, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     return done

@@ -51,7 +51,7 @@ def _sandbox() -> str:
 def _limits() -> str:
     """Return which limits POV-Ray runs under. It is no fault if one is missing, but the user should know."""
     if missing := povray.missing_protection():
-        return f"only a shell's, because setpriv and prlimit (util-linux) are missing; {'; '.join(missing)}"
+        return f"set by a shell, because setpriv and prlimit (util-linux) are missing; {'; '.join(missing)}"
     return "time, memory and size of files; POV-Ray ends when povgen ends"
 
 

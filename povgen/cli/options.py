@@ -1,20 +1,20 @@
 """Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.progress import say
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
     from povgen.measure.auto import Tolerance as AutoTolerance
+    from povgen.model import Model
     from povgen.scene.models import Scene
 
 Command = Callable[..., None]
@@ -75,13 +75,18 @@ def with_options(command: Command) -> Command:
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
     from povgen.scene.models import SCENES
-    from povgen.settings import SAMPLING, Rendering
+    from povgen.settings import Rendering, Sampling
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
+    groups: dict[str, list[type[Model]]] = {
+        "scenes": [*SCENES.values()],
+        "sampling": [Sampling],
+        "rendering": [Rendering],
+    }
     for group in models:
-        for model in SCENES.values() if group == "scenes" else [Rendering]:
-            for name in SAMPLING if group == "sampling" else model.model_fields:
-                fields.setdefault(name, []).append((getattr(model, "name", ""), model.model_fields[name]))
+        for model in groups[group]:
+            for name, field in model.model_fields.items():
+                fields.setdefault(name, []).append((getattr(model, "name", ""), field))
     return fields
 
 
@@ -129,24 +134,20 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
 
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
-    return validated(SCENES[name], values)
+    return SCENES[name](**values)
 
 
 def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Divide values into a scene's values and a rendering's values."""
+    """Divide values into a scene's values and a rendering's values. Raises InputError for a value without use."""
     from povgen.settings import Rendering
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
+    if "eye_distance" in rendering and rendering.get("stereo", "none") == "none":
+        raise InputError(
+            f"eye_distance = {rendering['eye_distance']}: one eye has no distance; allowed: with stereo = pair or "
+            "anaglyph"
+        )
     return {name: value for name, value in values.items() if name not in rendering}, rendering
-
-
-def worker_count(text: str | None) -> int | None:
-    """Return the number from --workers. Raises InputError."""
-    if text is None:
-        return None
-    if not re.fullmatch("[0-9]{1,9}", text) or not 1 <= int(text) <= 256:
-        raise InputError(f"workers = {text!r}: allowed: a whole number from 1 to 256")
-    return int(text)
 
 
 def made_folder(output: Path) -> Path:
@@ -175,9 +176,12 @@ def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolera
 def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
     """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
     from povgen.measure import auto
+    from povgen.rendering.views import views
     from povgen.settings import Rendering
 
-    choice, why = auto.choose(scenes, validated(Rendering, options), tolerance, options.get("antialias"))
+    rendering = Rendering(**options)
+    shown = [view for scene in scenes for view in views(scene, rendering)]
+    choice, why = auto.choose(shown, rendering, tolerance, options.get("antialias"))
     if not quiet:
         say(f"povgen: {why}")
     return choice.sheet, choice.antialias

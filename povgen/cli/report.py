@@ -21,12 +21,15 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
 
     if rendering:
         from povgen.rendering import surveys
-
-        for scene in scenes:
-            surveys.load(scene)
+        from povgen.rendering.views import views
     texts_by_limit: dict[str, list[str]] = {}
     for scene in scenes:
-        for limit, text in warnings(scene, rendering):
+        found: dict[str, str] = {}
+        for view in views(scene, rendering) if rendering else [scene]:
+            if rendering:
+                surveys.load(view)
+            found = dict(warnings(view, rendering)) | found
+        for limit, text in found.items():
             texts_by_limit.setdefault(limit, []).append(text)
     for texts in texts_by_limit.values():
         also = f" (in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""

@@ -126,6 +126,11 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
         save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
+def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
+    """Write flicker.csv."""
+    _save_table(folder / "flicker.csv", ("antialias", "flicker"), [(name, f"{value:.3g}") for name, value in rows])
+
+
 def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds, and of the cores' use, against workers."""
     _save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy"), rows)

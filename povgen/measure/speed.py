@@ -1,8 +1,8 @@
 """CPU seconds and errors of pictures, for every model of the sheets and every useful sampling: `povgen chart`.
 
-A sampling is the choice of rays for a pixel: POV-Ray's antialiasing, or another (SAMPLINGS). CPU seconds are what the
-operating system reports of each finished POV-Ray process. The processes run one at a time. They are measured in several
-rounds, in the same order, and the median of the rounds counts.
+A sampling is the choice of rays for a pixel, `Rendering.antialias`. CPU seconds are what the operating system reports
+of POV-Ray and of povgen, which reduces larger pictures. The POV-Ray processes run one at a time. They are measured in
+several rounds, in the same order, and the median of the rounds counts.
 A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
 the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
 0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
@@ -29,6 +29,7 @@ from povgen.measure.verify import SMALL, located, px, rms, targets
 from povgen.optics import rotation
 from povgen.rendering import parallel, povray
 from povgen.rendering.frames import read_png
+from povgen.rendering.light import linear
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.scene.spec import MovieSpec
@@ -40,15 +41,15 @@ Size = tuple[int, int]  # width and height, pixels
 
 SIZES = ((160, 120), (320, 240), (640, 480))
 MAIN_SIZE = SIZES[1]
-# POV-Ray's antialiasing METHOD,THRESHOLD,DEPTH; 'off': one ray a pixel; 'box k': render k times as many rows and
-# columns, and average k x k pixels to one.
 SAMPLINGS = (
     *("off", "1,0.9,2", "1,0.3,2", "1,0.1,2", "1,0.9,3", "1,0.3,3", "1,0.1,3", "1,0.3,4", "1,0.1,4"),
-    *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "box 2", "box 3", "box 4"),
+    *("2,0.9,1", "2,0.3,1", "2,0.9,2", "2,0.3,2", "2,0.1,2", "2,0.3,3", "2,0.1,3", "1.5x", "2x", "3x", "4x"),
 )
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
 CONVERGED = "1,0.001,9"  # 81 rays a pixel
+FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
+FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
 WORKER_COUNTS = (1, 2, 4, 8, 16)
 MOVIE: MovieSpec | str = "vary-alpha"
@@ -97,27 +98,20 @@ def baselines(folder: Path) -> dict[str, str]:
 
 
 def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
-    """Render a scene's text; return POV-Ray's CPU seconds and the picture.
+    """Render a scene's text; return the CPU seconds of POV-Ray and of povgen, and the picture.
 
-    No other child process is allowed to end during the call: its CPU seconds would be counted too.
+    No other child process is allowed to end during the call, and no other thread to work: their CPU seconds would be
+    counted too.
     """
     with temporary_folder() as folder:
-        before = getrusage(RUSAGE_CHILDREN)
+        before = _cpu()
         path = povray.run(text, rendering, folder)
-        after = getrusage(RUSAGE_CHILDREN)
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read_png(path)
+        return _cpu() - before, read_png(path)
 
 
 def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with a sampling of the form used in SAMPLINGS; return CPU seconds and the picture."""
-    if not sampling.startswith("box"):
-        return cpu_seconds(text, Rendering(size=size, antialias=sampling))
-    k = int(sampling.split()[1])
-    seconds, picture = cpu_seconds(text, Rendering(size=(k * size[0], k * size[1]), antialias="off"))
-    # average light, not gamma-encoded values
-    light = (picture / 255.0) ** 2.2
-    light = light.reshape(size[1], k, size[0], k, 3).mean((1, 3))
-    return seconds, np.round(255 * light ** (1 / 2.2)).astype(np.uint8)
+    """Render a scene's text with a sampling, as text; return CPU seconds and the picture."""
+    return cpu_seconds(text, Rendering(size=size, antialias=sampling))
 
 
 def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:
@@ -175,6 +169,25 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
                 point.flip_detailed = picture_error(point.picture, right["detailed"], detailed)[1]
         done(f"converged pictures of {size[0]}x{size[1]}")
     return points
+
+
+def measure_flicker(done: Callable[[str], object]) -> Iterator[tuple[str, float]]:
+    """Yield each sampling and the flicker of a movie in which alpha grows.
+
+    Flicker is the mean, over the window, of |change of light from a frame to the next, less the same change in
+    converged pictures|. Light is linear, 0 black to 1 white. What moves with the objects does not count.
+    """
+    texts = [to_pov(Chess(alpha=alpha + step)) for alpha in FLICKER_ANGLES for step in (0, FLICKER_STEP)]
+    window = probes.window(Chess(), MAIN_SIZE)
+
+    def changes(sampling: str) -> NDArray[np.float32]:
+        frames = np.array([linear(sample(text, sampling, MAIN_SIZE)[1][window]) for text in texts])
+        return np.asarray(frames[1::2] - frames[::2])
+
+    right = changes(CONVERGED)
+    for sampling in FLICKER_SAMPLINGS:
+        yield sampling, float(abs(changes(sampling) - right).mean())
+    done("flicker")
 
 
 def pareto_front(points: Sequence[Point], error: str) -> list[Point]:

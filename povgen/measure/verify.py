@@ -17,7 +17,6 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
-from povgen.scene.models import VIEW
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
@@ -124,11 +123,14 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
     cubic polynomial of the depth.
     """
-    inside, _ = probes.rays(scene, size)
+    inside, direction = probes.rays(scene, size)
+    if scene.sheet == "detailed":  # stray light shows other places of the piece
+        inside[inside] = probes.traced(scene, direction).designed
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
     from_eye = scene.L + x + 1j * y - scene.E
-    basis = from_eye[:, None] * depth[:, None] ** np.arange(4)
+    powers = [power for power in range(4) if (0.5 / scene.z1) ** power > 1e-3]  # far away, depth matters less
+    basis = from_eye[:, None] * depth[:, None] ** powers
     target = probes.pixels(scene, size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):
@@ -420,4 +422,4 @@ def rms(values: ArrayLike) -> float:
 
 def px(tiles: float) -> float:
     """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the default view."""
-    return float(tiles * HD[1] / VIEW)
+    return float(tiles * HD[1] / probes.VIEW)

@@ -34,8 +34,12 @@ HINT = "the folder for frames; POVGEN_CACHE names another"
 
 
 def frame_path(source: str, rendering: Rendering) -> Path:
-    """Return the file of a frame. Its key is POV-Ray's version, POV-Ray's command line and the scene's text."""
-    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), source]), ".png")
+    """Return the file of a frame.
+
+    Its key is POV-Ray's version, POV-Ray's command line, the scene's text and the size to which povgen reduces it.
+    """
+    size = "{}x{}".format(*rendering.size)
+    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), size, source]), ".png")
 
 
 def path_for(key: str, suffix: str) -> Path:

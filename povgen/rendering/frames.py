@@ -6,15 +6,16 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from io import BytesIO
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.errors import InputError, PovrayError, TransientError
+from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
+from povgen.rendering.views import views
 from povgen.scene.models import Scene
 from povgen.scene.sdl import origin_of, to_pov
 from povgen.settings import Rendering
@@ -51,7 +52,8 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
                 raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
         except PovrayError as error:
-            values = ", ".join(f"{key} = {value}" for key, value in scene.model_dump(exclude_none=True).items())
+            given = scene.model_dump(exclude_unset=True).items()
+            values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
             name, line = origin_of(scene, source, error.line) if error.line else ("", None)
             message, origin = str(error), f"from {name}, " if name else ""
             if line is not None:  # in a user's file
@@ -80,35 +82,40 @@ def render_all(
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
     runner: Runner | None = None,
-) -> Generator[bytes, None, None]:
-    """Yield the PNG file of each scene's frame, in the scenes' order. Call `done` after each.
+) -> Generator[list[bytes], None, None]:
+    """Yield each scene's frames, in the scenes' order: the PNG files of its `views`. Call `done` after each scene.
 
     `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on this machine. The runner is
     stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised, which names the
-    frames that failed. Any other error ends the rendering at once. Finished frames stay in the cache. At the end, the
-    cache is trimmed to its limit.
+    scenes that failed, as frames of a movie. Any other error ends the rendering at once. Finished frames stay in the
+    cache. At the end, the cache is trimmed to its limit.
     """
     cache.check()
     most = cache.max_bytes()
     runner = runner or povray.Runner()
     workers = workers or default_workers()
     failures = []
+    shown = [views(scene, rendering) for scene in scenes]
     try:
         with thread_pool(runner, workers) as pool:
-            finished = _finished(scenes, rendering, runner, pool, AHEAD * workers)
-            for number, (scene, (source, frame)) in enumerate(zip(scenes, finished, strict=True)):
-                try:
-                    png = frame.result()
-                    if isinstance(png, Path):  # another process may just have removed the file
-                        png = _cached(png, rendering) or _rendered(scene, rendering, source, runner)[0]
-                except TransientError as fault:
-                    failures.append(f"frame {number}: {fault}")
-                else:
+            finished = _finished(list(chain(*shown)), rendering, runner, pool, AHEAD * workers)
+            for number, group in enumerate(shown):
+                pngs, faults = [], []
+                for scene, (source, frame) in zip(group, finished, strict=False):
+                    try:
+                        png = frame.result()
+                        if isinstance(png, Path):  # another process may just have removed the file
+                            png = _cached(png, rendering) or _rendered(scene, rendering, source, runner)[0]
+                        pngs.append(png)
+                    except TransientError as fault:
+                        faults.append(f"frame {number}: {fault}")
+                failures += faults[:1]
+                if not faults:
                     done()
                     if not failures:
-                        yield png
+                        yield pngs
         if failures:
             others = f"{len(failures)} of {len(scenes)} frames failed; the other frames are kept\n"
             raise TransientError((others if len(scenes) > 1 else "") + "\n".join(failures))

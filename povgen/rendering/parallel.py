@@ -1,12 +1,14 @@
 """How many POV-Rays run at once, and the threads that wait for them."""
 
 import os
+import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
 
+from povgen.errors import InputError, shown
 from povgen.settings import Rendering
 
 # POV-Ray sleeps about 0.65 s during each frame, even if the frame costs nothing. This many keep a core busy.
@@ -28,6 +30,14 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def worker_count(value: object) -> int | None:
+    """Return the number of workers that a user gave, or None if the user gave None. Raises InputError."""
+    text = shown(value).strip("'")
+    if value is not None and not (re.fullmatch("[0-9]{1,9}", text) and 1 <= int(text) <= 256):
+        raise InputError(f"workers = {shown(value)}: allowed: a whole number from 1 to 256")
+    return None if value is None else int(text)
 
 
 def default_workers() -> int:

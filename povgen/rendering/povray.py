@@ -17,7 +17,7 @@ from pathlib import Path
 
 from povgen import stopping
 from povgen.errors import PovrayError, TransientError
-from povgen.rendering import sandbox
+from povgen.rendering import light, sandbox
 from povgen.settings import Rendering
 
 SCENE = "scene.pov"
@@ -159,17 +159,21 @@ class Runner:
         self._stopped = False
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """Render a scene's text in a work folder and return the path of the picture there.
+        """Render a scene's text in a work folder and return the path of the picture there, reduced to its size.
 
         If POV-Ray is killed or hangs, it is tried once more, because the scene is not always the reason. Raises
         PovrayError if POV-Ray is missing, refuses the scene or was stopped, and TransientError if both tries fail.
         """
         for attempt in range(1, TRIES + 1):
             try:
-                return self._run(source, rendering, folder.resolve() / str(attempt))
+                path = self._run(source, rendering, folder.resolve() / str(attempt))
             except TransientError as fault:
                 if attempt == TRIES:
                     raise TransientError(f"{fault}, {TRIES} times") from None
+            else:
+                if rendering.supersampling > 1:
+                    light.reduce_file(path, rendering.size)
+                return path
         raise AssertionError("no tries")
 
     def stop(self) -> None:
@@ -255,7 +259,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
     # POV-Ray does not report a full disk. Another failed frame may since have freed the space of one picture.
-    if shutil.disk_usage(folder).free < 2**16 + 3 * width * height:
+    if shutil.disk_usage(folder).free < 2**16 + 3 * rendering.supersampling**2 * width * height:
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")

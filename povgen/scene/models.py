@@ -4,6 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z 
 in it are complex numbers x + iy, from the window's centre: x points right and y up, as the eye sees them.
 """
 
+from collections.abc import Collection, Mapping
 from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
@@ -12,7 +13,6 @@ from pydantic import (
     BeforeValidator,
     Discriminator,
     Field,
-    PlainSerializer,
     Tag,
     model_validator,
 )
@@ -21,7 +21,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene import limits
-from povgen.scene.pieces import PIECES, PieceFile, PieceName, as_piece, radius
+from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
@@ -30,8 +30,9 @@ if TYPE_CHECKING:  # numpy is slow to load
 
 T = TypeVar("T")
 SheetModel = Literal["detailed", "ideal", "single", "none"]
-APERTURE = 2.4  # the default side of the window, tiles
-VIEW = 3.85  # the default height of the picture in the plane z = 0, tiles
+APERTURE = 3.0  # the default side of the window, tiles
+VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
+PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 Z1 = Annotated[float, Field(gt=0, le=5000)]
@@ -48,18 +49,29 @@ def as_pair(value: object) -> object:
 Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
 
 
-def _as_tuple(value: object) -> object:
-    """Accept a single value in place of a list."""
-    return (value,) if isinstance(value, (int, float, str)) else value
-
-
-def _without_list(value: object) -> object:
-    """Accept a list of a single value in place of this value."""
-    return value[0] if isinstance(value, (list, tuple)) and len(value) == 1 else value
+def _listed(value: object) -> object:
+    """Accept an array or another collection as a list, and a collection of a single value in place of this value."""
+    value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
+    if isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
+        value = list(value)
+        return value[0] if len(value) == 1 else value
+    return value
 
 
 def _kind(value: object) -> str:
     return "several" if isinstance(value, (list, tuple)) else "one"
+
+
+def _tuple(value: T | tuple[T, ...]) -> tuple[T, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _piece(value: object) -> str | PieceFile:
+    """Return a piece's name, or its file's text."""
+    piece = as_piece(value)
+    if not isinstance(piece, (str, PieceFile)):
+        raise ValueError("should be a name or a file")
+    return piece
 
 
 def _colour(value: str) -> str:
@@ -85,9 +97,9 @@ def rgb(colour: str) -> tuple[float, float, float]:
 OneOrMore = Annotated[
     Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
     Discriminator(_kind),
-    BeforeValidator(_without_list),
+    BeforeValidator(_listed),
 ]
-PieceValue = Annotated[PieceName | PieceFile, BeforeValidator(as_piece), PlainSerializer(str)]
+PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
@@ -98,7 +110,7 @@ class Scene(Model):
         66, description="ray-rotation angle alpha, -360 to 360 degrees"
     )
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
-        6, description="distance from the sheets to the eye, up to 150 tiles"
+        6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
     sheet: SheetModel = Field(
         "detailed",
@@ -119,37 +131,43 @@ class Scene(Model):
     aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
         Prism.aspect,
         description="length of a prism, in units of its length at full aperture: "
-        "below 2, and so long that the slanted facets do not cross",
+        "above a least value that depends on index and base angle, and below 2",
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
-        APERTURE, description="side of the square window, 0.5 to 10 tiles"
+        APERTURE,
+        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "
+        "with the lower edge",
     )
     view: Annotated[float, Field(ge=0.1, le=100)] = Field(
         VIEW, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
     )
     eye: Point = Field(
-        (0, 0), description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles"
+        (0, 0),
+        description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
+        "the window stay, and the window stays in the middle of the picture",
     )
-    background: Literal["scene", "transparent", "black", "white"] = Field(
-        "scene", description="what is behind the scene: scene (its own sky), transparent (PNG only), black or white"
+    background: Literal["sky", "transparent", "black", "white"] = Field(
+        "sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
     )
 
     name: ClassVar[str]
     subject: ClassVar[str]
-    rim: ClassVar[float] = 0.13  # width of the window frame's sides, tiles
+    rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
 
-    if TYPE_CHECKING:  # each scene defines the point L of its first object, projected onto z = 0, and every z1
+    if (
+        TYPE_CHECKING
+    ):  # each scene defines L of its first object, and L and z1 of every object; L is projected onto z = 0
 
         @property
         def L(self) -> complex: ...
 
         @property
-        def distances(self) -> tuple[float, ...]: ...
+        def objects(self) -> tuple[tuple[complex, float], ...]: ...
 
     @property
-    def objects(self) -> tuple[tuple[complex, float], ...]:
-        """L (projected onto z = 0) and z1 of every object, tiles."""
-        return tuple((self.L, z1) for z1 in self.distances)
+    def distances(self) -> tuple[float, ...]:
+        """z1 of every object, tiles."""
+        return tuple(z1 for _, z1 in self.objects)
 
     @property
     def E(self) -> complex:
@@ -271,29 +289,32 @@ class Scene(Model):
 
 
 class Standing(NamedTuple):
-    """A piece on the floor. Lengths are in tiles."""
+    """A piece on its pedestal. Lengths are in tiles."""
 
     piece: str | PieceFile
     x: float
     z1: float
     colour: tuple[float, float, float]  # red, green and blue (sRGB), 0 to 1
+    radius: float  # of the foot
 
 
 class Chess(Scene):
-    """Chess pieces on a chessboard floor, seen through the window (figures 3 and 4). L is the centre of a foot.
+    """Chess pieces on pedestals, seen through the window (figures 3 and 4). L is the centre of a foot.
+
+    Pedestals and window frame stand on a chessboard floor.
 
     Each of x, z1, piece and color is one value for all pieces, or a list with a value for each.
     """
 
     name: ClassVar[str] = "chess"
-    subject: ClassVar[str] = "a chess piece seen through a window of ray-rotating Dove-prism sheets"
+    subject: ClassVar[str] = "a chess scene seen through a window of ray-rotating Dove-prism sheets"
 
     z1: OneOrMore[Z1] = Field(
         2, description="distance from the sheets to the piece's axis, up to 5000 tiles; one, or one for each piece"
     )
     x: OneOrMore[Aside] = Field(
         0,
-        description="where the piece stands, to the right of the window's centre, -10 to 10 tiles; "
+        description="x of the piece, from the window's centre to the right, -10 to 10 tiles; "
         "one, or one for each piece",
     )
     piece: OneOrMore[PieceValue] = Field(
@@ -302,7 +323,13 @@ class Chess(Scene):
         "one, or one for each piece",
     )
     color: OneOrMore[Colour] = Field(
-        "#e7b56f", description="colour of the piece: a name, or a code such as #c87529; one, or one for each piece"
+        "#e7b56f",
+        description="colour of the piece's wood: a name, or a code such as #c87529; one, or one for each piece",
+    )
+    pedestal: Annotated[float, Field(ge=0, le=10)] = Field(
+        0.8,
+        description="height of the pedestals on which the pieces stand, 0 to 10 tiles; the pieces move with it; "
+        "0: they stand on the floor",
     )
     predicted_image: bool = Field(
         False, description="show also the predicted image of the piece, in the plane of the sheets"
@@ -310,13 +337,13 @@ class Chess(Scene):
 
     @property
     def pieces(self) -> tuple[Standing, ...]:
-        """Every piece that stands on the floor."""
-        values = [
-            value if isinstance(value, tuple) else (value,) for value in (self.piece, self.x, self.z1, self.color)
-        ]
+        """Every piece."""
+        values = [_tuple(value) for value in (self.piece, self.x, self.z1, self.color)]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
-        return tuple(Standing(piece, x, z1, rgb(color)) for piece, x, z1, color in zip(*shared, strict=True))
+        return tuple(
+            Standing(piece, x, z1, rgb(color), radius(piece)) for piece, x, z1, color in zip(*shared, strict=True)
+        )
 
     @property
     def L(self) -> complex:
@@ -326,17 +353,12 @@ class Chess(Scene):
     @property
     def objects(self) -> tuple[tuple[complex, float], ...]:
         """L (the centre of the foot, projected onto z = 0) and z1 of every piece, tiles."""
-        return tuple((complex(piece.x, self.floor), piece.z1) for piece in self.pieces)
+        return tuple((complex(piece.x, self.floor + self.pedestal), piece.z1) for piece in self.pieces)
 
     @property
     def floor(self) -> float:
-        """Height of the floor, on which the window frame stands, relative to the window's centre, tiles."""
+        """Height of the floor, on which window frame and pedestals stand, relative to the window's centre, tiles."""
         return -(self.aperture / 2 + self.rim)
-
-    @property
-    def distances(self) -> tuple[float, ...]:
-        """z1 of every piece, tiles."""
-        return tuple(piece.z1 for piece in self.pieces)
 
     def apparent_steps(self, z1: float) -> tuple[complex, complex]:
         """Return the predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at z1."""
@@ -354,9 +376,9 @@ class Chess(Scene):
             raise ValueError(
                 f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
             )
-        for piece, _, z1, _ in self.pieces:
+        for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
-            self._check_clear(what, z1, self.depth / 2 + radius(piece))
+            self._check_clear(what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
@@ -371,20 +393,20 @@ class Chess(Scene):
 
 
 class Spheres(Scene):
-    """Green spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
+    """Coloured spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
 
     name: ClassVar[str] = "spheres"
     subject: ClassVar[str] = (
         "spheres on a line perpendicular to ray-rotating Dove-prism sheets, seen through the sheets"
     )
 
-    z1: Annotated[tuple[Z1, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)] | None = Field(
+    z1: OneOrMore[Z1] | None = Field(
         None,
         description="distance from the sheets to a sphere, up to 5000 tiles; one for each sphere "
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
     line: Point = Field(
-        (-0.55, 0),
+        (-0.8, 0),
         description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
 
@@ -394,23 +416,23 @@ class Spheres(Scene):
         return complex(*self.line)
 
     @property
-    def distances(self) -> tuple[float, ...]:
-        """z1 of every sphere, tiles."""
-        if self.z1:
-            return self.z1
+    def objects(self) -> tuple[tuple[complex, float], ...]:
+        """L (projected onto z = 0) and z1 of every sphere, tiles."""
+        if self.z1 is not None:
+            return tuple((self.L, z1) for z1 in _tuple(self.z1))
         nearest, farthest = self.nearest, self.farthest
-        return tuple(z1 for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
+        return tuple((self.L, z1) for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
 
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
         growth: float = (z1 / self.z2) ** 0.1
-        return min(0.062 * growth * (1 + z1 / self.z2), z1 / 4)
+        return min(0.085 * growth * (1 + z1 / self.z2), z1 / 6)
 
     @property
     def nearest(self) -> float:
         """The least z1 at which a sphere does not touch the window frame, tiles."""
         z1 = back = self.depth / 2
-        for _ in range(30):  # converges, because a radius is at most a quarter of z1
+        for _ in range(30):  # converges, because a radius is at most a sixth of z1
             z1 = back + self.radius(z1)
         return z1
 

@@ -121,7 +121,7 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence."""
     glass = scene.sheet in ("detailed", "single")
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
-        eye = f" and the eye at {scene.E:g}" if scene.E else ""
+        eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
         unusual = (f", {name} = {x:g}" for name, x in shape.items() if x != type(scene).model_fields[name].default)
         text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"

@@ -1,7 +1,7 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
@@ -9,10 +9,11 @@ from typing import Annotated, Any, Literal, Self, get_args, get_origin
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from povgen.errors import InputError, shown, validated
+from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, as_pair
-from povgen.settings import QUALITIES
+from povgen.scene.pieces import from_folder
+from povgen.settings import QUALITIES, Sampling
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
@@ -23,7 +24,7 @@ FRAMES = 61  # of a movie that does not state it
 
 def _number_or_pair(value: object) -> object:
     """Accept text such as 'X,Y', and a complex number."""
-    return as_pair(value) if isinstance(value, complex) or "," in str(value) else value
+    return as_pair(value) if isinstance(value, complex) or (isinstance(value, str) and "," in value) else value
 
 
 Value = Annotated[float | tuple[float, float], BeforeValidator(_number_or_pair)]
@@ -50,7 +51,7 @@ class Sweep(Model):
             raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear, :log or :cosine")
         parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
         try:
-            return validated(cls, {"parameter": name, **parts})
+            return cls(parameter=name.replace("-", "_"), **parts)
         except InputError as error:
             raise InputError(f"sweep = {shown(text)}: {error}") from None
 
@@ -80,8 +81,10 @@ class Sweep(Model):
     @property
     def ends(self) -> tuple[Value, Value]:
         """The first and the last value."""
-        ends = self.values or (self.start, self.stop)
-        return ends[0], ends[-1]  # type: ignore[return-value]  # neither is None, by _check_range
+        if self.values:
+            return self.values[0], self.values[-1]
+        assert self.start is not None and self.stop is not None  # by _check_range
+        return self.start, self.stop
 
     def in_frames(self, count: int) -> list[Value]:
         """Return the parameter's value in each of `count` frames."""
@@ -114,23 +117,25 @@ class MovieSpec(Model):
     loop: bool = Field(False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
-        description="the swept parameters, a [[sweep]] table for each"
+        description="the swept parameters; for each a table [[sweep]], with two brackets"
     )
 
     @model_validator(mode="after")
     def _check_sweeps(self) -> Self:
         numbers = swept_numbers(SCENES[self.scene])
         names = [sweep.parameter for sweep in self.sweep]
+        for name in self.fixed.keys() - SCENES[self.scene].model_fields:
+            raise ValueError(f"{shown(name)}: unknown; allowed: {', '.join(SCENES[self.scene].model_fields)}")
         for sweep in self.sweep:
             name = sweep.parameter
             if name not in numbers:
-                raise ValueError(f"[[sweep]] parameter = {shown(name)}: allowed: {', '.join(numbers)}")
+                raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {', '.join(numbers)}")
             if names.count(name) > 1:
-                raise ValueError(f"[[sweep]] parameter = {shown(name)}: more than once; allowed: once")
+                raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
             for value in sweep.values or sweep.ends:
                 if np.size(value) != numbers[name]:
                     kind = "a number" if numbers[name] == 1 else "a pair [X, Y]"
-                    raise ValueError(f"[[sweep]] {name} = {shown(value)}: allowed: {kind}")
+                    raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
         counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
             text = " and ".join(map(str, sorted(filter(None, counts))))
@@ -138,11 +143,14 @@ class MovieSpec(Model):
         return self
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
+    def load(cls, path: str | Path, fixed: Mapping[str, Any] = {}) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
+        A piece's file is sought from the folder of the TOML file. The values in `fixed` replace the file's.
         Raises InputError, which names the file, the key, the value and what is allowed.
         """
+        if not isinstance(path, (str, Path)):
+            raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
         stdin = str(path) == "-"
         name = "standard input" if stdin else str(path) or "''"
         file = Path(path)
@@ -158,11 +166,14 @@ class MovieSpec(Model):
             own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
             reason = "not UTF-8" if isinstance(error, UnicodeError) else getattr(error, "strerror", error)
             raise InputError(f"{name}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
-        return cls.parse(text, name)
+        return cls.parse(text, name, "" if stdin else file.parent, fixed)
 
     @classmethod
-    def parse(cls, text: str, name: str) -> Self:
-        """Read a movie spec from TOML text. Raises InputError, whose message begins with the name."""
+    def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, Any] = {}) -> Self:
+        """Read a movie spec from TOML text. Raises InputError, whose message begins with the name.
+
+        A piece's file is sought from the folder. The values in `fixed` replace those of the text.
+        """
         try:
             values = tomllib.loads(text)
         except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
@@ -171,11 +182,11 @@ class MovieSpec(Model):
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
-            spec = validated(cls, values)
-            spec.scenes("standard")
+            spec = cls(**values)
+            own = {x: from_folder(value, folder) if x == "piece" else value for x, value in spec.fixed.items()}
+            return spec.replace(fixed=own).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
-        return spec
 
     @classmethod
     def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, Any]) -> Self:
@@ -183,9 +194,9 @@ class MovieSpec(Model):
         sweeps = [Sweep.parse(text) for text in texts]
         parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
         title = f"{scene}, {', '.join(parts)}"[:200]
-        return validated(cls, {"title": title, "scene": scene, "sweep": sweeps, **values})
+        return cls(title=title, scene=scene, sweep=sweeps, **values)
 
-    def with_fixed(self, values: dict[str, Any]) -> Self:
+    def with_fixed(self, values: Mapping[str, Any]) -> Self:
         """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
         spec = self.model_copy(update={"fixed": {**self.fixed, **values}})
         scene = spec.scenes("standard")[0]
@@ -195,9 +206,8 @@ class MovieSpec(Model):
         """Return the scene of every frame. Raises InputError if one of them is not allowed."""
         for sweep in self.sweep:
             if (name := sweep.parameter) in self.fixed:
-                fixed = shown(self.fixed[name])
                 raise InputError(
-                    f"{name} = {fixed}: also a swept parameter; allowed: in fixed or in [[sweep]], not in both"
+                    f"{name} = {shown(self.fixed[name])}: also swept; allowed: one value or a sweep, not both"
                 )
         count = self._frames_there(quality)
         if count > 3 * MAX_FRAMES:
@@ -216,22 +226,22 @@ class MovieSpec(Model):
         # prisms are counted
         swept = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in swept.items()}
         try:
-            return validated(model, {**self.fixed, **swept})
+            return model(**{**self.fixed, **swept})
         except InputError as error:
             try:
-                validated(model, self.fixed)
+                model(**self.fixed)
             except InputError as own:
                 if str(own) == str(error):
                     raise
-            where = ", ".join(f"{name} = {_text(value)}" for name, value in swept.items())
-            raise InputError(f"[[sweep]] frame {n} of {count}, {where}: {error}") from None
+            values = [f", {x} = {_text(value)}" for x, value in swept.items() if not str(error).startswith(f"{x} = ")]
+            raise InputError(f"frame {n} of {count}{''.join(values)}: {error}") from None
 
     def _frames_there(self, quality: str) -> int:
         """Return the number of frames from start to stop."""
         for sweep in self.sweep:
             if sweep.values:
                 return len(sweep.values)
-        preset, steps = QUALITIES[quality], (self.frames or FRAMES) - 1
+        preset, steps = QUALITIES[Sampling(quality=quality).quality], (self.frames or FRAMES) - 1
         more: float = preset["frame_rate"] / self.frame_rate if "frame_rate" in preset else preset["frames"]
         return max(round(steps * more), 1) + 1
 
@@ -260,10 +270,11 @@ def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
     """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
     if kind in (int, float):
         return 1
-    parts = [part for part in get_args(kind) if part not in (..., NoneType)]
-    if get_origin(kind) is Annotated:
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated:
         return _numbers(parts[0])
-    return sum(map(_numbers, parts)) if get_origin(kind) is not Literal else 0
+    counts = [_numbers(part) for part in parts if part not in (..., NoneType)] if origin is not Literal else [0]
+    return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
 
 
 def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
@@ -274,6 +285,6 @@ def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
 def _sweep(table: dict[str, Any]) -> Sweep:
     """Return the sweep of a TOML table. The message of an InputError begins with the table's name."""
     try:
-        return validated(Sweep, table)
+        return Sweep(**table)
     except InputError as error:
         raise InputError(f"[[sweep]] {error}") from None

@@ -186,7 +186,15 @@ class SpheresAgreement:
 def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
     """Locate a coded square that replaces each sphere. Scenes with alpha = 0 are left out, because of moire."""
     targets = [
-        Positions(sheet="detailed", alpha=scene.alpha, z1=z1, L=scene.L, extent=0.15 * (1 + z1 / scene.z2))
+        Positions(
+            sheet="detailed",
+            alpha=scene.alpha,
+            z1=z1,
+            L=scene.L,
+            extent=0.15 * (1 + z1 / scene.z2),
+            aperture=scene.aperture,
+            view=scene.view,
+        )  # fmt: skip
         for scene in scenes
         for z1 in scene.distances
         if scene.alpha

@@ -100,7 +100,7 @@ def mirroring(rendering: Rendering) -> Drawn:
     """Draw figure 2: mirroring a picture about the vertical, then about an axis at alpha/2, rotates it by alpha."""
     alpha = radians(32)
     scene = Chess(sheet="none", z1=2.2, eye=(0, -0.58))
-    picture = read_png(next(render_all([scene], rendering)))
+    picture = read_png(next(render_all([scene], rendering))[0])
     made = agreement.mirror_twice(picture, scene, alpha, rendering.size[1] // 2)
 
     figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
@@ -153,10 +153,11 @@ def spheres(rendering: Rendering) -> Drawn:
     figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
     for ax, scene in zip(panels, scenes, strict=True):
         for line in overlay.loci(scene)[0][0]:
-            ax.plot(*xy(line), color="white", linewidth=1.8)
-            ax.plot(*xy(line), color="black", linewidth=0.9)
+            ax.plot(*xy(line), color="black", linewidth=0.7)
         places = np.array(overlay.positions(scene))
-        ax.plot(*xy(places), "o", markersize=4, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.7)
+        ax.plot(
+            *xy(places), "o", markersize=2.2, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.5
+        )
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
 
 
@@ -177,7 +178,7 @@ def _montage(
     figure = Figure(figsize=(WIDTH, 5.05))
     layout = {"left": 0.005, "right": 0.995, "top": 0.945, "bottom": 0.005, "hspace": 0.13, "wspace": 0.03}
     panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
-    for ax, scene, frame, title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
+    for ax, scene, (frame,), title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
         picture = read_png(frame)
         high = scene.view / 2
         wide = high * picture.shape[1] / picture.shape[0]

@@ -9,9 +9,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.files import checked_folder, checked_output, save, work_folder
 from povgen.rendering.frames import render_all
+from povgen.rendering.parallel import worker_count
 from povgen.scene import limits
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_html
@@ -46,11 +47,12 @@ def demo(
     after its frames. The frames of an earlier page are then removed, unless the user changed them or the new page
     shows them. All other files in the folder stay.
     """
-    rendering = one_eyed(validated(Rendering, options))
+    rendering = one_eyed(Rendering(**options))
     loaded = [spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec) for spec in specs]
     movies = [scenes(spec, rendering.quality) for spec in loaded]
     if not movies:
         raise InputError("no movies; allowed: one or more")
+    workers = worker_count(workers)
     page, frames = checked_page(Path(folder))
     shown = [_movie_data(spec, movie, rendering) for spec, movie in zip(loaded, movies, strict=True)]
     wanted = [
@@ -61,8 +63,8 @@ def demo(
     ]
     rendered = render_all([scene for _, scene, _ in wanted], rendering, workers, done)
     with work_folder(frames) as made, closing(rendered):
-        for (name, scene, frame_data), frame in zip(wanted, rendered, strict=True):
-            data = encode.webp(picture([frame], scene, rendering))
+        for (name, scene, frame_data), views in zip(wanted, rendered, strict=True):
+            data = encode.webp(picture(views, scene, rendering))
             file = f"{name}-{_digest(data)}.webp"
             (made / file).write_bytes(data)
             frame_data["file"] = f"{frames.name}/{file}"
@@ -110,7 +112,7 @@ def scenes(spec: MovieSpec, quality: str) -> dict[str, list[Scene]]:
         if any(len({L for L, _ in scene.objects}) > 1 for frames in movies.values() for scene in frames):
             raise InputError("x: several values, but the page shows objects on one line; allowed: one value")
         if any(scene.background == "transparent" for frames in movies.values() for scene in frames):
-            raise InputError("background = 'transparent': allowed on the page: 'scene', 'black' or 'white'")
+            raise InputError("background = 'transparent': allowed on the page: 'sky', 'black' or 'white'")
         return movies
     except InputError as error:
         raise InputError(f"{spec.title!r}: {error}") from None

@@ -4,7 +4,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from itertools import chain, cycle, islice
+from html import escape
 from pathlib import Path
 
 from pydantic import Field
@@ -16,12 +16,13 @@ from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.frames import render_all
+from povgen.rendering.parallel import worker_count
+from povgen.rendering.views import views
 from povgen.scene.models import Scene, checked_scene
 from povgen.scene.spec import FrameRate, MovieSpec
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.still import picture
-from povgen.video.views import views
 
 
 class _FrameRate(Model):
@@ -39,7 +40,10 @@ class Movie:
 
     def _repr_html_(self) -> str:
         """Return HTML that holds the movie itself, so that a saved notebook plays it as well."""
-        kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+        try:
+            kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+        except OSError as error:
+            return f"<p>{escape(str(self.path))}: {error.strerror}</p>"
         if kind == "gif":
             return f'<img src="data:image/gif;base64,{data}">'
         return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
@@ -65,13 +69,13 @@ def movie(
     fails.
     """
     rendering = Rendering(**options)
-    output = Path(output)
+    workers = worker_count(workers)
     if isinstance(spec, (list, tuple)):
         rate = _FrameRate(**{} if frame_rate is None else {"frame_rate": frame_rate}).frame_rate
         scenes = [checked_scene(scene) for scene in spec]
         if not scenes:
             raise InputError("no scenes; allowed: one or more")
-        title, comment = output.stem, f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
+        title, comment = "", f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
     elif isinstance(spec, (MovieSpec, str, Path)):
         spec = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
         spec = spec if frame_rate is None else spec.replace(frame_rate=frame_rate)
@@ -79,19 +83,17 @@ def movie(
         title, comment = spec.title, spec.model_dump_json(exclude_none=True)
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
-    shown_views = movie_views(scenes, rendering)
-    each = cycle([False] * (len(shown_views[0]) - 1) + [True])  # whether all views of a frame are finished
+    check_views(scenes, rendering)
     output = _checked_output(output, len(scenes), rate)
     eyes = (
         ""
         if rendering.stereo == "none"
         else f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
     )
-    sampling = "off" if rendering.antialias is None else ",".join(f"{x:g}" for x in rendering.antialias)
     tags = {
-        "title": title,
+        "title": title or output.stem,
         "comment": comment,
-        "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {sampling}{eyes}",
+        "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
     }
     target = output.resolve()
     with ExitStack() as opened:
@@ -102,24 +104,22 @@ def movie(
             cluster = opened.enter_context(Cluster(scheduler))
             workers = workers or cluster.frames
         done = opened.enter_context(bar(output.name, len(scenes), not progress))
-        frames = render_all(list(chain(*shown_views)), rendering, workers, lambda: next(each) and done(), cluster)
+        frames = render_all(scenes, rendering, workers, done, cluster)
         folder = opened.enter_context(cache.work_folder())  # counts towards the cache's size if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
-        groups = (list(islice(frames, len(shown_views[0]))) for _ in scenes)
-        pictures = (picture(group, scene, rendering) for group, scene in zip(groups, scenes, strict=True))
+        pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
         encode.encode(pictures, part, rate, tags)
         save(part, target)
-    return Movie(output)
+    return Movie(target)
 
 
-def movie_views(scenes: Sequence[Scene], rendering: Rendering) -> list[list[Scene]]:
-    """Return the `views` of each frame. Raises InputError if a movie cannot show them."""
+def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
+    """Raise InputError if a movie cannot show the scenes' `views`."""
     if any(scene.background == "transparent" for scene in scenes):
-        raise InputError(
-            "background = 'transparent': a movie has no transparency; allowed: 'scene', 'black' or 'white'"
-        )
-    return [views(scene, rendering) for scene in scenes]
+        raise InputError("background = 'transparent': a movie has no transparency; allowed: 'sky', 'black' or 'white'")
+    for scene in scenes:
+        views(scene, rendering)
 
 
 def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
@@ -127,7 +127,8 @@ def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
     return _checked_output(output, spec.count(quality), spec.rate(quality))
 
 
-def _checked_output(output: Path, frames: int, rate: float) -> Path:
+def _checked_output(output: str | Path, frames: int, rate: float) -> Path:
+    output = checked_output(output, encode.FORMATS)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
-    return checked_output(output, encode.FORMATS)
+    return output

@@ -25,6 +25,7 @@ FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 # Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
 # written once, with the sum of their durations. If all are equal, this sum is the whole movie.
 LONGEST_GIF = 655.35
+LONGEST_TAG = 4000  # characters; an argument of ffmpeg has at most 128 KiB
 # A keyframe every 6 frames lets players seek to any frame at once.
 FORMATS = {
     ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
@@ -36,12 +37,18 @@ FORMATS = {
 def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tags: dict[str, str]) -> None:
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, at `rate` frames a second.
 
-    Raises OSError if the file is incomplete.
+    Tags longer than LONGEST_TAG are cut. Raises OSError if the file is incomplete.
     """
+    tags = {key: f"{x[:LONGEST_TAG]}..." if len(x) > LONGEST_TAG else x for key, x in tags.items()}
     if output.suffix == ".gif":
         pictures = list(pictures)
         durations, comment = gif_durations(len(pictures), rate), " ".join(tags.values()).encode()
-        options: dict[str, Any] = {"extension": ".gif", "duration": durations, "loop": 0, "comment": comment}
+        options: dict[str, Any] = {
+            "extension": ".gif",
+            "duration": durations if len(durations) > 1 else durations[0],
+            "loop": 0,
+            "comment": comment,
+        }
         output.write_bytes(iio.imwrite("<bytes>", pictures, plugin="pillow", **options))
         return
     codec, settings = FORMATS[output.suffix]

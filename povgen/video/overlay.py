@@ -1,8 +1,10 @@
-"""Draw on a frame: a caption with the scene's parameters, and an overlay with predicted positions."""
+"""Draw on a frame: a caption with the scene's parameters, and an overlay with predicted positions and its key."""
 
+import re
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from math import ceil, radians
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +18,22 @@ from povgen.settings import Rendering
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # Okabe and Ito's yellow, sky blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (86, 180, 233, 255), (213, 94, 0, 255)
-# Height of the caption's text: the least height in pixels, and the usual height as a fraction of the picture's height.
-MIN_TEXT, TEXT = 12, 0.05
+IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image, in templates/chess.pov.j2
+# Height of text, as a fraction of the picture's height. In a small picture it is higher, to be at least LEGIBLE pixels
+# high, but not higher than MAX_TEXT.
+TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
+MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
+SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂"}
+# Pillow's own font has neither Greek letters nor subscripts. Its v has the shape of ν. An α is drawn, as an ellipse and
+# a line beside it. Lengths are in units of the text's height, points of the line in units of the α's own.
+FONT_HAS = str.maketrans("ν₁₂", "v12")
+ALPHA_HEIGHT, ALPHA_WIDTH, STROKE = 0.53, 0.62, 0.085
+ALPHA_BOWL = 0.74  # width of the ellipse
+ALPHA_LINE = (0.86, 1.0), (0.74, 0.5), (0.76, 0.0), (1.0, 0.02)  # control points of a Bezier curve
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
 
 Colour = tuple[int, int, int, int]
+Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to points, and whether these are visible
@@ -34,8 +47,11 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
     picture = picture.copy()
     if rendering.overlay:
         _overlay(scene, picture)
+        _strip(picture, [Item(text, text, colour) for text, colour in key(scene)], at_top=True)
     if rendering.caption:
-        _caption(scene, picture)
+        texts = (f"{SYMBOLS.get(name, name)} = {value}" for name, value in facts(scene).items())
+        widest = (_widest_text(name, len(scene.distances) > 1) for name in facts(scene))
+        _strip(picture, [Item(*texts) for texts in zip(texts, widest, strict=True)], at_top=False)
     return picture
 
 
@@ -46,10 +62,10 @@ def facts(scene: Scene) -> dict[str, str]:
     (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
-    texts = {"z1": _range(z1), "z2": f"{scene.z2:g}", "r": _range(rotation.r(z1, scene.z2))}
+    texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
     if scene.sheet in ("detailed", "ideal"):
         nu, M = scene.nu_and_M(z1)
-        texts = {"alpha": f"{scene.alpha:.4g}°", **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+        texts = {"alpha": f"{scene.alpha + 0:.1f}°", **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
     return texts
 
 
@@ -61,61 +77,132 @@ def _range(values: Reals, form: str = ".3g") -> str:
 
 
 def _number(value: float, form: str) -> str:
-    return "infinite" if np.isinf(value) else f"{value + 0:{form}}"
+    # the second format writes 5000 in place of 5e+03
+    return "infinite" if np.isinf(value) else f"{float(f'{value + 0:{form}}'):g}" if "g" in form else f"{value:{form}}"
 
 
-def _caption(scene: Scene, picture: NDArray[np.uint8]) -> None:
-    """Darken a strip along the lower edge and write the caption there, in 1 to 3 lines so that it is legible."""
-    texts = [f"{name} = {value}" for name, value in facts(scene).items()]
-    widest_texts = [_widest_text(name, len(scene.distances) > 1) for name in facts(scene)]
+class Item(NamedTuple):
+    """A text in a strip, the text whose width is reserved for it, and the colour that it explains."""
+
+    text: str
+    widest: str
+    colour: Colour | None = None
+
+
+def key(scene: Scene) -> list[tuple[str, Colour]]:
+    """Return what the overlay's key says: a text for each colour that is drawn on the picture."""
+    two = scene.sheet in ("detailed", "ideal")
+    texts = [("predicted position", P_COLOUR)] * bool(scene.objects)
+    texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
+    texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1)
+    return texts + [("predicted image", IMAGE_COLOUR)] * getattr(scene, "predicted_image", False)
+
+
+def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
+    """Darken a strip along an edge and write items there, in 1 to 3 lines.
+
+    The text has the same height, relative to the picture, in all pictures. It is less only if 3 lines are too narrow.
+    """
     height, width, _ = picture.shape
-
-    def widths(font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> Reals:
-        pairs = zip(texts, widest_texts, strict=True)
-        return np.array([max(font.getlength(text + "  ") for text in pair) for pair in pairs])
-
+    size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
+    free = (1 - 2 * MARGIN) * width
+    # the widths of items, each with the gap after it, in units of the text's height
+    sample, gap = 1.7, 1.0
+    widths = [max(_width(item.text), _width(item.widest)) + sample * bool(item.colour) + gap for item in items]
     for lines in (1, 2, 3):
-        rows = np.array_split(np.arange(len(texts)), lines)
-        widest = max(widths(ImageFont.load_default(100))[row].sum() for row in rows)
-        size = min(max(TEXT * height, MIN_TEXT), 0.97 * width * 100 / widest)
-        if size >= max(MIN_TEXT, 0.6 * TEXT * height):
+        rows = np.array_split(np.arange(len(items)), lines)
+        widest = max(np.take(widths, row).sum() for row in rows) - gap
+        if size * widest <= free:
             break
-    font = ImageFont.load_default(size)
-    step = round(1.4 * size)
-    strip = Image.fromarray(picture[-len(rows) * step :] // 5)
-    draw = ImageDraw.Draw(strip)
+    size = min(size, free / widest)
+    step = round(1.5 * size)
+    strip = picture[: lines * step] if at_top else picture[-lines * step :]
+    image = Image.fromarray(strip // 5)
+    draw = ImageDraw.Draw(image)
+    samples = []
     for line, row in enumerate(rows):
-        place = (width - widths(font)[row].sum() + font.getlength("  ")) / 2
+        place, middle = (width - size * (np.take(widths, row).sum() - gap)) / 2, (line + 0.5) * step
         for n in row:
-            draw.text((place, (line + 0.5) * step), texts[n], "white", font, anchor="lm")
-            place += widths(font)[n]
-    picture[-len(rows) * step :] = np.asarray(strip)
+            colour = items[n].colour
+            if colour:
+                samples.append((place + size * np.linspace(0.2, sample - 0.6, 60) + 1j * middle, colour))
+            _write(draw, place + size * sample * bool(colour), middle, items[n].text, size)
+            place += size * widths[n]
+    strip[:] = np.asarray(image)
+    for points, colour in samples:
+        _discs(strip, points.mean(keepdims=True) if colour == P_COLOUR else points, size / 8, colour)
+
+
+def _width(text: str) -> float:
+    """Return the width of a text, in units of its height."""
+    return sum(ALPHA_WIDTH if part == "α" else font.getlength(part) / 100 for part, font, _ in _parts(text, 100))
+
+
+def _write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float) -> None:
+    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels."""
+    base = middle + 0.36 * size
+    for part, font, drop in _parts(text, size):
+        if part == "α":
+            _write_alpha(draw, x, base, size)
+            x += ALPHA_WIDTH * size
+        else:
+            draw.text((x, base + drop), part, "white", font, anchor="ls")
+            x += font.getlength(part)
+
+
+def _parts(text: str, size: float) -> list[tuple[str, Font, float]]:
+    """Return the parts of a text that are written one after the other: α, subscripts and others.
+
+    With each is its font, and how far below the line it stands, in pixels.
+    """
+    usual, subscript = (ImageFont.load_default(size), 0.0), (ImageFont.load_default(0.65 * size), 0.15 * size)
+    return [
+        (part.translate(FONT_HAS), *(subscript if part in "₁₂" else usual))
+        for part in re.findall("[α₁₂]|[^α₁₂]+", text)
+    ]
+
+
+def _write_alpha(draw: ImageDraw.ImageDraw, x: float, base: float, size: float) -> None:
+    """Draw an α. x is its left edge and `base` the line on which letters stand, in pixels."""
+    finer = 8  # drawn so much larger, because Pillow's lines have no smooth edges
+    shape = ceil(ALPHA_WIDTH * size), ceil(ALPHA_HEIGHT * size)
+    mask = Image.new("L", (finer * shape[0], finer * shape[1]))
+    stroke = finer * STROKE * size
+    width, height = finer * 0.9 * ALPHA_WIDTH * size, mask.height
+    t = np.linspace(0, 1, 40)[:, None]
+    weights = np.concatenate([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3], axis=1)
+    line = weights @ (np.array(ALPHA_LINE) * (width - stroke, stroke - height) + (stroke / 2, height - stroke / 2))
+    pen = ImageDraw.Draw(mask)
+    pen.ellipse((0, 0, ALPHA_BOWL * width, height), outline=255, width=round(stroke))
+    pen.line([(x, y) for x, y in line], fill=255, width=round(stroke), joint="curve")
+    draw.bitmap((round(x), round(base) - shape[1]), mask.resize(shape, Image.Resampling.BOX), fill="white")
 
 
 def _widest_text(name: str, several: bool) -> str:
     """Return a text as wide as the space that each frame reserves for a value. So a movie's caption does not move."""
-    number = "0.0000" if name == "M" else "-00.00"  # at least as wide as "infinite"
+    number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000"}.get(name, "0.000")
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
-    return f"{name} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
+    return f"{SYMBOLS.get(name, name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height, width, _ = picture.shape
     tile = height / scene.view
-    thick = max(height / 180, 1.5)
+    # thinner for several objects, which can be as small as their marks and as close as the line is wide
+    thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs: so close together they look like a smooth line
 
     def pixels(points: Complexes) -> Complexes:
         return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
 
     curves = [(pixels(np.concatenate([*parts, []])), colour) for parts, colour in loci(scene, step / tile)]
-    _discs(picture, np.concatenate([points for points, _ in curves]), 1.1 * thick, HALO)
+    _discs(picture, np.concatenate([points for points, _ in curves]), 0.9 * thick, HALO)
     for points, colour in curves:
         _discs(picture, points, thick / 2, colour)
     for place in positions(scene):
-        for radius, colour in ((2.6, HALO), (2.0, P_COLOUR), (1.0, HALO)):
+        for radius, colour in ((1.7, HALO), (1.1, P_COLOUR)):  # small, so that spheres stay visible
             _discs(picture, pixels(np.array([place])), radius * thick, colour)
 
 

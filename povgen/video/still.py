@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from povgen import files
 from povgen.rendering.frames import read_png, render_all
+from povgen.rendering.views import composed, views
 from povgen.scene.models import Scene, checked_scene
 from povgen.settings import Rendering
-from povgen.video.views import composed, views
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -41,7 +41,7 @@ def save(scene: Scene, path: str | Path, **options: object) -> Path:
     Options and errors are `render`'s. Raises InputError, before anything is rendered, if the file cannot be written.
     """
     scene, rendering = checked_scene(scene), Rendering(**options)
-    output = files.checked_output(Path(path), [".png"])
+    output = files.checked_output(path, [".png"])
     target = output.resolve()  # the current folder may change meanwhile
     files.save(png(scene, rendering), target)
     return output
@@ -73,5 +73,5 @@ def picture(frames: Sequence[bytes], scene: Scene, rendering: Rendering) -> NDAr
 
 
 def _frames(scene: Scene, rendering: Rendering) -> list[bytes]:
-    with closing(render_all(views(scene, rendering), rendering)) as frames:
-        return list(frames)
+    with closing(render_all([scene], rendering)) as rendered:
+        return next(rendered)

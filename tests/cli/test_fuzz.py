@@ -34,10 +34,9 @@ import typer
 from hypothesis import HealthCheck, Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
-from povgen import InputError, MovieSpec, to_pov
+from povgen import Chess, InputError, MovieSpec, to_pov
 from povgen.cli import app
 from povgen.cli.options import with_options
-from povgen.errors import validated
 from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
 from povgen.scene.spec import Sweep
@@ -310,10 +309,13 @@ def skeletons():
             if field.annotation is bool or typing.get_origin(field.annotation) is typing.Literal
         }
         if "piece" in model.model_fields:
-            choices["piece"] = [*PIECES]
+            choices |= {"piece": [*PIECES], "pedestal": [0, 0.8]}
         for values in itertools.product(*choices.values()):
             with suppress(InputError):  # some do not go together
-                found |= skeleton(to_pov(validated(model, dict(zip(choices, values, strict=True)))))
+                scene = model(**dict(zip(choices, values, strict=True)))
+                found |= skeleton(to_pov(scene))
+    for antialias in ("off", "2x"):  # the header's words differ
+        found |= skeleton(to_pov(Chess(), antialias=antialias))
     return found
 
 
@@ -397,6 +399,7 @@ def place(tmp_path_factory):
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.encode is encode
+        skeletons()  # takes longer than a case may
         yield
     os.chdir(started)
 
@@ -693,6 +696,7 @@ def test_what_is_right_is_done(data):
     if scene == "chess":
         given["piece"] = data.draw(rights("piece"))
         given["x"] = data.draw(st.floats(-10, 10))
+        given["pedestal"] = data.draw(st.just(0.0) | st.floats(0, 10))
     else:
         given["line"] = data.draw(st.tuples(st.floats(-10, 10), st.floats(-10, 10)))
     status, source, said = tried(
@@ -706,6 +710,7 @@ def test_what_is_right_is_done(data):
         stated |= {"AirGap": given["gap"], "Aspect": given["aspect"], "Prisms": given["prisms"]}
     if scene == "chess":
         stated |= {"Z1": given["z1"], "PieceX": given["x"]}
+        stated |= {"Pedestal": given["pedestal"]} if given["pedestal"] else {}
     else:
         stated |= dict(zip(("LX", "LY"), given["line"], strict=True))
     for parameter, value in stated.items():
@@ -715,7 +720,7 @@ def test_what_is_right_is_done(data):
 BOUNDS = {
     **{"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "x": (-10, 10)},
     **{"index": (1.1, 4), "base_angle": (15, 75), "gap": (0.001, 0.5), "aspect": (0, 2)},
-    **{"aperture": (0.5, 10), "view": (0.1, 100), "timeout": (0, 1e6), "eye_distance": (0, 5)},
+    **{"aperture": (0.5, 10), "pedestal": (0, 10), "view": (0.1, 100), "timeout": (0, 1e6), "eye_distance": (0, 5)},
 }
 
 

@@ -59,7 +59,7 @@ class StandIn:
 def rendered(scene=SCENE):
     """Return the frame, and whether it had to be rendered."""
     runner = StandIn()
-    (png,) = frames.render_all([scene], SMALL, runner=runner)
+    ((png,),) = frames.render_all([scene], SMALL, runner=runner)
     return frames.read_png(png), bool(runner.ran)
 
 
@@ -114,7 +114,7 @@ def test_several_make_a_cache_at_once(place):
         try:
             for number in range(30):
                 os.environ["POVGEN_CACHE"] = f"{place}/{number}"
-                ready.wait(10)
+                ready.wait(200)
                 rendered()
             outcomes.put("done")
         except BaseException as error:
@@ -125,7 +125,7 @@ def test_several_make_a_cache_at_once(place):
     workers = [fork.Process(target=work, args=(ready, outcomes)) for _ in range(3)]
     for worker in workers:
         worker.start()
-    assert [outcomes.get(timeout=60) for _ in workers] == ["done"] * 3
+    assert [outcomes.get(timeout=200) for _ in workers] == ["done"] * 3
     for worker in workers:
         worker.join()
 
@@ -254,7 +254,7 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
     keep = cache.store
     monkeypatch.setattr(cache, "store", lambda *given: keep(*given) and bool(cache.trim(-1)))
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
-    found = [frames.read_png(png) for png in frames.render_all(scenes, SMALL, runner=StandIn())]
+    found = [frames.read_png(png) for (png,) in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
 
 

@@ -45,6 +45,13 @@ def test_the_same_picture_as_array_image_and_file(tmp_path):
         (lambda: movie([SCENE], "a.avi"), ["a.avi", ".mp4"]),
         (lambda: movie([SCENE], "a.mp4", frame_rate=0), ["frame_rate = 0", "120"]),
         (lambda: movie("vary-alpha", "a.mp4", frame_rate="fast"), ["frame_rate = 'fast'", "120"]),
+        *(
+            (lambda workers=workers: movie([SCENE], "a.mp4", workers=workers), [f"workers = {workers!r}", "256"])
+            for workers in (-1, 0, "x", 2.5, True, 257)
+        ),
+        (lambda: save(SCENE, 3), ["output = 3", ".png"]),
+        (lambda: movie("vary-alpha", 3), ["output = 3", ".mp4"]),
+        (lambda: movie([SCENE], None), ["output = None", ".mp4"]),
         (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
     ],
 )
@@ -70,15 +77,24 @@ def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
         assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
 
 
+def test_a_movie_is_found_from_another_folder_and_may_be_gone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = movie([SCENE], "a&b.gif", **SMALL)
+    monkeypatch.chdir("/")
+    assert made == Movie(tmp_path / "a&b.gif") and made._repr_html_().startswith("<img")
+    made.path.unlink()
+    assert made._repr_html_().endswith("a&amp;b.gif: No such file or directory</p>")
+
+
 def test_another_frame_rate_of_a_spec(tmp_path):
     options = {"quality": "draft", "size": (32, 32)}
     toml = tmp_path / "a.toml"
     toml.write_text(
-        'title = "a"\nscene = "chess"\nframe_rate = 4\nfixed = { sheet = "none" }\n'
-        '[sweep]\nparameter = "z1"\nstart = 2\nstop = 3\nframes = 9\n'
+        'title = "a"\nscene = "chess"\nframe_rate = 4\nframes = 9\nfixed = { sheet = "none" }\n'
+        '[[sweep]]\nparameter = "z1"\nstart = 2\nstop = 3\n'
     )
     made = movie(toml, tmp_path / "a.gif", frame_rate=40, **options)
-    with Image.open(made) as image:  # a quarter of the frames, and of the rate
+    with Image.open(made.path) as image:  # a quarter of the frames, and of the rate
         assert (image.n_frames, image.info["duration"]) == (3, 100)
 
 

@@ -21,6 +21,7 @@ TILES = VIEW / HEIGHT  # a pixel, in tiles
 X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
 HALF = APERTURE / 2
 FLOOR = Chess().floor
+FOOT = Chess().L.imag
 INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls
 
 
@@ -39,9 +40,9 @@ def brown(image):
     return INSIDE & (image[..., 0] > image[..., 2] + 50)
 
 
-def green(image):
-    # without the spheres, no pixel is greener than red and blue by more than 5; pixels of a sphere are so by 39 or more
-    return INSIDE & (image[..., 1] > image[..., 0] + 25) & (image[..., 1] > image[..., 2] + 25)
+def yellow(image):
+    # the scene of a single sphere: the sphere is yellow, and no other pixel is
+    return INSIDE & (np.minimum(image[..., 0], image[..., 1]) > image[..., 2] + 60)
 
 
 def horizon(image):
@@ -55,7 +56,7 @@ def horizon(image):
 
     def step(angle):
         away = Y * np.cos(np.radians(angle)) - X * np.sin(np.radians(angle))
-        strip = near & (abs(away) > TILES) & (abs(away) < 0.15)
+        strip = near & (abs(away) < 0.3)
         return blue[strip & (away > 0)].mean() - blue[strip & (away < 0)].mean()
 
     return angles[np.argmax([step(angle) for angle in angles])]
@@ -80,21 +81,22 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     scene = Chess(alpha=0, sheet="ideal", x=x, eye=(0, FLOOR + height))
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
-    assert differ < 6e-3  # rays that meet an edge exactly, or to within what interpolation costs off the axis
+    # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.1 to 0.3
+    assert differ < 0.012
 
 
 @pytest.mark.parametrize("alpha", [0, 66, -120])
 @pytest.mark.parametrize(("x", "height"), [(0, 0.3), (0.8, 0.01), (0, 0.001), (1.5, 1e-6)])
-def test_no_sky_below_the_horizon(x, height, alpha):
+def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     """A ray that runs downwards meets the floor, the piece or the window frame, however low the eye is."""
     scene = Chess(sheet="ideal", alpha=alpha, x=x, eye=(0, FLOOR + height))
-    image = picture(scene)
-    # The sky below the horizon would be a deep blue. Floor, piece and window frame are brown, grey or black.
-    sky = image[..., 2] > image[..., 0] + 70
+    text = to_pov(scene) + "sky_sphere { pigment { rgb z } }\n"  # pure blue; POV-Ray takes the last sky
+    image = frames.read_png(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
+    sky = image[..., 2] > image[..., 0] + 150
     inside, direction = probes.rays(scene, SIZE)
     down = Y < scene.E.imag
     down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
-    assert down.sum() > 5000 and not (sky & down).any()
+    assert down.sum() > 4000 and sky.any() and not (sky & down).any()
 
 
 @pytest.mark.parametrize("sheet", ["detailed", "ideal", "none"])
@@ -107,14 +109,14 @@ def test_half_the_view_is_the_middle_of_the_picture(sheet):
     )
     middle = whole[HEIGHT // 4 : 3 * HEIGHT // 4, WIDTH // 4 : 3 * WIDTH // 4]
     # the first row and the last column of POV-Ray's mesh camera are wrong
-    assert (abs(half - middle).max(axis=-1) > 2)[1:, :-1].mean() < 6e-3
+    assert (abs(half - middle).max(axis=-1) > 2)[1:, :-1].mean() < 0.012
 
 
 @pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
 def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     scene = Spheres(alpha=alpha, sheet="ideal", z1=3, line=(-0.5, 0.3))
     image = picture(scene, "2,0.1,3")
-    mask = green(image)
+    mask = yellow(image)
     seen = complex(X[mask].mean(), Y[mask].mean())
     P = rotation.apparent_position(scene.L, scene.E, 3, scene.z2, radians(alpha))
     assert abs(seen - P) < 0.5 * TILES  # its shaded side counts for less
@@ -126,8 +128,8 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     values = {"alpha": alpha, "z1": 3, "line": (-0.5, 0.3)}
     ideal = picture(Spheres(sheet="ideal", **values))
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
-    # the shift is of the order of the sheets' thickness: 0.2 tiles at 100 prisms, seen at an angle of up to 0.3
-    assert abs(place(real, green(real)) - place(ideal, green(ideal))) < 0.1 * 100 / prisms + 1.5 * TILES
+    # the shift is of the order of the sheets' thickness: 0.26 tiles at 100 prisms, seen at an angle of up to 0.5
+    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 1.5 * TILES
 
 
 @pytest.mark.parametrize("alpha", [0, 40, 66, 100])
@@ -151,7 +153,7 @@ def test_a_single_sheet_mirrors():
     # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
     scene = Spheres(sheet="single", z1=1, line=(-0.5, 0.5), prisms=400)
     image = picture(scene)
-    assert abs(place(image, green(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
+    assert abs(place(image, yellow(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
 
 
 @pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
@@ -189,12 +191,12 @@ def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     assert overlap > 0.8  # the predicted image is flat, and right for the piece's axis
 
 
-def test_every_piece_is_different_and_stands_on_the_floor():
+def test_every_piece_is_different_and_stands_on_its_pedestal():
     shapes = {}
     for piece in ("pawn", "rook", "knight", "bishop", "queen", "king"):
         image = picture(Chess(sheet="none", piece=piece))
         mask = brown(image)
-        assert abs(Y[mask].min() - FLOOR * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
+        assert abs(Y[mask].min() - FOOT * 6 / (6 + 1.6)) < 0.06  # the foot's nearest point is at z1 = 1.6
         shapes[piece] = mask
     for a in shapes:
         for b in shapes:

@@ -3,13 +3,17 @@
 import os
 import re
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, InputError, render, to_pov
-from povgen.errors import validated
+from povgen import Chess, InputError, Rendering, movie, render, to_pov
+from povgen.errors import PovrayError
+from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import rotation
+from povgen.rendering import frames, povray
+from povgen.scene.pieces import PIECES
 from povgen.scene.spec import MovieSpec
 from povgen.teach import page
 from povgen.video import overlay
@@ -23,6 +27,42 @@ def differs(first, second):
     return np.flatnonzero((first != second).any((0, 2)))
 
 
+# The piece alone from the front, flattened as its predicted image is, or 33 slices of it. A slice is a plane whose
+# pigment tells inside from outside.
+VIEWS = {
+    "whole": "object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 } }",
+    "flat": """object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 }
+        matrix <1, 0, 0, 0, 1, 0, 0, 0, 0.002, 0, 0, 0> }""",
+    "slices": """#for (Z, -0.40, 0.40, 0.025)
+        plane { z, Z pigment { object { Piece color rgbt 1, color rgb 1 } } finish { ambient 1 diffuse 0 } }
+    #end""",
+}
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_a_piece_is_as_large_as_stated(piece):
+    scene = PiecePositions(sheet="none", piece=piece)
+    (position,) = decoded([scene], (480, 360))  # pixels are 0.014 tiles apart
+    x, y, z = np.moveaxis(position[np.isfinite(position).all(-1)], -1, 0)
+    (height,) = re.findall(r"// The piece is (.*) tiles high", to_pov(scene))
+    assert abs(y.min()) < 0.02 and abs(y.max() - float(height)) < 0.02
+    assert abs(np.hypot(x, z).max() - PIECES[piece]) < 0.002
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_inside_and_outside_of_a_piece(piece, tmp_path):
+    (declared,) = re.findall(r"// ---- Chess pieces.*?(?=// ---- The piece)", to_pov(Chess(piece=piece)), re.DOTALL)
+    scene = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 40 }
+        camera { location <0, 1, -9> direction 9*z up 2*y right 2*x }"""
+    whole, flat, slices = (
+        frames.read_png(povray.run(scene + declared + view, Rendering(**SMALL), tmp_path)).max(-1) > 128
+        for view in VIEWS.values()
+    )
+    assert (whole ^ flat).sum() < 0.1 * whole.sum()  # flat parts are as far from the eye as the axis
+    # parts thinner than the distance of the slices may be missed
+    assert not (slices & ~whole).any() and slices.sum() > 0.98 * whole.sum()
+
+
 def test_several_pieces_stand_where_each_is_put():
     left, right = (Chess(sheet="none", x=x, piece="pawn") for x in (-0.6, 0.6))
     both = Chess(sheet="none", x=[-0.6, 0.6], piece="pawn", color=["red", "#00f"])
@@ -31,7 +71,7 @@ def test_several_pieces_stand_where_each_is_put():
     assert len(overlay.loci(both)) == 2  # a curve of constant alpha for each
     picture = render(both, **SMALL).astype(int)
     red, blue = (picture[..., a] - picture[..., 2 - a] for a in (0, 2))
-    assert np.argwhere(red > 60)[:, 1].max() < 48 < np.argwhere(blue > 60)[:, 1].min()
+    assert np.argwhere(red > 120)[:, 1].max() < 48 < np.argwhere(blue > 120)[:, 1].min()
 
 
 def test_each_piece_has_a_predicted_image():
@@ -81,7 +121,7 @@ def test_the_page_shows_pieces_at_one_x():
 )
 def test_what_does_not_fit_is_refused(values, said):
     with pytest.raises(InputError) as error:
-        validated(Chess, values)
+        Chess(**values)
     assert said in str(error.value) and "\n" not in str(error.value)
 
 
@@ -99,8 +139,57 @@ def test_a_piece_from_a_file(tmp_path):
     assert scene == Chess(sheet="none", piece=file, x=-0.5)
     file.unlink()  # its text is in the scene
     assert CUBE in to_pov(scene)
-    columns = differs(render(scene, **SMALL), render(Chess(sheet="none", x=-9, z1=400), **SMALL))
-    assert 22 < columns.min() < columns.max() < 54
+    pawn = Chess(sheet="none", piece="pawn", x=-0.5)
+    columns = differs(*(render(each, **SMALL)[:, 10:-10] for each in (scene, pawn)))  # between the frame's sides
+    assert 12 < columns.min() < columns.max() < 62
+
+
+def test_a_long_piece_is_stated_as_its_path(tmp_path):
+    """In a movie's metadata and in messages. The path has a byte that is no text."""
+    file = tmp_path / "big\udcff.inc"
+    file.write_text(CUBE + "// 0123456789\n" * 20000)
+    scene = Chess(sheet="none", piece=[file, "king"], x=[-1, 1])
+    assert len(repr(scene)) < 1000
+    spec = MovieSpec.of_sweeps("chess", ["alpha=0:9"], {"frames": 2}).with_fixed({"sheet": "none", "piece": file})
+    for made, frames_made in ((spec, 2), ([scene], 1)):
+        path = movie(made, tmp_path / "a.mp4", **SMALL).path
+        assert imageio_ffmpeg.count_frames_and_secs(str(path))[0] == frames_made
+        assert rb"big\\udcff.inc" in path.read_bytes() and b"0123456789" not in path.read_bytes()
+
+
+def test_a_piece_does_not_change_the_rest_of_the_scene(tmp_path):
+    """Not even if it declares all of povgen's names, or asks for another language version."""
+    own, old = tmp_path / "own.inc", tmp_path / "old.inc"
+    own.write_text(CUBE)
+    old.write_text(CUBE)
+    scene = Chess(prisms=20, z1=[2, 3, 4], x=[-0.8, 0, 0.8], piece=[own, "king", old])
+    names = set(re.findall(r"\b[A-Z]\w*", re.sub("//.*", "", to_pov(scene)))) - {"Piece", "OwnPiece_1", "OwnPiece_2"}
+    kinds = ("#declare {} = 5;\n", "#macro {}() 5 #end\n", "#declare {} = texture {{ pigment {{ rgb 1 }} }}\n")
+    declared = "".join(kinds[n % 3].format(name) for n, name in enumerate(sorted(names)))
+    own.write_text(declared + CUBE)
+    old.write_text("#version 3.1;\n" + CUBE)
+    assert (render(scene, **SMALL) == render(scene.replace(piece=[own, "king", old]), **SMALL)).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("#declare Piece = union {\n  sphere { 0, 1 }\n", "', line 2: "),
+        ("#declare Piece =\n3;\n", "', line 2: "),
+        ("#declare Piece = texture { pigment { rgb 1 } }\n", "', line 1: "),
+        (CUBE + "camera { location 0 }\n", "', line 3: "),
+        (CUBE + "global_settings { assumed_gamma 2 }\n", "', line 3: "),
+        (CUBE + '#declare Text = "abc\n', "', line 3: "),
+        (CUBE + "}\n", "', line 3: "),
+        (CUBE + "#if (1)\n", "' leaves open, in the frame with sheet = 'none', piece = "),
+    ],
+)
+def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_path):
+    file = tmp_path / "mi\nne.inc"
+    file.write_text(text)
+    with pytest.raises(PovrayError) as error:
+        render(Chess(sheet="none", piece=file), **SMALL)
+    assert f"{tmp_path}/mi\\nne.inc{line}" in str(error.value) and len(str(error.value).splitlines()) == 2
 
 
 def test_an_error_names_the_users_file_and_its_line(tmp_path):
@@ -122,6 +211,10 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
         (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
         (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
+        (b"/* /* */ #declare Piece = 1; */", "declares Piece"),
+        (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "comments end, but that in line 2 does not"),
+        (CUBE.encode() + b"#default { finish { ambient 1 } }", "without '#default'"),
+        (CUBE.encode() + b"light_source { 0, 1 }", "without 'light_source'"),
         (b"#declare Piece = sphere { 0, 1 } // \0", "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
         ("folder", "file"),

@@ -5,13 +5,12 @@ import pytest
 
 from povgen import Rendering, to_pov
 from povgen.measure import probes
-from povgen.measure.probes import Directions, PiecePositions, Positions, locate
+from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions, locate
 from povgen.optics import rotation
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.rendering import povray
 from povgen.scene import prediction
-from povgen.scene.models import APERTURE, VIEW
 
 SIZE = (320, 240)
 

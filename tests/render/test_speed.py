@@ -22,9 +22,11 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         "SIZES": ((64, 48), (80, 60)),
         "MAIN_SIZE": (80, 60),
         "SMALL": (200, 150),
-        "SAMPLINGS": ("off", "box 2"),
+        "SAMPLINGS": ("off", "2x"),
         "BASELINE_SAMPLINGS": ("off",),
         "CONVERGED": "1,0.001,5",
+        "FLICKER_SAMPLINGS": ("off", "3x"),
+        "FLICKER_ANGLES": (66,),
         "PRISM_COUNTS": (50, 200),
         "WORKER_COUNTS": (16,),
         "MOVIE": spec.model_copy(update={"frames": 3}),
@@ -37,15 +39,17 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     charts = ("frames-64x48", "frames-80x60", "prisms", "workers")
     files = {f"{name}.{kind}" for name in charts for kind in ("png", "svg")}
     assert {path.name for path in tmp_path.iterdir()} == files | {
-        *("frames.csv", "prisms.csv", "workers.csv", "machine.txt")
+        *("frames.csv", "flicker.csv", "prisms.csv", "workers.csv", "machine.txt")
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
     assert len(rows) == 2 * 2 * 2 + 2
     error = {(r["method"], r["antialias"], r["height"]): float(r["RMS"]) for r in rows}
-    assert error["detailed", "box 2", "60"] < error["detailed", "off", "60"]
+    assert error["detailed", "2x", "60"] < error["detailed", "off", "60"]
     assert error["intersections", "off", "60"] == pytest.approx(error["detailed", "off", "60"], abs=0.02)
     cost = {(r["method"], r["antialias"], r["height"]): float(r["CPU s"]) for r in rows}
     assert all(seconds > 0 for seconds in cost.values())
+    off, finer = (float(row["flicker"]) for row in csv.DictReader((tmp_path / "flicker.csv").open()))
+    assert 0 < finer < 0.5 * off
     (ideal, few, many) = csv.DictReader((tmp_path / "prisms.csv").open())
     assert float(ideal["position error (px)"]) < 0.05 < float(many["position error (px)"])
     assert float(few["position error (px)"]) == pytest.approx(4 * float(many["position error (px)"]), rel=0.2)

@@ -6,28 +6,28 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, InputError, Rendering, Spheres, movie, render, to_pov
-from povgen.errors import validated
+from povgen.rendering import povray
+from povgen.rendering.views import composed, views
 from povgen.scene.spec import MovieSpec
-from povgen.video.views import composed, views
 
 SIZE = {"size": (64, 64), "antialias": "off"}
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "none"])
 def test_the_sky_is_transparent_through_the_sheets_too(sheet):
-    scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), background="transparent")
+    scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), aperture=2.4, background="transparent")
     alpha = render(scene, **SIZE)[..., 3]
     assert (alpha[:, :4] == 0).all() and (alpha[:4] == 0).all()  # beside the window
-    assert alpha[32, 10] == 255  # the window frame
+    assert alpha[32, 9] == 255  # the window frame
     behind = alpha[18:46, 18:46]
     assert (behind == 0).mean() > (0.25 if sheet == "detailed" else 0.7)
     assert alpha[30:34, 30:34].max() == 255  # the sphere
 
 
 def test_the_colours_in_front_of_a_background_are_those_of_the_scene():
-    scene = Chess(sheet="none", background="transparent", eye=(0, -0.5))
+    scene = Chess(sheet="none", background="transparent", eye=(0, -0.5), aperture=2.4)
     shown = render(scene, **SIZE).astype(float)
-    white = render(Chess(sheet="none", background="white", eye=(0, -0.5)), **SIZE)
+    white = render(scene.replace(background="white"), **SIZE)
     assert (shown[:8, :, 3] == 0).all() and (shown[-8:, :, 3] == 255).all()
     opaque = shown[..., 3] == 255
     assert abs(shown[opaque][:, :3] - white[opaque]).max() <= 1
@@ -37,7 +37,7 @@ def test_the_colours_in_front_of_a_background_are_those_of_the_scene():
 def test_alpha_is_of_linear_light():
     """A half covered pixel of the colour 0.5: 0.25 in front of black, 0.75 in front of white."""
     black, white = (np.full((1, 1, 3), value, np.uint8) for value in (137, 225))
-    scene, rendering = Chess(background="transparent"), validated(Rendering, {})
+    scene, rendering = Chess(background="transparent"), Rendering()
     red, _, _, alpha = composed([black, white], scene, rendering)[0, 0].tolist()
     assert abs(alpha - 127.5) < 2 and abs(red - 188) < 2
 
@@ -67,14 +67,14 @@ def test_two_eyes():
 def test_each_eye_has_its_own_overlay():
     scene = Chess(sheet="ideal", alpha=90)
     rendering = {"stereo": "pair", "eye_distance": 1, "overlay": True, **SIZE}
-    left, right = (render(view, **SIZE, overlay=True) for view in views(scene, validated(Rendering, rendering)))
+    left, right = (render(view, **SIZE, overlay=True) for view in views(scene, Rendering(**rendering)))
     assert (render(scene, **rendering) == np.concatenate((left, right), axis=1)).all()
 
 
 @pytest.mark.parametrize(("stereo", "width"), [("pair", 64), ("anaglyph", 32)])
 def test_two_eyes_and_transparency(stereo, width):
     scene = Chess(sheet="none", background="transparent")
-    rendering = validated(Rendering, {"stereo": stereo})
+    rendering = Rendering(stereo=stereo)
     shown = views(scene, rendering)
     assert [(view.E, view.background) for view in shown] == [
         (-0.1, "black"),
@@ -88,17 +88,36 @@ def test_two_eyes_and_transparency(stereo, width):
 
 def test_movies_for_two_eyes(tmp_path):
     spec = MovieSpec.load("vary-alpha").with_fixed({"sheet": "none"})
-    spec = spec.model_copy(update={"sweep": spec.sweep.model_copy(update={"frames": 2})})
-    calls = []
-    options = {"stereo": "pair", "size": (32, 32), "antialias": "off", "done": lambda: calls.append(1)}
-    path = movie(spec, tmp_path / "pair.mp4", **options)
-    assert iio.imread(path).shape[1:] == (32, 64, 3) and len(calls) == len(iio.imread(path)) == 2
+    options = {"stereo": "pair", "size": (32, 32), "antialias": "off"}
+    path = movie(spec.replace(frames=2), tmp_path / "pair.mp4", **options).path
+    assert iio.imread(path).shape == (2, 32, 64, 3)
+
+
+LINE = ["--size=32x32", "--antialias=off", "--stereo=pair"]
+
+
+def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_path, monkeypatch):
+    narrow = ["--z2=0.5", "--prisms=30", "--view=0.1", "--background=transparent"]
+    error = povgen(["frame", "chess", *narrow, *LINE], tmp_path)[2]
+    assert error.startswith("povgen: warning: z2 = 0.5 and an eye at -0.1,0: ") and "frames" not in error
+    movie = ["movie", "chess", "--sweep", "x=0:1", "--frames=3", "--sheet=none", *LINE]
+    assert povgen([*movie, "--shard=1/2"], tmp_path)[1] == "rendered shard 1/2: 2 frames\n"
+    with monkeypatch.context() as patch:
+        patch.setattr(povray, "TRIES", 1)
+        late = [*movie, "--timeout=0.001", "--eye=0.3,0", "-o", "x.mp4"]
+        error = povgen(late, tmp_path)[2]
+    assert "3 of 3 frames failed" in error and error.count("frame 2: ") == 1 and "frame 3" not in error
+
+
+def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
+    error = refused(["frame", "chess", "--eye=10,0", *LINE], tmp_path)
+    assert error.startswith("povgen: eye_distance = 0.2: for one of the two eyes, eye = (10.1, 0.0): ")
+    refused(["movie", "vary-alpha", "--eye=10,0", *LINE], tmp_path)
 
 
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"eye_distance": 0.4}, "eye_distance = 0.4: stereo = 'none'"),
         ({"stereo": "pair", "eye_distance": 0}, "eye_distance = 0"),
         ({"stereo": "both"}, "stereo = 'both'"),
         ({"stereo": "pair", "eye_distance": 3, "eye": (9, 0)}, "eye = "),
@@ -108,6 +127,14 @@ def test_what_does_not_fit_is_refused(values, said):
     with pytest.raises(InputError) as error:
         render(Chess(sheet="none", eye=values.pop("eye", (0, 0))), **values)
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_one_eye_has_no_distance(tmp_path):
+    for command in (["frame", "chess"], ["movie", "vary-alpha"], ["demo"]):
+        for stereo in ([], ["--stereo=none"]):
+            assert "eye_distance = 0.4: one eye" in refused([*command, "--eye-distance=0.4", *stereo], tmp_path)
+    pair = Rendering(stereo="pair", eye_distance=0.4)
+    assert pair.replace(stereo="none").replace(stereo="pair") == pair
 
 
 def test_the_page_shows_one_eye(tmp_path):

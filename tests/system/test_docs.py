@@ -8,14 +8,17 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from textwrap import dedent
 
+import imageio.v3 as iio
 import nbformat
 import notebook  # docs/notebook.py
+import numpy as np
 import pytest
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
-from povgen import Chess, MovieSpec
+from povgen import Chess, MovieSpec, render
 from povgen.cli.app import COMMANDS
 
 PAGES = [
@@ -89,10 +92,12 @@ def test_every_page_can_be_reached_from_the_readme():
 
 def test_every_picture_is_shown_and_made_by_a_target():
     shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
+    dry_run = ["make", "--dry-run", "--always-make", "gallery"]
+    gallery = subprocess.run(dry_run, cwd=PROJECT, capture_output=True, text=True, check=True).stdout
     for path in (PROJECT / "docs").rglob("*"):
         if path.suffix in (".png", ".gif"):
             assert path in shown, f"{name(path)} is shown nowhere"
-            made = re.search(rf"-o {re.escape(name(path))}$", MAKEFILE, re.M)  # alone
+            made = f" -o {name(path)}\n" in gallery
             with_others = re.search(rf"-o {re.escape(name(path.parent))}$", MAKEFILE, re.M)
             copied = re.search(rf"^\tcp \S*{re.escape(path.name)} {re.escape(name(path.parent))}$", MAKEFILE, re.M)
             assert made or with_others or copied, f"no target makes {name(path)}"
@@ -148,10 +153,36 @@ def _as_python(kind, block):
     return f"import subprocess\nsubprocess.run(['bash', '-euo', 'pipefail', '-c', {block!r}], check=True)\n"
 
 
+def test_the_examples_of_usage_run(tmp_path):
+    """The small pictures and movies of the eight examples differ from each other as their options say."""
+    text = (PROJECT / "docs" / "usage.md").read_text()
+    (declaration,) = re.findall(r"(?s)( {4}#declare Piece.*?\n {4}\}\n)", text)
+    (tmp_path / "mine.inc").write_text(dedent(declaration))
+    (section,) = re.findall(r"(?ms)^## Examples\n(.*?)^## ", text)
+    lines = [shlex.split(line, comments=True)[1:] for line in section.splitlines() if "    povgen" in line]
+    assert len(lines) == 8
+    small = ["--size", "64x48", "--quiet"]
+    for line in lines:
+        options = ["--sheet", "none", "--antialias", "off", "--quiet"] if "3840x2160" in line else small
+        assert povgen([*line, *options, *["--frames", "2"] * (line[0] == "movie")], tmp_path) == (0, "", "")
+    movies = {path.name: iio.imread(path).astype(int) for path in tmp_path.glob("*.mp4")}
+    assert {name: len(movie) for name, movie in movies.items()} == {"chess.mp4": 2, "eye.mp4": 2}
+    assert all(np.abs(movie[1] - movie[0]).mean() > 1 for movie in movies.values())
+    pictures = {path.name: iio.imread(path) for path in tmp_path.glob("*.png")}
+    shapes = {"two": (48, 64, 3), "4k": (2160, 3840, 3), "glass": (48, 64, 3), "mine": (48, 64, 3)}
+    shapes |= {"piece": (48, 64, 4), "pair": (48, 128, 3)}
+    assert {name.removesuffix(".png"): picture.shape for name, picture in pictures.items()} == shapes
+    usual = render(Chess(), size=(64, 48)).astype(int)
+    for name in ("two", "glass", "mine"):
+        assert np.abs(pictures[f"{name}.png"] - usual).mean() > 1
+    assert pictures["piece.png"][0, 0, 3] == 0 and pictures["piece.png"][-1, 0, 3] == 255
+    assert np.abs(np.subtract(*np.split(pictures["pair.png"].astype(int), 2, axis=1))).mean() > 1
+
+
 def test_sweeps_are_allowed(tmp_path):
     """The shard has no frames, so nothing is rendered."""
     sweeps = [rest for _, *rest in commands(PROJECT / "docs" / "usage.md") if "--sweep" in rest]
-    assert len(sweeps) == 5
+    assert len(sweeps) == 7
     for line in sweeps:
         assert povgen([*line, "--shard", "999/999"], tmp_path) == (0, "rendered shard 999/999: 0 frames\n", "")
 

@@ -83,7 +83,7 @@ def test_killed_at_any_moment(place):
         time.sleep(moments.uniform(0, 0.5))
         process.kill()
         process.communicate()
-        wait_for(lambda: not processes(place), 10)  # POV-Ray ends with povgen
+        wait_for(lambda: not processes(place))  # POV-Ray ends with povgen
         assert before.items() <= finished(place).items()  # nothing was rendered again
     left = finished(place)
     assert start(place).wait() == 0
@@ -219,7 +219,7 @@ def test_stopped(place, number, status, while_, rendered):
 def stop(process, number=signal.SIGINT):
     """Stop povgen: it ends by itself, and prints one line."""
     process.send_signal(number)
-    message = process.communicate(timeout=20)[1]
+    message = process.communicate(timeout=200)[1]
     assert message.endswith("povgen: stopped; the same command goes on from the frames that are finished\n"), message
     assert "Traceback" not in message and process.returncode == 128 + number
 
@@ -266,7 +266,7 @@ def test_stopped_though_the_exception_is_lost(pause, tmp_path):
             while True:
                 try:
                     (folder / "part").touch()
-                    time.sleep(60)
+                    time.sleep(600)
                 except BaseException:
                     pass
     """
@@ -286,7 +286,7 @@ def test_stopped_though_the_main_thread_waits(tmp_path):
         def interrupted():
             time.sleep(0.5)
             signal.pthread_kill(threading.get_ident(), signal.SIGTERM)
-            time.sleep(60)
+            time.sleep(600)
 
         threading.Thread(target=interrupted, daemon=True).start()
         lock = threading.Lock()
@@ -294,7 +294,7 @@ def test_stopped_though_the_main_thread_waits(tmp_path):
         lock.acquire()
     """
     command = [sys.executable, "-c", program]
-    done = subprocess.run(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, timeout=40)
+    done = subprocess.run(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, timeout=200)
     assert done.returncode == 128 + signal.SIGTERM and done.stderr.startswith("povgen: stopped")
 
 
@@ -313,7 +313,7 @@ def test_an_ignored_signal_is_ignored(place):
     process = start(place, handler=signal.SIG_IGN)
     wait_for(lambda: catches(process))
     process.send_signal(signal.SIGINT)
-    assert process.wait(60) == 0
+    assert process.wait(200) == 0
 
 
 @pytest.mark.parametrize("fault, said", [(signal.SIGKILL, "killed by signal 9"), (signal.SIGSTOP, "longer than 5 s")])
@@ -435,7 +435,7 @@ def test_two_at_once(place, monkeypatch):
 def test_the_cache_keeps_to_its_size(place, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(place / "cache"))
     scenes = MovieSpec.parse(SPEC, "x").scenes("standard")
-    pictures = list(frames.render_all(scenes, SMALL))
+    pictures = [png for (png,) in frames.render_all(scenes, SMALL)]
     first = [cache.frame_path(to_pov(scene), SMALL) for scene in scenes[:-1]]
     for path, picture in zip(first[:4], pictures, strict=False):
         assert cache.read(path, 10**6) == picture  # used again

@@ -194,11 +194,11 @@ def test_standard_files_that_are_closed(closed, tmp_path):
     (tmp_path / "a.toml").write_text(SPEC)
     script = f'"$0" "$@" {closed}'
     run = ["sh", "-c", script, POVGEN, "movie", "a.toml", *TINY, "-o", "a.mp4"]
-    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=200)
     assert (done.returncode, done.stderr) == (0, "") and done.stdout == ("" if ">&- " in closed else "wrote a.mp4\n")
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
     run = ["sh", "-c", script, POVGEN, "frame", "chess", "--alpha", "nan"]
-    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=200)
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
@@ -210,7 +210,7 @@ def test_the_current_folder_removed(tmp_path):
     def gone(*arguments, **environment):
         run = ["sh", "-c", script, POVGEN, *arguments]
         return subprocess.run(
-            run, cwd=tmp_path, env={**os.environ, **environment}, capture_output=True, text=True, timeout=120
+            run, cwd=tmp_path, env={**os.environ, **environment}, capture_output=True, text=True, timeout=200
         )
 
     done = gone("movie", tmp_path / "a.toml", *TINY, "-o", tmp_path / "a.mp4")

@@ -43,7 +43,10 @@ def test_check_says_that_util_linux_is_missing(few_programs, tmp_path):
     status, out, err = povgen(["check"], tmp_path)
     assert status == 0, out + err
     (line,) = [line for line in out.splitlines() if "limits" in line]
-    assert "setpriv and prlimit (util-linux) are missing" in line and "if povgen is killed, POV-Ray runs on" in line
+    assert (
+        "set by a shell, because setpriv and prlimit (util-linux) are missing" in line
+        and "if povgen is killed, POV-Ray runs on" in line
+    )
     assert "memory" not in line  # the shell limits it
 
 
@@ -76,10 +79,10 @@ def test_a_frame_without_util_linux(few_programs, tmp_path):
 def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_MEMORY", 512 << 20)
     monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
-    with pytest.raises(PovrayError, match="line 2: out of memory: it may take 512 MiB"):
+    with pytest.raises(PovrayError, match="line 2: out of memory: its limit is 512 MiB"):
         run("#declare A = array[100000000]; #for (I, 0, 99999999) #declare A[I] = <I, I, I>; #end", tmp_path)
     shutil.rmtree(tmp_path / "work")
-    with pytest.raises(PovrayError, match="it may write 1 MiB to a file"):
+    with pytest.raises(PovrayError, match="for a file, 1 MiB, is exceeded"):
         run('#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
     start, programs = povray._starter(0.2)
     assert programs == [str(few_programs / "sh")]

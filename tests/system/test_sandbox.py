@@ -16,7 +16,7 @@ from povgen import PovrayError, Rendering
 from povgen.errors import TransientError
 from povgen.rendering import povray, sandbox
 
-TINY = Rendering(size=(32, 32), antialias="off", timeout=20)
+TINY = Rendering(size=(32, 32), antialias="off", timeout=200)
 SHORT = TINY.model_copy(update={"timeout": 1.0})
 SCENE = """\
 #version 3.7;
@@ -278,7 +278,7 @@ def test_a_frame_under_lower_limits(tmp_path):
     arguments = f"{POVGEN} frame chess --sheet none --size 64x48 --quiet -o {tmp_path}/a.png"
     powerless = "" if os.geteuid() else "setpriv --bounding-set=-sys_resource"
     command = f"ulimit -v 4000000 && ulimit -f 500000 && exec {powerless} {arguments}"
-    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=200)
     assert done.returncode == 0 and (tmp_path / "a.png").is_file(), done.stderr
 
 

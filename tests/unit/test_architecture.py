@@ -85,7 +85,7 @@ def test_there_is_no_circle_of_imports():
         ("subprocess", {"rendering.povray"}),
         ("imageio", {"video.encode"}),
         ("matplotlib", {"measure.plotting"}),
-        ("PIL", {"video.overlay", "video.still", "rendering.frames", "scene.models"}),  # PNGs, images, colours' names
+        ("PIL", {"video.overlay", "video.still", "rendering.frames", "rendering.light", "scene.models"}),
         ("flip_evaluator", {"measure.speed"}),
         ("typer", {"cli"}),
         ("rich", {"cli", "progress"}),

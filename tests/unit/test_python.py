@@ -3,13 +3,16 @@
 import inspect
 import pickle
 import pydoc
+from pathlib import Path
+from typing import get_args
 
+import numpy as np
 import pytest
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
 from povgen.model import Model
 
-SWEEP = {"parameter": "alpha", "start": 0, "stop": 1, "frames": 2}
+MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 
 
 @pytest.mark.parametrize(
@@ -29,6 +32,13 @@ SWEEP = {"parameter": "alpha", "start": 0, "stop": 1, "frames": 2}
         (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
         (lambda: Rendering(quality=3), ["quality = 3", "draft"]),
         (lambda: MovieSpec(title="a"), ["missing"]),
+        *((lambda piece=piece: Chess(piece=piece), ["piece = ", "name or a file"]) for piece in (b"knight", {}, 3)),
+        (lambda: Chess(66), ["66: a value without a name"]),
+        (lambda: setattr(Chess(), "alpha", 3), ["alpha = 3: ", ".replace(alpha=...)"]),
+        (lambda: delattr(Rendering(), "size"), ["size: ", ".replace(size=...)"]),
+        (lambda: MovieSpec.load(3), ["3: no movie spec"]),
+        (lambda: MovieSpec.load("vary-alpha").scenes("nix"), ["quality = 'nix'", "draft"]),
+        (lambda: MovieSpec(**{**MOVIE, "fixed": {"alfa": 3}}), ["'alfa': unknown", "alpha"]),
     ],
 )
 def test_an_error_has_one_line(call, words):
@@ -38,6 +48,13 @@ def test_an_error_has_one_line(call, words):
     assert all(word in message for word in words), message
     assert len(message.splitlines()) == 1 and "pydantic" not in message
     assert raised.value.__suppress_context__ or not raised.value.__context__
+
+
+@pytest.mark.parametrize("several", [np.array([2, 3, 4]), range(2, 5), (2, 3, 4), [np.float64(2), "3", 4]])
+def test_one_value_for_each_object(several):
+    assert Chess(z1=several).z1 == Spheres(z1=several).z1 == Chess(z1=2, x=several).x == (2, 3, 4)
+    assert Chess(z1=np.array([2])).z1 == Chess(z1=np.float64(2)).z1 == Spheres(z1=[2]).z1 == 2
+    assert Spheres(z1=several).distances == Chess(z1=several).distances == (2, 3, 4) and Spheres(z1=2).distances == (2,)
 
 
 def test_a_copy_with_changes():
@@ -66,4 +83,18 @@ def test_help_names_each_parameter(model):
 def test_the_signature_has_types_and_defaults():
     assert "alpha: float = 66" in str(inspect.signature(Chess))
     assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
+    assert {str, Path} <= set(get_args(inspect.signature(Chess).parameters["piece"].annotation))
     assert Rendering() == Rendering(quality="standard")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("eye", "the objects and the window stay"),
+        ("aperture", "the floor with all that stands on it moves"),
+        ("z2", "the default spheres move with it"),
+        ("pedestal", "the pieces move with it"),
+    ],
+)
+def test_help_says_what_else_moves(name, words):
+    assert words in Chess.model_fields[name].description

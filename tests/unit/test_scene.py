@@ -4,38 +4,50 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, Spheres
-from povgen.errors import validated
 from povgen.measure import probes
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
-from povgen.scene.models import SCENES, VIEW
+from povgen.scene.models import APERTURE, SCENES, VIEW
 
 
 def test_eye_and_object_move_on_their_own():
-    assert (Chess().E, Chess().L) == (0, -1.33j) and (Spheres().E, Spheres().L) == (0, -0.55)
+    foot = Chess().L
+    assert (Chess().E, foot.real, foot.imag) == (0, 0, pytest.approx(-0.85))
+    assert (Spheres().E, Spheres().L) == (0, -0.8)
     for scene in (Chess(eye=(1, -0.5)), Chess(eye="1,-0.5"), Chess(eye=1 - 0.5j)):
-        assert (scene.E, scene.L) == (1 - 0.5j, -1.33j)
-    assert (Chess(x=2).E, Chess(x=2).L) == (0, 2 - 1.33j)
+        assert (scene.E, scene.L) == (1 - 0.5j, foot)
+    assert (Chess(x=2).E, Chess(x=2).L) == (0, 2 + foot)
     scene = Spheres(eye=(1, -5), line=(0.2, 0.3))  # no floor
     assert (scene.E, scene.L) == (1 - 5j, 0.2 + 0.3j)
 
 
-def test_the_floor_is_under_the_window_frame():
+def test_window_frame_and_pedestals_stand_on_the_floor():
     for aperture in (0.5, 2.4, 10):
-        scene = Chess(aperture=aperture, z1=5)
+        scene = Chess(aperture=aperture, z1=5, pedestal=0)
         assert scene.L.imag == scene.floor == -(aperture / 2 + scene.rim)
+        assert Chess(aperture=aperture, z1=5, pedestal=1.5).L.imag == scene.floor + 1.5
         with pytest.raises(InputError, match=f"allowed: Y > {scene.floor:g}$"):
-            validated(Chess, {"aperture": aperture, "z1": 5, "eye": (0, scene.floor)})
+            Chess(aperture=aperture, z1=5, eye=(0, scene.floor))
 
 
 def test_the_window_frame_holds_the_sheets():
-    assert Chess().depth == Chess(sheet="none").depth == 0.24
+    assert Chess().depth == Chess(sheet="none").depth == APERTURE / 10
     assert Chess(aperture=10, z1=5).depth == Chess(aperture=10, z1=5, sheet="ideal").depth == 1
     for values in ({"prisms": 10}, {"index": 1.1}, {"base_angle": 75}, {"aspect": 1.9}):
         scene = Chess(z1=50, z2=50, **values)
-        assert scene.depth == pytest.approx(1.02 * scene.prism.thickness(2)) and scene.depth > 0.24
+        assert scene.depth == pytest.approx(1.02 * scene.prism.thickness(2)) and scene.depth > APERTURE / 10
         with pytest.raises(InputError, match="would touch the window frame"):
-            validated(Chess, {"z1": scene.depth / 2, "z2": 50, **values})
+            Chess(**{"z1": scene.depth / 2, "z2": 50, **values})
+
+
+@pytest.mark.parametrize(("piece", "width", "height"), [("knight", 0.45, 1.55), ("bishop", 0.4, 1.68)])
+def test_the_whole_piece_is_well_inside_the_window(piece, width, height):
+    """By eq. 7, in every frame of vary-alpha and of vary-z1."""
+    scene = Chess(sheet="ideal", piece=piece)
+    corners = scene.L + np.array([-width, width, -width + 1j * height, width + 1j * height])
+    alpha = np.arange(0, 181)[:, np.newaxis]
+    assert scene.visible(1.08 * corners, 2, alpha).all()
+    assert scene.visible(1.08 * corners, np.geomspace(0.6, 60)[:, np.newaxis], 90).all()
 
 
 def test_a_prism_is_at_least_a_unit_wide():
@@ -52,7 +64,7 @@ def test_predictions_follow_the_prisms(name, sheet):
     values = {"index": 1.9, "base_angle": 52, "gap": 0.2, "aspect": 0.8, "aperture": 2.0}
     usual, scene = Chess(sheet=sheet, prisms=20), Chess(sheet=sheet, prisms=20, **{name: values[name]})
     shape = {"index": 1.5, "base_angle": 45, "gap": 0.01, "aspect": 1, name: values[name]}
-    prism, L = Prism(shape.pop("aperture", 2.4) / 20, **shape), 0.3 + 0.3j
+    prism, L = Prism(shape.pop("aperture", APERTURE) / 20, **shape), 0.3 + 0.3j
     if sheet == "detailed":
         right = paraxial.apparent_position(L, scene.E, 2, 6, np.radians(66), prism)
     else:
@@ -66,9 +78,9 @@ def test_predictions_follow_the_prisms(name, sheet):
 def test_prisms_whose_facets_cross_are_refused(scene):
     least = Prism(1.0, 2, 40).least_aspect
     shape = {"index": 2, "base_angle": 40}
-    assert validated(scene, {**shape, "aspect": least + 1e-9}).prism.top_length == pytest.approx(0, abs=1e-9)
+    assert scene(**{**shape, "aspect": least + 1e-9}).prism.top_length == pytest.approx(0, abs=1e-9)
     with pytest.raises(InputError, match=f"aspect = .*cross; allowed: {least:.4g} < aspect < 2"):
-        validated(scene, {**shape, "aspect": least - 1e-9})
+        scene(**{**shape, "aspect": least - 1e-9})
 
 
 def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():

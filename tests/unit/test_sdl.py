@@ -78,7 +78,7 @@ def test_no_name_is_also_one_of_povrays_include_files():
 def test_another_macro_for_the_sheets():
     macro = "#macro Sheet(Angle, Centre) sphere { Tile*Centre*z, Tile*Pitch rotate Angle*z } #end"
     own, other = to_pov(Chess()), to_pov(Chess(), sheet_macro=macro)
-    assert macro in other and "mesh {" in own and "mesh {" not in other
+    assert macro in other and "interior {" in own and "interior {" not in other
     assert own.startswith(other[: other.index(macro)])
     assert own.endswith(other[other.index(macro) + len(macro) :].lstrip())
 
@@ -102,9 +102,8 @@ def test_frames_differ_only_in_their_parameters(sheet):
 def test_parameters_name_their_unit():
     for scene in scenes():
         for line in to_pov(scene).splitlines():
-            if re.match(
-                r"#declare (Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|SeenUp)\b", line
-            ):
+            lengths = "Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|FootRadius|Pedestal|SeenUp"
+            if re.match(rf"#declare ({lengths})\b", line):
                 assert line.endswith("tiles")
             if re.match(r"#declare (Alpha|BaseAngle)\b", line):
                 assert "degrees" in line
@@ -115,7 +114,7 @@ def test_the_origin_of_a_line():
     text = to_pov(scene)
     lines = text.splitlines()
     for part, template in (
-        ("mesh {", "sheets.pov.j2"),
+        ("interior {", "sheets.pov.j2"),
         ("// the cross", "pieces/king.pov.j2"),
         ("checker", "floor.pov.j2"),
     ):

@@ -16,7 +16,7 @@ def swept(text, scene="chess", quality="standard", **values):
     """Return the values of the first swept parameter in the scenes of a movie."""
     texts = text.split()
     movie = MovieSpec.of_sweeps(scene, texts, values)
-    return [getattr(each, texts[0].partition("=")[0]) for each in movie.scenes(quality)]
+    return [getattr(each, texts[0].partition("=")[0].replace("-", "_")) for each in movie.scenes(quality)]
 
 
 def test_spec_values():
@@ -90,29 +90,29 @@ def test_several_parameters_and_explicit_values():
 def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
         **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
-        **{"eye": 2, "z1": 1, "x": 1},
+        **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
-    assert [each[0] for each in swept("z1=2:4", "spheres", frames=3)] == [2, 3, 4]
+    assert swept("z1=2:4", "spheres", frames=3) == [2, 3, 4]
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("alpha=0:400", "frame 61 of 61, alpha = 400: alpha = 400.0: should be less than or equal to 360"),
+        ("alpha=0:400", "frame 61 of 61: alpha = 400.0: should be less than or equal to 360"),
         (
             "z2=6:0.1",
-            "frame 61 of 61, z2 = 0.1: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.13",
+            "frame 61 of 61: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.16",
         ),
         (
             "eye=0,0:0,-2 alpha=0:90",
-            "frame 61 of 61, eye = 0,-2, alpha = 90: eye = 0,-2: the eye would be under the floor",
+            "frame 61 of 61, alpha = 90: eye = 0,-2: the eye would be under the floor",
         ),
         ("prisms=1000:5", "frame 61 of 61, prisms = 5: z1 = 2: the knight would touch the window frame"),
-        ("piece=1:2", "parameter = 'piece': allowed: alpha, z2, prisms"),
+        ("piece=1:2", "parameter = 'piece': cannot be swept; allowed: alpha, z2, prisms"),
         ("eye=1:2", "eye = 1.0: allowed: a pair"),
         ("alpha=1,2:3,4", "alpha = (1.0, 2.0): allowed: a number"),
-        ("alpha=0:90 alpha=0:9", "parameter = 'alpha': more than once"),
+        ("alpha=0:90 alpha=0:9", "parameter = 'alpha': swept more than once"),
         ("alpha=0", "sweep = 'alpha=0': allowed: NAME=START:STOP"),
         ("alpha=0:9:cubic", "sweep = 'alpha=0:9:cubic': spacing = 'cubic': should be 'linear', 'log' or 'cosine'"),
         ("eye=0,1:1,1:log", "spacing = 'log': not for points; allowed: linear, cosine"),
@@ -122,7 +122,25 @@ def test_every_number_of_a_scene_can_be_swept():
 def test_what_cannot_be_is_refused(text, words):
     with pytest.raises(InputError) as error:
         swept(text)
-    assert words in str(error.value) and len(str(error.value).splitlines()) == 1
+    assert words in str(error.value) and len(str(error.value).splitlines()) == 1 and "[[" not in str(error.value)
+
+
+def test_a_sweep_is_written_as_the_option():
+    assert swept("base-angle=40:45", frames=2) == [40, 45]
+
+
+def test_a_piece_is_sought_beside_the_toml_file(tmp_path, monkeypatch):
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs/own.inc").write_text("#declare Piece = sphere { 0, 0.5 }")
+    text = '[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n[fixed]\n'
+    (tmp_path / "specs/a.toml").write_text(HEAD + text + 'piece = ["own.inc", "king"]\n')
+    monkeypatch.chdir(tmp_path)
+    (scene, *_) = MovieSpec.load("specs/a.toml").scenes("draft")
+    assert scene.piece[0].path == "specs/own.inc" and scene.piece[1] == "king"
+    (tmp_path / "specs/a.toml").write_text(HEAD + text + 'piece = "none.inc"\n')
+    assert MovieSpec.load("specs/a.toml", {"piece": "pawn"}).scenes("draft")[0].piece == "pawn"
+    with pytest.raises(InputError, match="piece = 'specs/none.inc'"):
+        MovieSpec.load("specs/a.toml")
 
 
 @pytest.mark.parametrize(
@@ -130,6 +148,7 @@ def test_what_cannot_be_is_refused(text, words):
     [
         ("values = [1, 2, 3]", "values: 3 and 13 frames"),
         ("values = [1, 2, 3]\nstart = 1", "values: given with start"),
+        ("values = [10]", "values = [10]: should have at least 2 values"),
         ("values = [2, 2]", "values = (2.0, 2.0): all equal"),
         ("start = 2", "stop: missing"),
         ("start = true\nstop = 2", "start = True: should not be true or false"),

@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Workers, takes, worker_count
+from povgen.cli.options import Quiet, Workers, split, takes
 from povgen.cli.report import warn
-from povgen.errors import validated
 from povgen.progress import bar
 
 
@@ -30,13 +29,15 @@ def command(
 ) -> None:
     """Make a page to teach with: movies, seen through prisms or the ideal sheet, beside the diagram of figure 5."""
     from povgen.rendering import cache
+    from povgen.rendering.parallel import worker_count
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
     from povgen.teach.page import OWN, checked_page, one_eyed, scenes
     from povgen.teach.page import demo as make
 
     loaded, count = [MovieSpec.load(spec) for spec in specs or OWN], worker_count(workers)
-    rendering = one_eyed(validated(Rendering, options))
+    _, options = split(options)
+    rendering = one_eyed(Rendering(**options))
     shown = [scene for spec in loaded for frames in scenes(spec, rendering.quality).values() for scene in frames]
     cache.check()  # before the page's folder is made
     checked_page(output)

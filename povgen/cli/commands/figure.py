@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import made_folder
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 
 
 def command(
@@ -21,7 +21,7 @@ def command(
     """Make figures of the paper as PNG, line drawings also as SVG, and captions with the measured agreement."""
     from povgen.settings import Rendering
 
-    rendering = validated(Rendering, {"quality": quality})
+    rendering = Rendering(quality=quality)
     for number in numbers:
         if number not in list("123456"):
             raise InputError(f"number = {number!r}: the paper has no such figure; allowed: 1 to 6")

@@ -7,7 +7,6 @@ import typer
 
 from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
 from povgen.cli.report import warn
-from povgen.errors import validated
 
 
 @takes("scenes", "rendering")
@@ -25,20 +24,17 @@ def command(
     from povgen.rendering import cache
     from povgen.settings import Rendering
     from povgen.video.still import png
-    from povgen.video.views import views
 
     values, options = split(values)
     output = checked_output(output, [".png"])
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = scene_of(scene, values | {"sheet": "detailed"})
-        shown = views(prisms, validated(Rendering, options))
-        values["sheet"], options["antialias"] = chosen(shown, options, limit, quiet)
+        values["sheet"], options["antialias"] = chosen([prisms], options, limit, quiet)
     made = scene_of(scene, values)
-    rendering = validated(Rendering, options)
-    shown = views(made, rendering)
+    rendering = Rendering(**options)
     cache.check()
     if not quiet:
-        warn(shown, rendering)
+        warn([made], rendering)
     save(png(made, rendering), output)
     if not quiet:
         print(f"wrote {output}")

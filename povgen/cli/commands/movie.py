@@ -1,15 +1,14 @@
 """The command povgen movie."""
 
 import logging
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes, worker_count
+from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes
 from povgen.cli.report import warn
-from povgen.errors import InputError, validated
+from povgen.errors import InputError
 from povgen.progress import bar
 
 if TYPE_CHECKING:
@@ -24,15 +23,16 @@ def command(
         str,
         typer.Argument(
             metavar="SPEC",
-            help="a movie's TOML file, the name of one of povgen's own movies; for --sweep, chess or spheres",
+            help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene "
+            "(chess or spheres)",
         ),
     ],
     sweep: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=START:STOP[:SPACING]",
-            help="a parameter that changes from START to STOP, such as alpha=0:180 or eye=-1,0:1,0:cosine; SPACING is "
-            "linear, log or cosine; once for each parameter; SPEC is then a scene",
+            metavar="NAME=START:STOP",
+            help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
+            "The spacing can be :linear, :log or :cosine. Once for each parameter",
         ),
     ] = None,
     frames: Annotated[
@@ -72,33 +72,36 @@ def command(
     """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
+    from povgen.rendering.parallel import worker_count
     from povgen.settings import Rendering
-    from povgen.video.build import checked_movie, movie_views
+    from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
 
     values, options = split(values)
     given = {"frames": frames, "frame_rate": frame_rate, "loop": loop}
-    loaded = _movie_of(spec, sweep, {name: value for name, value in given.items() if value is not None})
+    given = {name: value for name, value in given.items() if value is not None}
+    loaded = _movie_of(spec, sweep, given, {name: value for name, value in values.items() if value != "auto"})
     count = worker_count(workers)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
-        checked_movie(output, loaded, validated(Rendering, options).quality)
+        checked_movie(output, loaded, Rendering(**options).quality)
     elif scheduler is not None:
         raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
     if (limit := auto_tolerance(values, tolerance)) is not None:
         prisms = loaded.with_fixed(values | {"sheet": "detailed"})
-        asked = validated(Rendering, options)
-        through_prisms = movie_views(prisms.scenes(asked.quality), asked)
-        values["sheet"], options["antialias"] = chosen(list(chain(*through_prisms)), options, limit, quiet)
+        asked = Rendering(**options)
+        through_prisms = prisms.scenes(asked.quality)
+        check_views(through_prisms, asked)
+        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
     made = loaded.with_fixed(values)
-    rendering = validated(Rendering, options)
+    rendering = Rendering(**options)
     scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
-    shown = list(chain(*movie_views(scenes, rendering)))
+    check_views(scenes, rendering)
     cache.check()
     if not quiet:
-        warn(shown, rendering)
+        warn(scenes, rendering)
     if part is not None:
-        return _render_shard(part, shown, rendering, count, quiet)
+        return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
     make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)
@@ -106,16 +109,18 @@ def command(
         print(f"wrote {output}")
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any]) -> "MovieSpec":
-    """Return the movie of a spec, or of a scene and its sweeps, with these values. Raises InputError."""
+def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any], fixed: dict[str, Any]) -> "MovieSpec":
+    """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
+
+    Raises InputError.
+    """
     from povgen.scene.models import SCENES
     from povgen.scene.spec import MOVIES, MovieSpec
 
     if not sweeps:
         if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
-        loaded = MovieSpec.load(spec)
-        return validated(MovieSpec, {**dict(loaded), **values}) if values else loaded
+        return MovieSpec.load(spec, fixed).replace(**values)
     if spec not in SCENES:
         raise InputError(f"sweep = {sweeps[0]!r}: not for the movie {spec!r}; allowed: for {' or '.join(SCENES)}")
     return MovieSpec.of_sweeps(spec, sweeps, values)

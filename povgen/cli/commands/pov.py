@@ -24,7 +24,7 @@ def command(
 
     values, options = split(values)
     made = scene_of(scene, values)
-    text = to_pov(made, **options)
+    text = to_pov(made, file="scene.pov" if output is None else output.name, **options)
     warn([made])
     if output is None:
         print(text, end="")

@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from povgen.errors import validated
+from povgen.errors import InputError
+from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
-
-Picture = NDArray[np.uint8]
 
 
 def views(scene: Scene, rendering: Rendering) -> list[Scene]:
@@ -24,8 +22,10 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
     if len(eyes) * len(backgrounds) == 1:
         return [scene]
-    own = {name: getattr(scene, name) for name in type(scene).model_fields}
-    return [validated(type(scene), own | {"eye": eye, "background": sky}) for eye in eyes for sky in backgrounds]
+    try:
+        return [scene.replace(eye=eye, background=sky) for eye in eyes for sky in backgrounds]
+    except InputError as error:
+        raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
 
 
 def composed(pictures: Sequence[Picture], scene: Scene, rendering: Rendering) -> Picture:
@@ -57,15 +57,7 @@ def _transparent(black: Picture, white: Picture) -> Picture:
     In linear light, white - black = 1 - alpha, and black = alpha times the colour. Alpha is the greatest of those of
     the three colours.
     """
-    darker, lighter = _linear(black), _linear(white)
+    darker, lighter = linear(black), linear(white)
     alpha = (1 - (lighter - darker).min(axis=2, keepdims=True)).clip(0, 1)
     colour = np.divide(darker, alpha, out=np.zeros_like(darker), where=alpha > 0).clip(0, 1)
-    encoded = np.where(colour <= 0.0031308, 12.92 * colour, 1.055 * colour ** (1 / 2.4) - 0.055)
-    return np.asarray(255 * np.concatenate((encoded, alpha), axis=2) + 0.5, np.uint8)
-
-
-def _linear(picture: Picture) -> NDArray[np.float32]:
-    """Return the light, 0 to 1, of sRGB bytes."""
-    encoded = np.arange(256, dtype=np.float32) / 255
-    light = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return np.asarray(light, np.float32)[picture]
+    return np.asarray(np.concatenate((encoded(colour), 255 * alpha), axis=2) + 0.5, np.uint8)
