@@ -7,12 +7,16 @@ Other shifts depend on the point at which a ray enters a prism, and are zero on 
 derivation.
 
 Let light from L reach E with the slope s = (P - E)/z2, a complex number. Then L - E = A s + B conj(s), with A and B
-that depend on the windows, z1, z2 and the pitch (`_depths`).
+that depend on the windows, z1, z2 and the pitch (`depths`).
 
 Signs and units are as in `rotation`. The plane of a window is midway between its two sheets. z2 and the apparent
 position refer to the plane of the first window, z = 0. z1 refers to the plane of the last one. `behind` are the windows
-behind the first one, as in `rotation.depth`. All windows have equal prisms.
+behind the first one, as in `rotation.depth`. `prism` is the shape of the prisms, of all windows or one for each. Prisms
+of an ideal window have the pitch 0.
 """
+
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,9 +24,11 @@ from numpy.typing import ArrayLike
 from povgen.optics.prism import Prism
 from povgen.optics.rotation import Complexes, Floats, Windows, depth
 
+Prisms = Prism | Sequence[Prism]
+
 
 def image(
-    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows = ()
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
 ) -> tuple[Complexes, Complexes]:
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
@@ -31,14 +37,14 @@ def image(
     At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
     so are their errors (`limits.MAX_CORRECTION`).
     """
-    A, B = _depths(z1, z2, alpha, prism, behind)
+    A, B = depths(z1, z2, alpha, prism, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.divide(z2, abs(A) ** 2 - abs(B) ** 2)
         return A.conj() * scale, -B * scale
 
 
 def nu_and_M(
-    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows = ()
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
 ) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
@@ -48,21 +54,23 @@ def nu_and_M(
     |b|. If |A| = |B|, nu is NaN and M is infinite.
     """
     behind = tuple(behind)
-    A, B = _depths(z1, z2, alpha, prism, behind)
+    A, B = depths(z1, z2, alpha, prism, behind)
     a, b = image(z1, z2, alpha, prism, behind)
     M = np.where(abs(A) == abs(B), np.inf, np.maximum(abs(a), abs(b)))
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 
 
-def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
+def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()) -> Complexes:
     """Return the two z1 at which |A| = |B|.
 
     If no real z1 has |A| = |B|, the two results are complex. Their real part is the z1 at which |A| is least.
     """
-    g, apart = prism.slab_shift, prism.separation
-    h = (apart + g) / 2
-    half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
-    return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
+    behind = tuple(behind)
+    A, B = depths(0, z2, alpha, prism, behind)  # A = A(z1 = 0) + z1 exp(-i a), with the sum a of all angles
+    a = np.asarray(alpha) + sum(np.asarray(turn) for _, turn in behind)
+    least = A * np.exp(1j * a)
+    half = np.emath.sqrt(abs(B) ** 2 - least.imag**2)
+    return -least.real + np.array([-half, half])
 
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
@@ -81,7 +89,7 @@ def apparent_position(
     z1: ArrayLike,
     z2: ArrayLike,
     alpha: ArrayLike,
-    prism: Prism,
+    prism: Prisms,
     behind: Windows = (),
 ) -> Complexes:
     """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for real prisms."""
@@ -102,21 +110,18 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
         return np.add(E, np.multiply(z2, slope))
 
 
-def _depths(
-    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism, behind: Windows
+def depths(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
 ) -> tuple[Complexes, Complexes]:
     """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s.
 
     Each window shortens the distances on its two sides by h, and adds (apart - g) exp(i a) conj(s) to L - E. Here a is
     the sum of the angles up to this window (docs/beyond.md).
     """
-    g, apart = prism.slab_shift, prism.separation
-    h = (apart + g) / 2
-    total = np.asarray(alpha, float)
-    B = np.exp(1j * total)
-    shortened = []
-    for d, turn in behind:
-        total = total + np.asarray(turn, float)
-        B = B + np.exp(1j * total)
-        shortened.append((np.subtract(d, 2 * h), turn))
-    return depth(np.subtract(z1, h), np.subtract(z2, h), alpha, shortened), (apart - g) * B
+    behind = tuple(behind)
+    prisms = [prism] * (1 + len(behind)) if isinstance(prism, Prism) else prism
+    h = [(prism.separation + prism.slab_shift) / 2 for prism in prisms]
+    totals = accumulate([np.asarray(alpha), *(np.asarray(turn) for _, turn in behind)])
+    B = sum((prism.separation - prism.slab_shift) * np.exp(1j * a) for prism, a in zip(prisms, totals, strict=True))
+    shortened = [(np.subtract(d, x + y), turn) for (d, turn), (x, y) in zip(behind, pairwise(h), strict=True)]
+    return depth(np.subtract(z1, h[-1]), np.subtract(z2, h[0]), alpha, shortened), B

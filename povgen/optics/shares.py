@@ -16,6 +16,7 @@ class Shares:
     back: float  # leave on the side that they came from
     frame: float  # meet the frame
     absorbed: float  # meet a black top
+    beside: float  # miss a later window
     unfinished: float  # have met the greatest allowed number of faces
 
 
@@ -33,6 +34,7 @@ def shares(rays: Rays, black_tops: bool = False) -> Shares:
         "stray": through & ~rays.designed,
         "back": rays.end == End.BACK,
         "frame": rays.end == End.FRAME,
+        "beside": rays.end == End.BESIDE,
         "unfinished": rays.end == End.UNFINISHED,
     }
     counted = {name: float(np.mean(kind & ~absorbed)) for name, kind in kinds.items()}

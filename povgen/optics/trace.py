@@ -3,7 +3,7 @@
 The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
 in the unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. A ray
 that meets the frame of a window from inside ends there, and so does a ray that misses the first window on its way. A
-ray that misses a later window passes beside it.
+ray also ends where it misses a later window.
 
 Each sheet has its own coordinate system, in which its prisms' ridges lie along x. Each of its prisms has a cell, one
 pitch high: the prism and the air above it. There u is the height above the prism's base.
@@ -42,6 +42,7 @@ class End(IntEnum):
     BACK = 1  # leaves on the side that it came from
     FRAME = 2  # meets the window frame
     UNFINISHED = 3  # has met the greatest allowed number of faces
+    BESIDE = 4  # passes beside a window, after another one
 
 
 @dataclass(frozen=True)
@@ -134,11 +135,6 @@ def pair(alpha: float, prism: Prism, behind: Iterable[tuple[float, float]] = ())
     return tuple(sheets)
 
 
-def sheets(model: str, alpha: float, prism: Prism) -> tuple[Sheet, ...]:
-    """Return the sheets of a scene whose `sheet` is 'detailed' or 'single'. alpha in radians."""
-    return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, prism)
-
-
 def trace(
     origin: ArrayLike,
     direction: ArrayLike,
@@ -146,12 +142,13 @@ def trace(
     window: float,
     prism: Prism,
     most: int = 60,
+    frame: float = 0.0,
 ) -> Rays:
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill square windows with the given side. A ray ends after `most` faces. A ray that passes
-    beside a window meets none of its faces.
+    eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z,
+    if it is greater than that of the sheets: light from the sheets can meet it. A ray ends after `most` faces.
     Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prism)
@@ -172,7 +169,7 @@ def trace(
     for start in range(0, n, CHUNK):
         chunk = Rays(*(getattr(rays, field.name)[start : start + CHUNK] for field in fields(Rays)))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(chunk, sheets, glass).run()
+            _Trace(chunk, sheets, glass, frame).run()
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     steps = len(path)
     path = np.where(forward, path, path[::-1])
@@ -204,13 +201,16 @@ class _Trace:
     the sine of that sheet's angle.
     """
 
-    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
+    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass, frame: float) -> None:
         n, self.most = rays.faces.shape
         self.rays, self.glass, self.sheets = rays, glass, len(sheets)
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
         self.centre = np.array([sheet.centre for sheet in sheets])
         self.window = np.array([sheet.window for sheet in sheets])
+        # z of the middle of each sheet's window
+        self.middle = np.array([self.centre[self.window == window].mean() for window in self.window])
+        self.frame = frame / 2
         self.x, self.u, self.z, self.dx, self.dy, self.dz, self.cell, self.c, self.s = np.empty((9, n))
         self.forward = rays.direction[:, 2] > 0
         self.sheet = np.where(self.forward, 0, len(sheets) - 1)
@@ -287,17 +287,25 @@ class _Trace:
     def change_sheet(self, i: Indices) -> Indices:
         """Take rays that leave a sheet to the next one, if there is one. Return those that reach it."""
         self.leave(i)
-        onward = self.dz[i] > 0
-        before = self.sheet[i]
-        at = self.sheet[i] = before + np.where(onward, 1, -1)
-        ended = (at < 0) | (at == self.sheets)
-        # Beside one window, a ray is beside all that follow: a straight line leaves the square for good.
-        other = ~ended
-        other[other] = self.window[at[other]] != self.window[before[other]]
-        ended[other] = self.arrival(i[other])[-1]
-        out = i[ended]
-        self.rays.end[out] = np.where(onward[ended] == self.forward[out], End.THROUGH, End.BACK)
+        onward = np.where(self.dz[i] > 0, 1, -1)
+        before, after = self.sheet[i], self.sheet[i] + onward
+        last = (after < 0) | (after == self.sheets)
+        after = np.where(last, before, after)
+        self.sheet[i] = after
+        ended = last | (self.window[after] != self.window[before])  # they leave the window; some reach the next one
+        j, before, after, onward, last = (values[ended] for values in (i, before, after, onward, last))
+        blocked = self.outside(j, self.middle[before] + onward * self.frame)
+        beside = self.outside(j, self.middle[after] - onward * self.frame) | self.arrival(j)[-1]
+        through = np.where((onward > 0) == self.forward[j], End.THROUGH, End.BACK)
+        self.rays.end[j] = np.select([blocked, last], [End.FRAME, through], End.BESIDE)
+        ended[ended] = blocked | last | beside
         return self.enter(i[~ended])
+
+    def outside(self, i: Indices, z: Floats) -> Booleans:
+        """Return if rays are outside the window's square in the plane z, or where they are if they have passed it."""
+        position, direction = self.rays.position[i], self.rays.direction[i]
+        step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
+        return (abs(position + step[:, None] * direction)[:, :2] > self.glass.window / 2).any(1)
 
     def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
         """Take rays in the glass to the next face. Return those that leave the prism and those that are reflected."""

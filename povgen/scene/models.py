@@ -5,6 +5,7 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from collections.abc import Collection, Mapping
+from itertools import pairwise
 from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
@@ -35,6 +36,8 @@ VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
+MAX_WINDOWS = 5
+Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
 
@@ -103,18 +106,52 @@ PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
-class Scene(Model):
-    """What all scenes share: the eye, the window and the sheets in it."""
+class Window(Model):
+    """A window behind the first one, and parallel to it. Its size, its frame and its prisms are those of the first."""
 
-    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(
-        66, description="ray-rotation angle alpha, -360 to 360 degrees"
+    alpha: Alpha = Field(description="ray-rotation angle, -360 to 360 degrees")
+    z: Annotated[float, Field(gt=0, le=100)] = Field(
+        description="distance from the first window, above 0 to 100 tiles; more than that of the window before"
     )
+    sheet: Literal["detailed", "ideal"] | None = Field(
+        None, description="model of its sheets: detailed or ideal (default: the scene's)"
+    )
+
+
+def _window(value: object) -> object:
+    """Accept text such as 'alpha=120,z=2'."""
+    if isinstance(value, str):
+        parts = [part.partition("=") for part in value.split(",")]
+        if not all(equals for _, equals, _ in parts):
+            raise ValueError("should be text such as alpha=120,z=2")
+        value = {name.strip(): number for name, _, number in parts}
+    return Window(**value) if isinstance(value, Mapping) else value
+
+
+def _windows(value: object) -> object:
+    """Accept a single window."""
+    return [value] if isinstance(value, (str, Mapping, Window)) else value
+
+
+class Scene(Model):
+    """What all scenes share: the eye, the windows and the sheets in them."""
+
+    alpha: Alpha = Field(66, description="ray-rotation angle alpha, -360 to 360 degrees")
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
         6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
     sheet: SheetModel = Field(
         "detailed",
         description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet) or none",
+    )
+    window: Annotated[
+        tuple[Annotated[Window, BeforeValidator(_window)], ...],
+        Field(max_length=MAX_WINDOWS - 1),
+        BeforeValidator(_windows),
+    ] = Field(
+        (),
+        description="a further window, behind the first one, as alpha=120,z=2: its angle in degrees and its distance from "
+        f"the first, in tiles; also sheet=ideal or detailed; up to {MAX_WINDOWS - 1}, in order of z",
     )
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
@@ -180,9 +217,35 @@ class Scene(Model):
         return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
     @property
+    def sheets(self) -> tuple[SheetModel, ...]:
+        """The model of the sheets in each window, the first window first. 'none' is for all windows."""
+        own: SheetModel = self.sheet
+        return (own, *(own if own == "none" else window.sheet or own for window in self.window))
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """z of each window, midway between its sheets, tiles."""
+        return (0.0, *(window.z for window in self.window))
+
+    @property
+    def behind(self) -> tuple[tuple[float, float], ...]:
+        """The windows behind the first one, as in `rotation.depth`: distance from the window before, alpha (radians)."""
+        return tuple((b - a, radians(w.alpha)) for (a, b), w in zip(pairwise(self.places), self.window, strict=True))
+
+    @property
+    def prisms_by_window(self) -> tuple[Prism, ...]:
+        """The shape of the prisms in each window. Those of an ideal sheet have no size."""
+        return tuple(self.prism if sheet == "detailed" else Prism(0.0) for sheet in self.sheets)
+
+    @property
+    def simulated(self) -> int:
+        """How many windows the camera simulates: the ideal ones. They are nearer to the eye than windows of prisms."""
+        return self.sheets.count("ideal")
+
+    @property
     def sheets_depth(self) -> float:
-        """Extent of the sheets along z, tiles. They are centred on z = 0."""
-        sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
+        """Extent along z of the sheets in a window of prisms, tiles; 0 without prisms. Its middle is the window's z."""
+        sheets = max({"detailed": 2, "single": 1}.get(sheet, 0) for sheet in self.sheets)
         return self.prism.thickness(sheets) if sheets else 0.0
 
     @property
@@ -193,59 +256,71 @@ class Scene(Model):
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
-        L (complex) and z1 are in tiles. alpha, in degrees, replaces the scene's own. Arrays broadcast.
+        Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
+        scene's own. Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import paraxial, rotation
 
         turn = numpy.radians(self.alpha if alpha is None else alpha)
-        match self.sheet:
-            case "detailed":
-                return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prism)
-            case "single":
-                return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
-            case "ideal":
-                return rotation.apparent_position(L, self.E, z1, self.z2, turn)
-            case "none":
-                return rotation.apparent_position(L, self.E, z1, self.z2, 0)
+        if self.sheet == "single":
+            return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
+        if self.sheet == "none":
+            return rotation.apparent_position(L, self.E, numpy.add(z1, self.places[-1]), self.z2, 0)
+        if "detailed" in self.sheets:
+            return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prisms_by_window, self.behind)
+        return rotation.apparent_position(L, self.E, z1, self.z2, turn, self.behind)
 
     def visible(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Booleans":
-        """Return whether light from a point reaches the eye through the window, by the prediction.
+        """Return whether light from a point reaches the eye through the windows, by the prediction.
 
-        The light must pass inside the window frame's front and back, and inside the window at the middle planes of the
-        sheets, where the prediction turns it. Arguments as for `apparent_position`.
+        The light must pass inside each window frame's front and back, and inside each window at the middle planes of
+        its sheets, where the prediction turns it. Arguments as for `apparent_position`.
         """
         import numpy
 
-        turn = numpy.exp(-1j * numpy.radians(self.alpha if alpha is None else alpha))
+        from povgen.optics import paraxial
+
+        turn = numpy.radians(self.alpha if alpha is None else alpha)
+
+        def at(passed: int, z: float) -> "Complexes":
+            """Where light is, a distance z behind the last of the windows that a ray from the eye has passed."""
+            if passed == 0 or self.sheet == "none":
+                return self.E + slope * (self.z2 + self.places[max(0, passed - 1)] + z)
+            if self.sheet == "single":
+                return L - slope.conjugate() * numpy.subtract(z1, z)
+            A, B = paraxial.depths(z, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
+            return self.E + A * slope + B * slope.conjugate()
+
         with numpy.errstate(invalid="ignore"):
-            # between eye and sheets; `behind` is between sheets and object
             slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
-            behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
-            middle = self.prism.separation / 2 if self.sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
-            crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
-            crossed += [L - behind * numpy.subtract(z1, z) for z in (self.depth / 2, middle)]
+            crossed = []
+            for passed, sheet in enumerate(self.sheets):
+                distance = self.places[passed] - self.places[max(0, passed - 1)]
+                middle = self.prism.separation / 2 if sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
+                for z in (self.depth / 2, middle):
+                    crossed += [at(passed, distance - z), at(passed + 1, z)]
         half = self.aperture / 2
         return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
-        """Return the angle nu, degrees, through which two sheets show an object turned, and its magnification M.
+        """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
-        They are eqs. 8 and 9, corrected, or for prisms of finite size those of `paraxial.nu_and_M`. Of all equivalent
-        angles, nu is the one within 180 degrees of alpha/2. It is NaN at the pole, and for a mirrored object. z1 is in
-        tiles; arrays broadcast.
+        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
+        Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas. It is NaN at the pole,
+        and for a mirrored object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
         from povgen.optics import paraxial, rotation
 
-        alpha = remainder(self.alpha, 360)
-        if self.sheet == "ideal":
+        alpha = remainder(sum((window.alpha for window in self.window), self.alpha), 360)
+        if self.sheets == ("ideal",):
             r = rotation.r(z1, self.z2)
             nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
         else:
-            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prism)
+            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prisms_by_window, self.behind)
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @property
@@ -257,7 +332,7 @@ class Scene(Model):
         if z1 <= nearest:
             raise ValueError(
                 f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
-                f"z = {self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
+                f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
             )
         if z1 > self.farthest:
             raise ValueError(
@@ -267,7 +342,7 @@ class Scene(Model):
     @property
     def farthest(self) -> float:
         """The greatest z1, tiles."""
-        return MAX_DISTANCE / self.tile
+        return MAX_DISTANCE / self.tile - self.places[-1]
 
     @model_validator(mode="after")
     def _check_prisms_and_eye(self) -> Self:
@@ -285,6 +360,24 @@ class Scene(Model):
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
             raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
+        return self
+
+    @model_validator(mode="after")
+    def _check_windows(self) -> Self:
+        for number, (before, z) in enumerate(pairwise(self.places), 2):
+            least = before + self.depth + 0.01
+            if z <= least:
+                raise ValueError(
+                    f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
+                    f"allowed: z > {least:.4g}"
+                )
+        if self.window and self.sheet == "single":
+            raise ValueError("sheet = 'single': not with several windows; allowed: 'detailed', 'ideal' or 'none'")
+        if "ideal" in self.sheets[self.simulated :]:
+            raise ValueError(
+                "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
+                "them before all prisms; allowed: ideal windows first"
+            )
         return self
 
 
@@ -361,8 +454,15 @@ class Chess(Scene):
         return -(self.aperture / 2 + self.rim)
 
     def apparent_steps(self, z1: float) -> tuple[complex, complex]:
-        """Return the predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at z1."""
-        right, up = (complex(self.apparent_position(self.E + step, z1)) - self.E for step in (1, 1j))
+        """Return the predicted image of a step of one tile to the right and of one up, at z1.
+
+        It is in the plane z = 0, or in the plane of the last window that the camera simulates.
+        """
+        from povgen.optics import rotation
+
+        last = self.simulated - 1
+        scale = rotation.depth(0, self.z2, radians(self.alpha), self.behind[:last]) / self.z2 if last > 0 else 1
+        right, up = ((complex(self.apparent_position(self.E + step, z1)) - self.E) * scale for step in (1, 1j))
         return right, up
 
     @model_validator(mode="after")
@@ -384,7 +484,7 @@ class Chess(Scene):
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
                 "allowed: sheet = 'detailed' or 'ideal'"
             )
-        if self.predicted_image and self.z2 in self.distances and abs(self.alpha) == 180:
+        if self.predicted_image and not self.window and self.z2 in self.distances and abs(self.alpha) == 180:
             raise ValueError(
                 f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z2:g} the piece appears at "
                 "infinity (the pole of eq. 7); allowed: any other alpha or z1"

@@ -6,8 +6,9 @@ other light is stray light. The limits are in limits.py.
 
 from cmath import rect
 from collections.abc import Iterator
+from dataclasses import replace
 from math import ceil, hypot, inf, radians, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.optics.prism import Prism
 from povgen.scene.limits import (
@@ -24,6 +25,9 @@ from povgen.scene.limits import (
 from povgen.scene.models import Scene
 from povgen.settings import Rendering
 
+if TYPE_CHECKING:
+    from povgen.optics import trace
+
 
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through a window of prisms."""
@@ -32,7 +36,8 @@ class Survey(NamedTuple):
     designed: float  # the fraction of the rays on the designed path
 
 
-SurveyInputs = tuple[str, float, float, complex, float, Prism, int]
+# sheets, alpha and the windows behind the first one, z2, E, side of the windows, prism, number of rays
+SurveyInputs = tuple[tuple[str, ...], float, tuple[tuple[float, float], ...], float, complex, float, Prism, int]
 surveys: dict[SurveyInputs, Survey] = {}  # finished surveys, by their inputs
 
 
@@ -46,32 +51,66 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 def surveyed(scene: Scene, side: int = 60) -> SurveyInputs:
     """Return everything on which a scene's survey depends."""
-    return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.aperture, scene.prism, side)
+    return scene.sheets, scene.alpha, scene.behind, scene.z2, scene.E, scene.aperture, scene.prism, side
 
 
-def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, prism: Prism, side: int) -> Survey:
-    """Trace rays through a window of prisms. The window is divided into squares; one ray meets a random point of each.
+def prism_sheets(scene: Scene) -> "tuple[trace.Sheet, ...]":
+    """Return the sheets of prisms in a scene, the nearest to the eye first."""
+    return _sheets(scene.sheets, scene.alpha, scene.behind, scene.prism)
 
-    The random points are the same each time. Regularly spaced points would make moire with the prisms.
+
+def _sheets(
+    sheets: tuple[str, ...], alpha: float, behind: tuple[tuple[float, float], ...], prism: Prism
+) -> "tuple[trace.Sheet, ...]":
+    from povgen.optics import trace  # slow to load, and only prisms need it
+
+    if "single" in sheets:
+        return (trace.Sheet(0.0, 0.0),)
+    first = sheets.count("ideal")
+    turns = [radians(alpha), *(turn for _, turn in behind)]
+    z = sum(distance for distance, _ in behind[:first])
+    return tuple(replace(sheet, centre=sheet.centre + z) for sheet in trace.pair(turns[first], prism, behind[first:]))
+
+
+def _survey(
+    sheets: tuple[str, ...],
+    alpha: float,
+    behind: tuple[tuple[float, float], ...],
+    z2: float,
+    E: complex,
+    window: float,
+    prism: Prism,
+    side: int,
+) -> Survey:
+    """Trace rays through windows of prisms. The first window is divided into squares; one ray meets a random point of each.
+
+    The random points are the same each time. Regularly spaced points would make moire with the prisms. Rays that miss
+    a later window do not count.
     """
     import numpy as np
 
-    from povgen.optics import trace  # slow to load, and only prisms need it
+    from povgen.optics import series, trace
 
     points = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
     x, y = (points.reshape(2, -1) / side - 0.5) * window
-    direction = np.column_stack((x - E.real, y - E.imag, np.full(len(x), z2)))
-    eye = np.array([[E.real, E.imag, -z2]])
-    glass = trace.sheets(sheet, radians(alpha), prism)
-    found = trace.trace(eye, direction, glass, window, prism)
+    P = series.crossings(x + 1j * y, E, z2, radians(alpha), behind)
+    through_all = (np.maximum(abs(P.real), abs(P.imag)) <= window / 2).all(0)
+    glass = _sheets(sheets, alpha, behind, prism)
+    # rays start at the eye, or at the last ideal window
+    first = sheets.count("ideal")
+    distance = [z2, *(distance for distance, _ in behind)]
+    start, end = P[first - 1] if first else np.full(len(x), E), P[first]
+    origin = np.column_stack((start.real, start.imag, np.full(len(x), sum(distance[1:first]) if first else -z2)))
+    direction = np.column_stack(((end - start).real, (end - start).imag, np.full(len(x), distance[first])))
+    found = trace.trace(origin, direction, glass, window, prism)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8 is a margin: pictures can lose a larger fraction than this sample
     lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
-        longer = trace.trace(eye, direction[unfinished], glass, window, prism, MAX_FACES)
+        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
-    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed.mean()))
+    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed[through_all].mean()) if through_all.any() else 0.0)
 
 
 def max_trace_level(scene: Scene) -> int:
@@ -87,18 +126,19 @@ def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera.pov.j2.
+    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact; but the part of it
+    behind which there is another window is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
         return grid
-    return ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR)))) if scene.E else 1
+    return ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR)))) if scene.E or scene.simulated > 1 else 1
 
 
 def grid_error(scene: Scene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis; on the axis the interpolation is exact. POV-Ray interpolates between unit vectors
+    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates between unit vectors
     at the corners of triangles. Off the axis, a ray then has the direction that belongs to another point, up to
     d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
     displaced by |P| times this distance.
@@ -112,14 +152,17 @@ def grid_error(scene: Scene, cells: int) -> float:
 
 
 def _P(scene: Scene, z1: float) -> float:
-    """Return |P| of eq. 7. Unlike `rotation.P` it does not need numpy, which is slow to load."""
-    inverse = abs(1 + rect(scene.z2 / z1, radians(scene.alpha)))
-    return 1 / inverse if inverse else inf
+    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `rotation` it does not need numpy, slow to load."""
+    Z, turn = complex(scene.z2), 1 + 0j
+    for distance, alpha in ((0, radians(scene.alpha)), *scene.behind):
+        Z, turn = Z + distance * turn, turn * rect(1, -alpha)
+    Z += z1 * turn
+    return z1 / abs(Z) if Z else inf
 
 
 def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence."""
-    glass = scene.sheet in ("detailed", "single")
+    glass = scene.sheets_depth > 0
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
@@ -128,8 +171,10 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
         text += " prisms' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
-    if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < MIN_ALPHA:
-        text = f"alpha = {scene.alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
+    for sheet, alpha in zip(scene.sheets, (scene.alpha, *(window.alpha for window in scene.window)), strict=True):
+        if sheet != "detailed" or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
+            continue
+        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
@@ -157,14 +202,14 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     L, z1 = np.array([L for L, _ in scene.objects]), np.array(scene.distances)
     alpha = radians(scene.alpha)
     with np.errstate(all="ignore"):
-        if scene.sheet == "ideal":
-            found = rotation.condition(scene.z2 / z1, alpha)
-            # for an eye off the axis, a camera error above one pixel also counts
-            right = found / grid_error(scene, camera_cells(scene)) if scene.E else np.inf
+        if two and "detailed" not in scene.sheets:
+            found = abs(np.divide(scene.z2, rotation.depth(z1, scene.z2, alpha, scene.behind)))
+            # where the camera interpolates between cells, its error above one pixel also counts
+            right = found / grid_error(scene, camera_cells(scene)) if camera_cells(scene) > 1 else np.inf
             limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
-            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha)
+            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha, scene.behind)
             # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
             moved = (
                 scene.apparent_position(L, z1) - thin
