@@ -14,12 +14,19 @@ from numpy.typing import ArrayLike
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Directions, Floats, PiecePositions, Positions, Size
 from povgen.measure.rounding import decided_by_rounding
-from povgen.optics import rotation
+from povgen.optics import rotation, series
 from povgen.optics.trace import End
 from povgen.scene import prediction
+from povgen.scene.models import Window
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
+Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window
+SERIES: tuple[Series, ...] = (
+    (120, {"alpha": 120, "z": 2}),
+    (50, {"alpha": 75, "z": 1}),
+    (40, {"alpha": -100, "z": 0.6}),
+)
 
 
 @dataclass(frozen=True)
@@ -48,11 +55,15 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from horizon()
         yield from real_image()
         yield from nothing_changed()
+        yield from series_positions()
+        yield from series_image()
     if sheet != "ideal":
         yield from every_pixel()
         yield from finite_prisms()
         yield from paraxial_prediction()
         yield from other_prisms()
+        yield from series_pixels()
+        yield from series_prediction()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -173,11 +184,14 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
         scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes]
-        a, b = (seen.position for _, seen in located(scenes, size))
-        # distance: from the eyes to the point where their lines of sight cross
-        z2_over_distance = 1 - (a - b) / (eyes[0] - eyes[1])
-        off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / z2_over_distance - z1) / z1)
+        off.append(100 * abs(image_distance([seen.position for _, seen in located(scenes, size)], scenes) + z1) / z1)
     yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
+
+
+def image_distance(positions: list[complex], scenes: list[Positions]) -> complex:
+    """Return how far behind the plane z = 0 the lines of sight of two eyes to an object cross."""
+    z2_over_distance = 1 - (positions[0] - positions[1]) / (scenes[0].E - scenes[1].E)
+    return scenes[0].z2 / z2_over_distance - scenes[0].z2
 
 
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
@@ -301,13 +315,75 @@ def _prediction_error(
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
-    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles."""
+    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles.
+
+    For windows in series, the complex depth takes the place of eq. 7.
+    """
     thin, thick = [], []
     for scene, seen in located(scenes, size):
-        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha), scene.behind)
         thin.append(abs(seen.position - ideal))
         thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
+
+
+def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:
+    """Compare the apparent positions of objects behind 2 and 3 ideal windows with the complex depth."""
+    for windows in (2, 3):
+        scenes = [*series_targets("ideal", windows, count - count // 2, seed=11, E=0j)]
+        scenes += series_targets("ideal", windows, count // 2, seed=12, E=0.3 - 0.2j)
+        off = [px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) for scene, seen in located(scenes, size)]
+        what = f"{windows} windows: apparent position against the complex depth, {count} scenes, worst"
+        yield Measured("ideal", what, np.max(off), 0.1, "px")
+
+
+def series_image(size: Size = HD) -> Iterator[Measured]:
+    """Measure the image distance of two windows, by the parallax between two eyes."""
+    off = []
+    for first, second, gap in ((120, 120, 2.0), (150, 100, 1.5), (40, -100, 2.0)):
+        z1, W = series.imaged_plane(radians(first), [(gap, radians(second))])
+        window = [{"alpha": second, "z": gap}]
+        eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
+        scenes = [
+            Positions(sheet="ideal", alpha=first, window=window, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes
+        ]
+        off.append(100 * abs(image_distance([seen.position for _, seen in located(scenes, size)], scenes) - W) / abs(W))
+    yield Measured("ideal", "2 windows: image distance by parallax, worst of 3", np.max(off), 0.2, "%")
+
+
+def series_pixels(
+    counts: tuple[int, ...] = (100, 400), scenes: tuple[Series, ...] = SERIES, size: Size = SMALL
+) -> Iterator[Measured]:
+    """Compare the direction that every pixel shows through 4 sheets with the exact ray trace, stray light included."""
+    for count in counts:
+        probed = [Directions(sheet="detailed", prisms=count, alpha=alpha, window=window) for alpha, *window in scenes]
+        yield from _pixels(f"2 windows of 2x{count}, {len(scenes)} scenes", probed, size)
+
+
+def series_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
+    """Measure the error of the paraxial prediction for 2 and 3 windows, as a fraction of the complex depth's error."""
+    for windows, prisms in ((2, 100), (3, 200)):
+        thin, thick = errors(series_targets("detailed", windows, count, seed=5, E=0j, prisms=prisms), size)
+        what = f"{windows} windows of 2x{prisms}: paraxial prediction's error ({px(thick):.2f} px) / the complex depth's"
+        yield Measured("detailed", what, thick / thin, 0.1)
+
+
+def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, **values: float) -> list[Positions]:
+    """Return squares behind random windows, like `targets`, that are well inside every window."""
+    random = np.random.default_rng(seed)
+    scenes: list[Positions] = []
+    while len(scenes) < count:
+        angles = random.uniform(8, 150, windows) * random.choice([-1, 1], windows)
+        places = np.cumsum(random.uniform(0.6, 1.6, windows - 1))
+        window = tuple(Window(alpha=alpha, z=z) for alpha, z in zip(angles[1:], places, strict=True))
+        z1, z2, P = random.uniform(1, 6), random.uniform(4, 8), complex(*random.uniform(-0.5, 0.5, 2))
+        scene = Positions(sheet=sheet, alpha=angles[0], window=window, z1=z1, z2=z2, eye=E, **values)
+        L = rotation.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
+        crossed = series.crossings(P, E, z2, radians(scene.alpha), scene.behind)
+        M = z2 / abs(rotation.depth(z1, z2, radians(scene.alpha), scene.behind))
+        if M < 4 and np.maximum(abs(crossed.real), abs(crossed.imag)).max() < 0.7:
+            scenes.append(scene.replace(L=L, extent=0.25 / M))
+    return scenes
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
