@@ -107,4 +107,6 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
+    if isinstance(fault.get("ctx", {}).get("error"), InputError):  # of a model in the model: it says what is allowed
+        return f"{name} = {shown(values[name])}: {message}"
     return f"{name} = {shown(values[name])}: {message} ({about})"

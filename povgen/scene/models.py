@@ -111,7 +111,7 @@ class Window(Model):
 
     alpha: Alpha = Field(description="ray-rotation angle, -360 to 360 degrees")
     z: Annotated[float, Field(gt=0, le=100)] = Field(
-        description="distance from the first window, above 0 to 100 tiles; more than that of the window before"
+        description="distance from the first window, above 0 to 100 tiles"
     )
     sheet: Literal["detailed", "ideal"] | None = Field(
         None, description="model of its sheets: detailed or ideal (default: the scene's)"
@@ -122,15 +122,36 @@ def _window(value: object) -> object:
     """Accept text such as 'alpha=120,z=2'."""
     if isinstance(value, str):
         parts = [part.partition("=") for part in value.split(",")]
-        if not all(equals for _, equals, _ in parts):
+        values = {name.strip(): number for name, _, number in parts}
+        if len(values) < len(parts) or not all(equals for _, equals, _ in parts):
             raise ValueError("should be text such as alpha=120,z=2")
-        value = {name.strip(): number for name, _, number in parts}
+        value = values
     return Window(**value) if isinstance(value, Mapping) else value
 
 
 def _windows(value: object) -> object:
     """Accept a single window."""
     return [value] if isinstance(value, (str, Mapping, Window)) else value
+
+
+WINDOW = (
+    "a further window, such as alpha=120,z=2: its angle in degrees, and how many tiles it is behind the first window; "
+    f"with sheet=ideal or sheet=detailed if it differs from the first; up to {MAX_WINDOWS - 1} windows, in order of z"
+)
+Windows = Annotated[
+    tuple[Annotated[Window, BeforeValidator(_window)], ...],
+    Field(max_length=MAX_WINDOWS - 1),
+    BeforeValidator(_windows),
+]
+
+
+class _Windows(Model):
+    window: Windows = Field(description=WINDOW)
+
+
+def as_windows(value: object) -> list[Window]:
+    """Return the windows that a scene's parameter `window` states. Raises InputError."""
+    return list(_Windows(window=value).window)
 
 
 class Scene(Model):
@@ -144,15 +165,7 @@ class Scene(Model):
         "detailed",
         description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet) or none",
     )
-    window: Annotated[
-        tuple[Annotated[Window, BeforeValidator(_window)], ...],
-        Field(max_length=MAX_WINDOWS - 1),
-        BeforeValidator(_windows),
-    ] = Field(
-        (),
-        description="a further window, behind the first one, as alpha=120,z=2: its angle in degrees and its distance from "
-        f"the first, in tiles; also sheet=ideal or detailed; up to {MAX_WINDOWS - 1}, in order of z",
-    )
+    window: Windows = Field((), description=WINDOW)
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
@@ -223,6 +236,11 @@ class Scene(Model):
         return (own, *(own if own == "none" else window.sheet or own for window in self.window))
 
     @property
+    def alphas(self) -> tuple[float, ...]:
+        """The ray-rotation angle of each window, degrees."""
+        return (self.alpha, *(window.alpha for window in self.window))
+
+    @property
     def places(self) -> tuple[float, ...]:
         """z of each window, midway between its sheets, tiles."""
         return (0.0, *(window.z for window in self.window))
@@ -230,7 +248,8 @@ class Scene(Model):
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
         """The windows behind the first one, as in `rotation.depth`: distance from the window before, alpha (radians)."""
-        return tuple((b - a, radians(w.alpha)) for (a, b), w in zip(pairwise(self.places), self.window, strict=True))
+        turns = [radians(alpha) for alpha in self.alphas[1:]]
+        return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
     @property
     def prisms_by_window(self) -> tuple[Prism, ...]:
@@ -315,7 +334,7 @@ class Scene(Model):
 
         from povgen.optics import paraxial, rotation
 
-        alpha = remainder(sum((window.alpha for window in self.window), self.alpha), 360)
+        alpha = remainder(sum(self.alphas), 360)
         if self.sheets == ("ideal",):
             r = rotation.r(z1, self.z2)
             nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))

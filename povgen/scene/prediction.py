@@ -171,7 +171,7 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
         text += " prisms' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
-    for sheet, alpha in zip(scene.sheets, (scene.alpha, *(window.alpha for window in scene.window)), strict=True):
+    for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
         if sheet != "detailed" or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
             continue
         text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
