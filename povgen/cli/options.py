@@ -124,7 +124,9 @@ def _about(field: "FieldInfo") -> str:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
     return (
-        about if default in (None, False, (), PydanticUndefined) or "default" in about else f"{about} (default {default})"
+        about
+        if default in (None, False, (), PydanticUndefined) or "default" in about
+        else f"{about} (default {default})"
     )
 
 

@@ -332,7 +332,9 @@ def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:
     for windows in (2, 3):
         scenes = [*series_targets("ideal", windows, count - count // 2, seed=11, E=0j)]
         scenes += series_targets("ideal", windows, count // 2, seed=12, E=0.3 - 0.2j)
-        off = [px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) for scene, seen in located(scenes, size)]
+        off = [
+            px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) for scene, seen in located(scenes, size)
+        ]
         what = f"{windows} windows: apparent position against the complex depth, {count} scenes, worst"
         yield Measured("ideal", what, np.max(off), 0.1, "px")
 
@@ -364,7 +366,9 @@ def series_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]
     """Measure the error of the paraxial prediction for 2 and 3 windows, as a fraction of the complex depth's error."""
     for windows, prisms in ((2, 100), (3, 200)):
         thin, thick = errors(series_targets("detailed", windows, count, seed=5, E=0j, prisms=prisms), size)
-        what = f"{windows} windows of 2x{prisms}: paraxial prediction's error ({px(thick):.2f} px) / the complex depth's"
+        what = (
+            f"{windows} windows of 2x{prisms}: paraxial prediction's error ({px(thick):.2f} px) / the complex depth's"
+        )
         yield Measured("detailed", what, thick / thin, 0.1)
 
 

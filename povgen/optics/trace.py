@@ -305,7 +305,8 @@ class _Trace:
         """Return if rays are outside the window's square in the plane z, or where they are if they have passed it."""
         position, direction = self.rays.position[i], self.rays.direction[i]
         step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
-        return (abs(position + step[:, None] * direction)[:, :2] > self.glass.window / 2).any(1)
+        x, y, _ = abs(position + step[:, None] * direction).T
+        return np.asarray(np.maximum(x, y) > self.glass.window / 2)
 
     def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
         """Take rays in the glass to the next face. Return those that leave the prism and those that are reflected."""

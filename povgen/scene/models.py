@@ -110,9 +110,7 @@ class Window(Model):
     """A window behind the first one, and parallel to it. Its size, its frame and its prisms are those of the first."""
 
     alpha: Alpha = Field(description="ray-rotation angle, -360 to 360 degrees")
-    z: Annotated[float, Field(gt=0, le=100)] = Field(
-        description="distance from the first window, above 0 to 100 tiles"
-    )
+    z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
     sheet: Literal["detailed", "ideal"] | None = Field(
         None, description="model of its sheets: detailed or ideal (default: the scene's)"
     )
@@ -247,7 +245,7 @@ class Scene(Model):
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
-        """The windows behind the first one, as in `rotation.depth`: distance from the window before, alpha (radians)."""
+        """The windows behind the first one, as in `rotation.depth`: (distance from the one before, alpha in radians)."""
         turns = [radians(alpha) for alpha in self.alphas[1:]]
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 

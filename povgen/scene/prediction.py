@@ -82,10 +82,10 @@ def _survey(
     prism: Prism,
     side: int,
 ) -> Survey:
-    """Trace rays through windows of prisms. The first window is divided into squares; one ray meets a random point of each.
+    """Trace rays through windows of prisms. The first window is divided into squares; one ray meets each.
 
-    The random points are the same each time. Regularly spaced points would make moire with the prisms. Rays that miss
-    a later window do not count.
+    It meets a random point of the square. The random points are the same each time. Regularly spaced points would make
+    moire with the prisms. In the fraction on the designed path, rays that miss a later window do not count.
     """
     import numpy as np
 
@@ -110,7 +110,9 @@ def _survey(
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
         longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
-    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed[through_all].mean()) if through_all.any() else 0.0)
+    return Survey(
+        max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed[through_all].mean()) if through_all.any() else 0.0
+    )
 
 
 def max_trace_level(scene: Scene) -> int:
@@ -126,22 +128,26 @@ def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact; but the part of it
-    behind which there is another window is no rectangle.
+    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the part of
+    it that shows a second window is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
         return grid
-    return ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR)))) if scene.E or scene.simulated > 1 else 1
+    return (
+        ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR))))
+        if scene.E or scene.simulated > 1
+        else 1
+    )
 
 
 def grid_error(scene: Scene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates between unit vectors
-    at the corners of triangles. Off the axis, a ray then has the direction that belongs to another point, up to
+    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates
+    between unit vectors at the corners of triangles. A ray then has the direction that belongs to another point, up to
     d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
-    displaced by |P| times this distance.
+    displaced by |P| times this distance, or for several windows |z1/Z| times.
     """
     half = scene.aperture / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)

@@ -250,12 +250,14 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
     The first curves are for constant alpha, one for each L: z1 changes along them. If there are a single object and a
-    single window, the second curve is for constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles,
-    at most `step` apart. It ends where the window frame begins to hide the object.
+    single window, the second curve is for constant r: alpha changes along it. A part is an array of points of the plane
+    z = 0, in tiles, at most `step` apart. It ends where a window frame begins to hide the object.
     """
     alpha, prisms = radians(scene.alpha), scene.prisms_by_window
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real)
+    infinite = {"single": [scene.z2], "none": []}.get(
+        scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
+    )
 
     def constant_alpha(L: complex) -> Curve:
         return lambda z1: (scene.apparent_position(L, z1), scene.visible(L, z1))

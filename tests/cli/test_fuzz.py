@@ -218,6 +218,7 @@ SOME = {  # right values for what is no field of a model
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
     "quality": st.sampled_from(["draft", "standard"]),
     "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto"]),
+    "window": st.sampled_from(["alpha=120,z=2", "alpha=-50,z=0.9,sheet=detailed", "z=4,alpha=3,sheet=ideal"]),
 }
 
 
@@ -314,6 +315,12 @@ def skeletons():
             with suppress(InputError):  # some do not go together
                 scene = model(**dict(zip(choices, values, strict=True)))
                 found |= skeleton(to_pov(scene))
+        for sheet, *others in (("ideal", None, "ideal", "detailed"), ("detailed", None), ("none", None)):
+            windows = [{"alpha": 30, "z": n, "sheet": other} for n, other in enumerate(others, 1)]
+            more = {"predicted_image": True} if "piece" in model.model_fields and sheet != "none" else {}
+            for pedestal in (0, 0.8)[: 1 + ("piece" in model.model_fields)]:
+                options = more | ({"pedestal": pedestal} if "piece" in model.model_fields else {})
+                found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options)))
     for antialias in ("off", "2x"):  # the header's words differ
         found |= skeleton(to_pov(Chess(), antialias=antialias))
     return found

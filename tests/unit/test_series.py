@@ -186,6 +186,20 @@ def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
     assert seen == pytest.approx(E + 0.01 * z2, abs=0.01 * z2 * error / abs(A))
 
 
+def test_the_paraxial_prediction_for_prisms_behind_an_ideal_window(rng):
+    """The ideal window turns the ray where it meets it. The prisms of the window behind have a size."""
+    (alpha, [(d, turn)]), z1, z2, prism = TWO, 3.0, 8.0, Prism(WINDOW / 50)
+    P = squares(100, 0.4, rng)
+    bent = rotation.rotate(np.column_stack((P.real, P.imag, np.full(len(P), z2))), alpha)
+    rays = trace(np.column_stack((P.real, P.imag, np.full(len(P), -d))), bent, pair(turn, prism), WINDOW, prism)
+    on = rays.designed
+    D, slope = meets(rays, z1)[on], P[on] / z2
+    (A, B), *_ = np.linalg.lstsq(np.column_stack((slope, slope.conj())), D, rcond=None)
+    predicted = paraxial.depths(z1, z2, alpha, [Prism(0.0), prism], [(d, turn)])
+    error = abs(A - predicted[0]) + abs(B - predicted[1])
+    assert error < 0.15 * (abs(A - rotation.depth(z1, z2, alpha, [(d, turn)])) + abs(B))
+
+
 @given(DISTANCE, DISTANCE, ANGLE, BEHIND)
 def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
     Z = rotation.depth(z1, z2, alpha, behind)
@@ -202,11 +216,28 @@ def test_a_ray_that_misses_a_window_passes_beside_it():
     first = trace(start, slope, pair(0.0, prism), WINDOW, prism)
     assert first.end[0] == End.THROUGH and meets(first, 2.25)[0].real > WINDOW / 2
     beside, within = (trace(start, slope, pair(0.0, prism, [(d, 1.0), (0.7, 0.4)]), WINDOW, prism) for d in (2.7, 1.0))
-    for name in ("end", "count", "position", "direction"):
+    for name in ("count", "position", "direction"):
         np.testing.assert_array_equal(getattr(beside, name), getattr(first, name))
-    assert not beside.designed[0] and within.count[0] > first.count[0]
+    assert beside.end[0] == End.BESIDE and not beside.designed[0] and within.count[0] > first.count[0]
     back = trace(first.position + 3 * first.direction, -first.direction, pair(0.0, prism, [(2.7, 1.0)]), WINDOW, prism)
     assert back.end[0] == End.FRAME and back.count[0] == 0  # it starts beside its first window
+
+
+def test_light_meets_a_frame_that_is_deeper_than_the_sheets():
+    """At the back of the first window's frame, or the front or the back of the second one's."""
+    prism = Prism(WINDOW / 100)
+    x = np.linspace(0, 1.19, 600)
+    slope = np.column_stack((x, np.zeros_like(x), np.full_like(x, 3)))
+    rays = trace([[0, 0.02, -3]], slope, pair(0.0, prism, [(2.0, 0.0)]), WINDOW, prism, frame=1.0)
+    shallow = trace([[0, 0.02, -3]], slope, pair(0.0, prism, [(2.0, 0.0)]), WINDOW, prism)
+    straight = (shallow.end == End.THROUGH) | (shallow.end == End.BESIDE)  # the others turn back, or meet the inside
+    straight &= np.isclose(shallow.direction[:, 0] * 3, shallow.direction[:, 2] * x)
+    reached = x[:, None] * (np.array([0.5, 1.5, 2.5]) + 3) / 3  # at the three planes, but for shifts by the glass
+    clear = straight & (abs(reached - WINDOW / 2) > 5 * prism.pitch).all(1)
+    inside = reached < WINDOW / 2
+    expected = np.select([~inside[:, 0], ~inside[:, 1], ~inside[:, 2]], [End.FRAME, End.BESIDE, End.FRAME], End.THROUGH)
+    assert clear.sum() > 200 and {*expected[clear]} == {End.FRAME, End.BESIDE, End.THROUGH}
+    np.testing.assert_array_equal(rays.end[clear], expected[clear])
 
 
 def test_windows_that_overlap_are_refused():
