@@ -245,7 +245,7 @@ class Scene(Model):
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
-        """The windows behind the first one, as in `rotation.depth`: (distance from the one before, alpha in radians)."""
+        """The windows behind the first one, as in `rotation.depth`: (distance from the one before, alpha, radians)."""
         turns = [radians(alpha) for alpha in self.alphas[1:]]
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 

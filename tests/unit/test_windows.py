@@ -153,7 +153,8 @@ HEAD = 'title = "A movie"\nscene = "chess"\nframes = 3\n'
 
 def test_the_numbers_of_a_window_are_swept():
     tables = "[[window]]\nalpha = 120\nz = 2\n[[window]]\nalpha = 30\nz = 5\n"
-    sweeps = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n[[sweep]]\nparameter = "window3_alpha"\nstart = 0\nstop = 90\n'
+    sweeps = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n'
+    sweeps += '[[sweep]]\nparameter = "window3_alpha"\nstart = 0\nstop = 90\n'
     spec = MovieSpec.parse(HEAD + sweeps + tables, "a.toml")
     found = [[(window.alpha, window.z) for window in scene.window] for scene in spec.scenes("standard")]
     assert found == [[(120, 1), (0, 5)], [(120, 2), (45, 5)], [(120, 3), (90, 5)]]
