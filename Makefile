@@ -1,4 +1,4 @@
-# The tasks of povgen; `make help` lists them. `make movies` renders the paper's three movies, `make test` runs the tests.
+# The tasks of povgen; `make help` lists them. `make movies` renders povgen's movies, `make test` runs the tests.
 # Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
 QUALITY ?= standard
@@ -35,7 +35,7 @@ install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
   cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
-movies: $(MOVIES)  ## the paper's three movies, into movies/
+movies: $(MOVIES)  ## the paper's three movies and two beyond it, into movies/
 
 movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)
