@@ -85,6 +85,13 @@ class Positions(_Probe):
         return ((self.L, self.z1),)
 
 
+class Light(Positions):
+    """A white square parallel to the sheets, with its centre at L, before black."""
+
+    name: ClassVar[str] = "probes/light"
+    subject: ClassVar[str] = "a white square, for the share of its light that comes through the window"
+
+
 class PiecePositions(Chess):
     """A chess piece alone. Its colours encode the position relative to the centre of its foot."""
 
@@ -93,6 +100,13 @@ class PiecePositions(Chess):
     extent: ClassVar[float] = 2.0
     z1: float = 2
     piece: str = "knight"
+
+
+def brightness(scene: Light, size: Size) -> Floats:
+    """Render a probe, and return how bright its pixels are, (height, width): 1 for the light of the square."""
+    with temporary_folder() as folder:
+        colours = _read(povray.Runner().run(to_pov(scene), LinearRendering(size), folder))
+    return np.asarray(colours[..., 0])
 
 
 def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:

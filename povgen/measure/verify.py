@@ -12,10 +12,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.measure import probes
-from povgen.measure.probes import ApparentObject, Complexes, Directions, Floats, Mask, PiecePositions, Positions, Size
+from povgen.measure.probes import (
+    ApparentObject,
+    Complexes,
+    Directions,
+    Floats,
+    Light,
+    Mask,
+    PiecePositions,
+    Positions,
+    Size,
+)
 from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation, series
-from povgen.optics.trace import End
+from povgen.optics.polarisation import jones, mean_transmission, transmission
+from povgen.optics.trace import End, Face
 from povgen.scene import prediction
 from povgen.scene.models import Scene, Window
 
@@ -65,6 +76,8 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from other_prisms()
         yield from series_pixels()
         yield from series_prediction()
+        yield from black_tops()
+        yield from partial_reflection()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -420,6 +433,37 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
         if M < 4 and np.maximum(abs(crossed.real), abs(crossed.imag)).max() < 0.7:
             scenes.append(scene.replace(L=L, extent=0.25 / M))
     return scenes
+
+
+def black_tops(size: Size = SMALL) -> Iterator[Measured]:
+    """Compare which pixels are black, if the tops of prisms are, with the exact ray trace."""
+    scene = Directions(sheet="detailed", tops="black")
+    (decoded,) = probes.decoded([scene], size)
+    inside, direction = probes.rays(scene, size)
+    found = probes.traced(scene, direction, prediction.max_trace_level(scene))
+    seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+    black = (found.faces == Face.TOP).any(1)
+    agree = np.isnan(decoded[inside][seen][:, 0]) == black[seen]
+    what = f"black tops take {100 * black[seen].mean():.1f} % of the pixels: as in the ray trace"
+    yield Measured("detailed", what, 100 * agree.mean(), 99.5, "%", least=True)
+
+
+def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
+    """Compare how bright light on the designed path is, with partial reflection, with the Fresnel equations."""
+    scene = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
+    inside, direction = probes.rays(scene, size)
+    angles, prism = [0, radians(scene.alpha) / 2], scene.prism
+    light = -rotation.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
+    clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
+    clear &= probes.traced(scene, direction).designed
+    seen = probes.brightness(scene, size)[inside][clear]
+    expected = mean_transmission(light[clear], angles, prism)
+    off = np.quantile(abs(seen - expected), 0.99)
+    what = f"--fresnel: brightness on the designed path ({seen.mean():.3f}) against Fresnel's equations, 99 % of pixels"
+    yield Measured("detailed", what, off, 0.0005)
+    both = transmission(jones(light[clear], angles, prism)).mean()
+    what = f"--fresnel: its mean against that of polarised light ({both:.3f})"
+    yield Measured("detailed", what, abs(seen.mean() - both), 0.02)
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:

@@ -181,6 +181,12 @@ class Scene(Model):
         description="length of a prism, in units of its length at full aperture: "
         "above a least value that depends on index and base angle, and below 2",
     )
+    tops: Literal["clear", "black"] = Field(
+        "clear", description="the prisms' tops: clear, or black, which absorbs much of the stray light"
+    )
+    fresnel: bool = Field(
+        False, description="partial reflection at every face of the prisms; takes about seven times as long"
+    )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         APERTURE,
         description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "

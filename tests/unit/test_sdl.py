@@ -39,7 +39,9 @@ def code_of(scene, mosaic=None):
     return re.sub(r"//.*", "", to_pov(scene, mosaic))
 
 
-@pytest.mark.parametrize("scene", list(scenes()), ids=lambda s: f"{s.name}-{'-'.join(s.sheets)}-{getattr(s, 'piece', '')}")
+@pytest.mark.parametrize(
+    "scene", list(scenes()), ids=lambda s: f"{s.name}-{'-'.join(s.sheets)}-{getattr(s, 'piece', '')}"
+)
 def test_everything_declared_is_used(scene):
     code = code_of(scene)
     for kind, name in re.findall(r"#(declare|macro|local)\s+(\w+)", code):
