@@ -185,7 +185,7 @@ class Scene(Model):
         "clear", description="the prisms' tops: clear, or black, which absorbs much of the stray light"
     )
     fresnel: bool = Field(
-        False, description="partial reflection at every face of the prisms; takes about seven times as long"
+        False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         APERTURE,

@@ -110,6 +110,15 @@ def test_bounds_hold_for_exact_probes_and_fail_for_other_scenes(name, monkeypatc
     assert not all(figure.holds for figure in REDUCED[name](size))
 
 
+@pytest.mark.parametrize("check", [verify.black_tops, verify.partial_reflection])
+def test_what_real_glass_does(check, monkeypatch):
+    assert all(figure.holds for figure in check(SIZE))
+    # other prisms than those of the reference
+    to_pov = probes.to_pov
+    monkeypatch.setattr(probes, "to_pov", lambda scene: to_pov(scene.model_copy(update={"index": 1.55})))
+    assert not all(figure.holds for figure in check(SMALL))
+
+
 def test_the_command(tmp_path, monkeypatch):
     """Status 0 and all figures where bounds hold, 1 where one does not; nothing measured for what cannot be."""
     from typer.testing import CliRunner

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from povgen.optics import polarisation
-from povgen.optics.polarisation import jones, transmission
+from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.prism import Prism
 from povgen.optics.trace import Sheet, pair, trace
 
@@ -101,3 +101,16 @@ def test_the_range_of_the_designed_path(degrees, reflects):
     """Down by more than 49 degrees, light leaves by the base. Up by more than 45, it does not meet the facet."""
     J = jones([0, np.tan(np.radians(degrees)), 1], [0], DEFAULT)
     assert np.isfinite(J).all() == reflects
+
+
+def test_light_that_is_unpolarised_after_every_face(rng):
+    """Along z it meets four facets alike. Otherwise nearly as much passes as `jones` says for both polarisations."""
+    prism = Prism(0.02)
+    R = 1 - mean_transmission([0, 0, -1], [0.3], prism) ** 0.5
+    assert R == pytest.approx((0.0920 + 0.0085) / 2, abs=1e-4)
+    assert mean_transmission([0, 0, -1], [0, 0.5], prism) == pytest.approx((1 - R) ** 4)
+    direction = np.column_stack((rng.uniform(-0.15, 0.15, (50, 2)), -np.ones(50)))
+    for angle in (0.0, 0.7):
+        # of one sheet: (s^2 + p^2)/2 passes twice; jones gives (s^4 + p^4)/2, which is larger by ((s^2 - p^2)/2)^2
+        single, both = mean_transmission(direction, [angle], prism), transmission(jones(direction, [angle], prism))
+        assert (both >= single - 1e-12).all() and (both < single + 0.01).all()

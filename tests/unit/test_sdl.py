@@ -27,6 +27,7 @@ def scenes():
         yield scene(sheet="ideal", window=["alpha=75,z=2", "alpha=75,z=4,sheet=detailed"])
     yield Positions(sheet="ideal", z1=3, window=["alpha=75,z=2", "alpha=75,z=4"])
     yield Chess(predicted_image=True)
+    yield Chess(fresnel=True, tops="black")
     yield Chess(predicted_image=True, sheet="ideal", x=0.5, eye=(0, -0.33))
 
 
