@@ -66,6 +66,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from horizon()
         yield from real_image()
         yield from nothing_changed()
+        yield from other_sheets()
         yield from series_positions()
         yield from series_directions()
         yield from series_image()
@@ -339,6 +340,34 @@ def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
         thin.append(abs(seen.position - ideal))
         thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
+
+
+# Of each other ideal sheet, its parameters in the scenes that are measured.
+OTHER: dict[str, tuple[dict[str, object], ...]] = {
+    "axis": (
+        {"alpha": 25, "axis": (0, 1, 0)},
+        {"alpha": -40, "axis": (0.6, 0.3, 1)},
+        {"alpha": 60, "axis": (1, 0, -1)},
+    ),
+    "refraction": ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6}),
+    "mirror": ({"alpha": 0}, {"alpha": 60}, {"alpha": -100}),
+}
+
+
+def other_sheets(size: Size = HD) -> Iterator[Measured]:
+    """Compare the apparent positions of objects behind other ideal sheets with `ideal.apparent_position`."""
+    for sheet, several in OTHER.items():
+        scenes = []
+        for values in several:
+            for E in (0j, 0.3 - 0.2j):
+                scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
+                view = np.array([0.2 - E.real, 0.3 - E.imag, scene.z2])  # an object that appears at 0.2 + 0.3i
+                x, y, z = scene.bend(view)
+                scenes.append(scene.replace(L=0.2 + 0.3j + 2 * complex(x, y) / z))
+        off = [px(abs(seen.position - scene.apparent_position(scene.L, 2))) for scene, seen in located(scenes, size)]
+        yield Measured(
+            "ideal", f"sheet {sheet}: apparent position, {len(scenes)} scenes, worst", np.max(off), 0.1, "px"
+        )
 
 
 def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:

@@ -76,12 +76,12 @@ def scale_slope(direction: ArrayLike, factor: complex) -> Directions:
 
 @_quiet
 def apparent_position(
-    sheet: Callable[[Directions], Directions], L: ArrayLike, E: ArrayLike, z1: float, z2: float
+    sheet: Callable[[Directions], Directions], L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: float
 ) -> Complexes:
     """Return where light from L to E crosses an ideal sheet. `sheet` is its map of directions.
 
     L and E are complex, z1 >= 0 and z2 > 0 are the distances of the object behind and of the eye in front of the sheet,
-    all in one unit. Example: apparent_position(lambda d: refract(d, 1.5), 0.6, 0, 2, 6).
+    all in one unit. L, E and z1 broadcast. Example: apparent_position(lambda d: refract(d, 1.5), 0.6, 0, 2, 6).
 
     The result solves L = P + z1 s', where the camera's ray from E to P has the slope s' behind the sheet: Newton's
     method, from the ray along the normal, with shorter steps where a step would lead beyond the range where light
@@ -89,7 +89,7 @@ def apparent_position(
     is exact. Light that is refracted by a ratio with an argument of more than 90 degrees, or rotated about an axis that
     is not the normal, can reach the eye on several paths; the result is one of them. NaN means that none was found.
     """
-    L, E = np.broadcast_arrays(np.asarray(L, complex), np.asarray(E, complex))
+    L, E, z1 = np.broadcast_arrays(np.asarray(L, complex), np.asarray(E, complex), np.asarray(z1, float))
 
     def missed(s: Complexes) -> Complexes:
         """By how much camera rays with the slope s miss L; NaN where they do not pass."""
@@ -101,6 +101,8 @@ def apparent_position(
     s = np.zeros(L.shape, complex)
     for _ in range(60):
         off = missed(s)
+        if not (np.abs(off) > 1e-13 * size).any():
+            break
         # the derivatives a, b of `missed` = a ds + b conj(ds), from differences
         right, up = (missed(s + 1e-7 * step) - missed(s - 1e-7 * step) for step in (1, 1j))
         a, b = (right - 1j * up) / 4e-7, (right + 1j * up) / 4e-7

@@ -30,7 +30,8 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.rotation import Booleans, Complexes, Floats
 
 T = TypeVar("T")
-SheetModel = Literal["detailed", "ideal", "single", "none"]
+SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "mirror"]
+OTHER_SHEETS = ("axis", "refraction", "mirror")  # ideal sheets that do not rotate light about their normal
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
@@ -40,6 +41,7 @@ MAX_WINDOWS = 5
 Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
+Component = Annotated[float, Field(ge=-1, le=1)]
 
 
 def as_pair(value: object) -> object:
@@ -161,7 +163,16 @@ class Scene(Model):
     )
     sheet: SheetModel = Field(
         "detailed",
-        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet) or none",
+        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet), none, "
+        "or another ideal sheet: axis (rotation by alpha about --axis), refraction (by --ratio times exp(i alpha)), "
+        "mirror (about a line at alpha/2)",
+    )
+    axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
+        (1, 0, 0),
+        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, not 0,0,0",
+    )
+    ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
+        1, description="ratio of refractive indices of --sheet refraction, the object's side over the eye's, 0.1 to 10"
     )
     window: Windows = Field((), description=WINDOW)
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
@@ -276,6 +287,21 @@ class Scene(Model):
         """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
         return max(self.aperture / 10, 1.02 * self.sheets_depth)
 
+    def bend(self, direction: "ArrayLike") -> "Floats":
+        """Return light's directions (..., 3) behind the sheet, if it is one of OTHER_SHEETS (`optics.ideal`)."""
+        from cmath import rect
+
+        from povgen.optics import ideal, rotation
+
+        alpha = radians(self.alpha)
+        match self.sheet:
+            case "axis":
+                return ideal.rotate_about(direction, self.axis, alpha)
+            case "refraction":
+                return ideal.refract(direction, rect(self.ratio, alpha))
+            case _:
+                return rotation.mirror(direction, alpha / 2)
+
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
@@ -287,6 +313,10 @@ class Scene(Model):
         from povgen.optics import paraxial, rotation
 
         turn = numpy.radians(self.alpha if alpha is None else alpha)
+        if self.sheet in OTHER_SHEETS:
+            from povgen.optics import ideal
+
+            return ideal.apparent_position(self.bend, L, self.E, z1, self.z2)
         if self.sheet == "single":
             return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
         if self.sheet == "none":
@@ -311,6 +341,9 @@ class Scene(Model):
             """Where light is, a distance z behind the last of the windows that a ray from the eye has passed."""
             if passed == 0 or self.sheet == "none":
                 return self.E + slope * (self.z2 + self.places[max(0, passed - 1)] + z)
+            if self.sheet in OTHER_SHEETS:
+                P = self.E + slope * self.z2
+                return L - numpy.subtract(L, P) / z1 * numpy.subtract(z1, z)
             if self.sheet == "single":
                 return L - slope.conjugate() * numpy.subtract(z1, z)
             A, B = paraxial.depths(z, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
@@ -394,8 +427,12 @@ class Scene(Model):
                     f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
                     f"allowed: z > {least:.4g}"
                 )
-        if self.window and self.sheet == "single":
-            raise ValueError("sheet = 'single': not with several windows; allowed: 'detailed', 'ideal' or 'none'")
+        if self.window and self.sheet in ("single", *OTHER_SHEETS):
+            raise ValueError(
+                f"sheet = {self.sheet!r}: not with several windows; allowed: 'detailed', 'ideal' or 'none'"
+            )
+        if not any(self.axis):
+            raise ValueError("axis = 0,0,0: no direction; allowed: any other")
         if "ideal" in self.sheets[self.simulated :]:
             raise ValueError(
                 "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "

@@ -22,7 +22,7 @@ from povgen.scene.limits import (
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
 )
-from povgen.scene.models import Scene
+from povgen.scene.models import OTHER_SHEETS, Scene
 from povgen.settings import Rendering
 
 if TYPE_CHECKING:
@@ -134,6 +134,8 @@ def camera_cells(scene: Scene) -> int:
     grid: int | None = getattr(scene, "grid", None)
     if grid:
         return grid
+    if scene.sheet in OTHER_SHEETS:
+        return _cells_of_other_sheet(scene)
     return (
         ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR))))
         if scene.E or scene.simulated > 1
@@ -155,6 +157,39 @@ def grid_error(scene: Scene, cells: int) -> float:
     tangent = min(max(1, nearest / scene.z2), farthest / scene.z2)  # sin(2 angle) is greatest at 45 degrees
     displaced = 2 * (scene.aperture / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
     return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view * 960
+
+
+def _cells_of_other_sheet(scene: Scene) -> int:
+    """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
+
+    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square.
+    """
+    import numpy as np
+
+    n = 16
+    side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
+
+    def directions(x: "np.typing.ArrayLike", y: "np.typing.ArrayLike") -> "np.typing.NDArray[np.float64]":
+        view = np.stack(np.broadcast_arrays(np.subtract(x, scene.E.real), np.subtract(y, scene.E.imag), scene.z2), -1)
+        bent = scene.bend(view)
+        return np.asarray(bent / np.linalg.norm(bent, axis=-1, keepdims=True))
+
+    with np.errstate(invalid="ignore", divide="ignore"):
+        corners = directions(side, side[:, None])
+        middle = (side[1:] + side[:-1]) / 2
+        right = directions(middle, middle[:, None])
+        shown = corners[:-1, :-1] + corners[1:, 1:]
+        off = np.linalg.norm((shown / shown[..., 2:] - right / right[..., 2:])[..., :2], axis=-1)
+        slope = corners[..., :2] / corners[..., 2:]
+        # how far an object's point moves if its apparent position moves by a tile: the least, over all directions
+        steps = [np.diff(slope, axis=axis)[:n, :n] / (side[1] - side[0]) for axis in (1, 0)]
+        worst = 0.0
+        for z1 in scene.distances or (2 * scene.z2,):
+            jacobian = z1 * np.stack(steps, -1) + np.eye(2)
+            least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
+            worst = max(worst, np.nanquantile(z1 * off / np.maximum(least, 0.02), 0.98, method="higher"))
+    error = worst / scene.view * 960
+    return ceil(min(MAX_CELLS, max(1, n * sqrt(error / MAX_CAMERA_ERROR))))
 
 
 def _P(scene: Scene, z1: float) -> float:
@@ -199,7 +234,7 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
         "caption": rendering and rendering.caption and two,
     }
     names = [name for name, shown in shows.items() if shown]
-    if not names or scene.sheet == "none":
+    if not names or scene.sheet in ("none", *OTHER_SHEETS):
         return
     import numpy as np
 

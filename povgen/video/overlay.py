@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from povgen.optics import paraxial, rotation
-from povgen.scene.models import Scene
+from povgen.scene.models import OTHER_SHEETS, Scene
 from povgen.settings import Rendering
 
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
@@ -70,6 +70,9 @@ def facts(scene: Scene) -> dict[str, str]:
         nu, M = scene.nu_and_M(z1)
         alphas = ", ".join(f"{alpha + 0:.1f}°" for alpha in scene.alphas)
         texts = {"alpha": alphas, **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+    if scene.sheet in OTHER_SHEETS:
+        own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet == "refraction" else {}
+        texts = {"alpha": f"{scene.alpha + 0:.1f}°", **own, **texts}
     return texts
 
 
@@ -255,7 +258,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     """
     alpha, prisms = radians(scene.alpha), scene.prisms_by_window
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": []}.get(
+    infinite = {"single": [scene.z2], "none": [], **dict.fromkeys(OTHER_SHEETS, [])}.get(
         scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
     )
 
