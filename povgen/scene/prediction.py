@@ -162,7 +162,8 @@ def grid_error(scene: Scene, cells: int) -> float:
 def _cells_of_other_sheet(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
-    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square.
+    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. For an
+    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, mirror).
     """
     import numpy as np
 
@@ -174,6 +175,12 @@ def _cells_of_other_sheet(scene: Scene) -> int:
         bent = scene.bend(view)
         return np.asarray(bent / np.linalg.norm(bent, axis=-1, keepdims=True))
 
+    if (
+        not scene.E
+        and scene.sheet != "refraction"
+        and np.isfinite(directions(side[[0, -1]], side[[0, -1], None])).all()
+    ):
+        return 1
     with np.errstate(invalid="ignore", divide="ignore"):
         corners = directions(side, side[:, None])
         middle = (side[1:] + side[:-1]) / 2

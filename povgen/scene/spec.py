@@ -283,7 +283,7 @@ class MovieSpec(Model):
 def swept_numbers(scene: type[Scene]) -> dict[str, int]:
     """Return the scene's parameters that can be swept, and how many numbers a value of each has."""
     counts = {name: _numbers(field.annotation) for name, field in scene.model_fields.items()}
-    return {name: count for name, count in counts.items() if count}
+    return {name: count for name, count in counts.items() if count in (1, 2)}
 
 
 def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)

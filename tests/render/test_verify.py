@@ -12,6 +12,7 @@ from povgen.measure.stability import StabilityMap
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
+from povgen.scene.models import OTHER_SHEETS
 
 SIZE = (320, 240)
 SMALL = (160, 120)
@@ -27,6 +28,7 @@ REDUCED = {
     "finite prisms": lambda size: verify.finite_prisms((25, 400), 3, size),
     "paraxial prediction": lambda size: verify.paraxial_prediction(4, size),
     "other prisms": lambda size: verify.other_prisms(((1.7, 40),), (35,), 4, size),
+    "other sheets": verify.other_sheets,
     "series positions": lambda size: verify.series_positions(4, size),
     "series directions": verify.series_directions,
     "series image": verify.series_image,
@@ -60,11 +62,13 @@ def exact(scenes, size):
     """
     for scene in scenes:
         inside, direction = probes.rays(scene, size)
-        if scene.sheet in ("ideal", "none"):
+        if scene.sheet in ("ideal", "none", *OTHER_SHEETS):
             position = np.array([scene.E.real, scene.E.imag, -scene.z2]) + direction * scene.z2 / direction[:, 2:]
             ends = np.zeros(len(direction), bool)
             for place, alpha in zip(scene.places, scene.alphas, strict=True):
                 position = position + direction * (place - position[:, 2:]) / direction[:, 2:]
+                if scene.sheet in OTHER_SHEETS:
+                    direction = scene.bend(direction)
                 if scene.sheet == "ideal":
                     direction = rotation.rotate(direction, np.radians(alpha))
                 leaves = position + direction * scene.depth / 2 / direction[:, 2:]
