@@ -35,7 +35,7 @@ install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
   cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
-movies: $(MOVIES)  ## the paper's three movies and two beyond it, into movies/
+movies: $(MOVIES)  ## the paper's three movies and five beyond it, into movies/
 
 movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)

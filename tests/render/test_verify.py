@@ -41,6 +41,7 @@ REDUCED = {
 RENDERED_SIZES = {"piece": (480, 360), "real image": (480, 360), "series image": (480, 360)}
 # the same without POV-Ray, whose pixels are exact; SMALL if not named
 EXACT_SIZES = {
+    "other sheets": SIZE,
     "real image": (480, 360),
     "series image": (480, 360),
     "series prediction": SIZE,
