@@ -39,6 +39,7 @@ from povgen.cli import app
 from povgen.cli.options import with_options
 from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
+from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
 from povgen.settings import Rendering
 
@@ -321,6 +322,8 @@ def skeletons():
             for pedestal in (0, 0.8)[: 1 + ("piece" in model.model_fields)]:
                 options = more | ({"pedestal": pedestal} if "piece" in model.model_fields else {})
                 found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options)))
+    for sheet in ("detailed", "ideal", "none"):
+        found |= skeleton(to_pov(Chess(sheet=sheet), Mosaic((64, 48), 8, [[(0, 0)]])))
     for antialias in ("off", "2x"):  # the header's words differ
         found |= skeleton(to_pov(Chess(), antialias=antialias))
     return found
@@ -727,7 +730,14 @@ def test_what_is_right_is_done(data):
 BOUNDS = {
     **{"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "x": (-10, 10)},
     **{"index": (1.1, 4), "base_angle": (15, 75), "gap": (0.001, 0.5), "aspect": (0, 2)},
-    **{"aperture": (0.5, 10), "pedestal": (0, 10), "view": (0.1, 100), "timeout": (0, 1e6), "eye_distance": (0, 5)},
+    **{
+        "aperture": (0.5, 10),
+        "pedestal": (0, 10),
+        "view": (0.1, 100),
+        "timeout": (0, 1e6),
+        "eye_distance": (0, 5),
+        "ratio": (0.1, 10),
+    },
 }
 
 
