@@ -368,7 +368,7 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli import checkup
-    from povgen.measure import charts, speed, stability, verify
+    from povgen.measure import charts, glass, speed, stability, verify
     from povgen.rendering import cluster, frames, povray
     from povgen.scene import spec
     from povgen.teach import figures, page
@@ -406,6 +406,7 @@ def place(tmp_path_factory):
             patch.setattr(speed, name, lambda *_: [])
         for name in ("save_frames", "save_prism_counts", "save_workers"):
             patch.setattr(charts, name, lambda *_: None)
+        patch.setattr(glass, "save_charts", lambda folder: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.encode is encode
