@@ -64,9 +64,9 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 gallery: $(GALLERY)  ## the pictures of docs/gallery.md
 
 docs/gallery/rotation.gif: ARGUMENTS = movie chess --sweep alpha=0:352 --frames 45 --sheet ideal --size 400x300 --antialias 2x --caption
-docs/gallery/prisms.png: ARGUMENTS = frame chess --quality hd
+docs/gallery/prisms.png: ARGUMENTS = frame chess --quality hd --caption
 docs/gallery/prediction.png: ARGUMENTS = frame chess --quality high --predicted-image --caption
-docs/gallery/single.png: ARGUMENTS = frame chess --quality high --sheet single
+docs/gallery/single.png: ARGUMENTS = frame chess --quality high --sheet single --caption
 docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption
 docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption
 docs/gallery/far.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 90 --z1 15 --overlay --caption

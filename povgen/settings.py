@@ -6,14 +6,15 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from povgen.model import Model
 
-# Each quality's picture size and antialiasing. Through prisms, no other antialiasing is both faster and more accurate
-# (docs/speed.md). A movie's number of frames is a multiple of the number that its spec states. hd states frames a
-# second instead, because players and editors expect 30.
+# Each quality's picture size and antialiasing, the latter through prisms and without prisms: few pixels of a picture
+# without prisms need more rays. No other antialiasing is both faster and more accurate (docs/speed.md).
+# A movie's number of frames is a multiple of the number that its spec states. hd states frames a second instead,
+# because players and editors expect 30.
 QUALITIES: dict[str, dict[str, Any]] = {
-    "draft": {"size": (320, 240), "antialias": None, "frames": 1 / 4},
-    "standard": {"size": (480, 360), "antialias": "1.5x", "frames": 1},
-    "high": {"size": (960, 720), "antialias": "2x", "frames": 3},
-    "hd": {"size": (1920, 1080), "antialias": "2x", "frame_rate": 30},
+    "draft": {"size": (320, 240), "antialias": (None, None), "frames": 1 / 4},
+    "standard": {"size": (480, 360), "antialias": ("1.5x", (1, 0.1, 2)), "frames": 1},
+    "high": {"size": (960, 720), "antialias": ("2x", (1, 0.1, 3)), "frames": 3},
+    "hd": {"size": (1920, 1080), "antialias": ("2x", (1, 0.1, 3)), "frame_rate": 30},
 }
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
@@ -59,7 +60,7 @@ class Sampling(Model):
         | None,
         BeforeValidator(_antialias),
     ] = Field(
-        QUALITIES["standard"]["antialias"],
+        QUALITIES["standard"]["antialias"][0],
         description="off; 1.5x, 2x, 3x or 4x: POV-Ray's picture is so many times as wide and as high, and povgen "
         "averages its light; or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
         "(default: the quality's)",
@@ -67,8 +68,9 @@ class Sampling(Model):
 
     @model_validator(mode="after")
     def _follow_quality(self) -> Self:
-        for name in {"size", "antialias"} - self.model_fields_set:
-            object.__setattr__(self, name, QUALITIES[self.quality][name])  # the model is frozen
+        preset = {"size": QUALITIES[self.quality]["size"], "antialias": QUALITIES[self.quality]["antialias"][0]}
+        for name in preset.keys() - self.model_fields_set:
+            object.__setattr__(self, name, preset[name])  # the model is frozen
         return self
 
     @model_validator(mode="after")
@@ -80,6 +82,12 @@ class Sampling(Model):
                 f"{MAX_PIXELS / self.supersampling**2 / 1e6:.3g} million pixels, or another antialias"
             )
         return self
+
+    def suited(self, prisms: bool) -> Self:
+        """Return the sampling for a picture through prisms, or for one without. A given antialiasing stays."""
+        if "antialias" in self.model_fields_set:
+            return self
+        return self.model_copy(update={"antialias": QUALITIES[self.quality]["antialias"][not prisms]})
 
     @property
     def supersampling(self) -> float:

@@ -94,6 +94,7 @@ def render_all(
     """
     cache.check()
     most = cache.max_bytes()
+    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     runner = runner or povray.Runner()
     workers = workers or default_workers()
     failures = []

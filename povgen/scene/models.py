@@ -277,6 +277,11 @@ class Scene(Model):
         return self.sheets.count("ideal")
 
     @property
+    def has_prisms(self) -> bool:
+        """Whether the sheets of a window consist of prisms."""
+        return any(sheet in ("detailed", "single") for sheet in self.sheets)
+
+    @property
     def sheets_depth(self) -> float:
         """Extent along z of the sheets in a window of prisms, tiles; 0 without prisms. Its middle is the window's z."""
         sheets = max({"detailed": 2, "single": 1}.get(sheet, 0) for sheet in self.sheets)

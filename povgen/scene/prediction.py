@@ -210,7 +210,7 @@ def _P(scene: Scene, z1: float) -> float:
 
 def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence."""
-    glass = scene.sheets_depth > 0
+    glass = scene.has_prisms
     if glass and (designed := survey(scene).designed) < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}

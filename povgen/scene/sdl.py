@@ -70,7 +70,7 @@ def to_pov(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'sky', 'black' or 'white'"
         )
-    sampling = Sampling(**options)
+    sampling = Sampling(**options).suited(scene.has_prisms)
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")

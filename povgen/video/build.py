@@ -83,6 +83,7 @@ def movie(
         title, comment = spec.title, spec.model_dump_json(exclude_none=True)
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
+    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
     output = _checked_output(output, len(scenes), rate)
     eyes = (

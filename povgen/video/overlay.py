@@ -46,7 +46,8 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
     picture = picture.copy()
     if rendering.overlay:
         _overlay(scene, picture)
-        _strip(picture, [Item(text, text, colour) for text, colour in key(scene)], at_top=True)
+    if colours := key(scene, rendering):
+        _strip(picture, [Item(text, text, colour) for text, colour in colours], at_top=True)
     if rendering.caption:
         texts = (f"{SYMBOLS.get(name, name)} = {value}" for name, value in facts(scene).items())
         several, windows = len(scene.distances) > 1, len(scene.places)
@@ -96,13 +97,19 @@ class Item(NamedTuple):
     colour: Colour | None = None
 
 
-def key(scene: Scene) -> list[tuple[str, Colour]]:
-    """Return what the overlay's key says: a text for each colour that is drawn on the picture."""
+def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
+    """Return what the key along the upper edge says: a text for each colour that is drawn on the picture.
+
+    A picture without a caption and an overlay has no key.
+    """
     two = scene.sheet in ("detailed", "ideal")
-    texts = [("predicted position", P_COLOUR)] * bool(scene.objects)
-    texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
-    texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1 and not scene.window)
-    return texts + [("predicted image", IMAGE_COLOUR)] * getattr(scene, "predicted_image", False)
+    texts = []
+    if rendering.overlay:
+        texts += [("predicted position", P_COLOUR)] * bool(scene.objects)
+        texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
+        texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1 and not scene.window)
+    annotates = rendering.overlay or rendering.caption
+    return texts + [("predicted image", IMAGE_COLOUR)] * (annotates and getattr(scene, "predicted_image", False))
 
 
 def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:

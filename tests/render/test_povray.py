@@ -39,6 +39,11 @@ def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
 def test_qualities():
     assert [Rendering(quality=q).size for q in QUALITIES] == [(320, 240), (480, 360), (960, 720), (1920, 1080)]
     assert [Rendering(quality=q).sampling for q in QUALITIES] == ["off", "1.5x", "2x", "2x"]
+    assert [Rendering(quality=q).suited(prisms=False).sampling for q in QUALITIES] == ["off", "1,0.1,2"] + [
+        "1,0.1,3"
+    ] * 2
+    given = Rendering(antialias="2x")
+    assert given.suited(prisms=False) == given
     assert Rendering(quality="draft", size="64x48").size == (64, 48)
 
 

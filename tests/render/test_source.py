@@ -25,10 +25,12 @@ def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
     scene = EMPTY
     options = {"size": (64, 48), "antialias": "2,0.1,3"}
     assert (drawn(to_pov(scene, **options), tmp_path) == render(scene, **options)).all()
-    source = to_pov(scene)
+    assert (drawn(to_pov(scene), tmp_path) == render(scene)).all()
+    source = to_pov(scene, antialias="1.5x")
     large = drawn(source, tmp_path)
     assert "povgen averages the light of this picture, which is 1.5 times as wide" in source
-    assert large.shape == (540, 720, 3) and (light.reduced(large, (480, 360)) == render(scene)).all()
+    assert large.shape == (540, 720, 3) and (light.reduced(large, (480, 360)) == render(scene, antialias="1.5x")).all()
+    assert "1.5 times as wide" in to_pov(Chess())
     with pytest.raises(InputError, match="size = 3"):
         to_pov(scene, size=3)
 

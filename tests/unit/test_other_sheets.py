@@ -59,7 +59,7 @@ def test_overlays_are_drawn(values):
     scene = Chess(**values)
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
-    assert overlay.key(scene)[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
+    assert overlay.key(scene, Rendering(overlay=True))[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
     assert ("ratio" in overlay.facts(scene)) == (scene.sheet == "refraction")
     assert not [*prediction.warnings(scene, Rendering(overlay=True, caption=True))]
 

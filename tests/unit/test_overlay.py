@@ -236,7 +236,7 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     ends, write = [], overlay._write
 
     def written(draw, x, middle, text, height):
-        ends.append((middle, x, x + overlay._width(text) * height))
+        ends.append(((draw, middle), x, x + overlay._width(text) * height))
         write(draw, x, middle, text, height)
 
     monkeypatch.setattr(overlay, "_write", written)
@@ -244,20 +244,28 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
         ends.clear()
         overlay.annotated(BLANK[size], scene, Rendering(size=size, **{option: True}))
         assert min(start for _, start, _ in ends) >= 2 and max(end for _, _, end in ends) <= size[0] - 2
-        for (middle, _, end), (below, start, _) in pairwise(ends):
-            assert middle != below or start > end + 4
+        for (line, _, end), (next_line, start, _) in pairwise(ends):
+            assert line != next_line or start > end + 4
 
 
 def test_the_key_explains_each_colour_that_is_drawn():
     for scene in (Chess(), Chess(sheet="single"), Spheres(), Chess(predicted_image=True), Spheres(z1=[3])):
-        colours = [colour for _, colour in overlay.key(scene)]
+        rendering = Rendering(size=(640, 480), overlay=True)
+        colours = [colour for _, colour in overlay.key(scene, rendering)]
         curves = [colour for _, colour in overlay.loci(scene)]
         assert colours[0] == overlay.P_COLOUR and colours[1 : 1 + len(curves)] == curves
         assert (overlay.IMAGE_COLOUR in colours) == getattr(scene, "predicted_image", False)
-        picture = overlay.annotated(BLANK[640, 480], scene, Rendering(size=(640, 480), overlay=True))
+        picture = overlay.annotated(BLANK[640, 480], scene, rendering)
         strip = picture[: np.argmin(np.median(picture, axis=(1, 2)) < 60)].reshape(-1, 3)
         for colour in colours:
             assert (strip == colour[:3]).all(1).sum() > 8
+
+
+def test_a_key_explains_the_predicted_image_below_a_caption_too():
+    scene = Chess(predicted_image=True)
+    explained = [colour for _, colour in overlay.key(scene, Rendering(caption=True))]
+    assert explained == [overlay.IMAGE_COLOUR]
+    assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption=True))
 
 
 def test_letters_that_the_font_lacks_are_drawn():

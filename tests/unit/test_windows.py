@@ -115,7 +115,7 @@ def test_captions_and_curves_are_of_all_windows():
     facts = overlay.facts(scene)
     assert facts == {"alpha": "120.0°, 120.0°", "z": "0, 2", "z1": "2", "z2": "8", "nu": "0.0°", "M": "1.33"}
     ((parts, colour),) = overlay.loci(scene)
-    assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene)) == 2
+    assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene, Rendering(overlay=True))) == 2
     curve = np.concatenate(parts)
     assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
     assert "alpha" not in overlay.facts(scene.replace(sheet="none"))
