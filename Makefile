@@ -1,4 +1,4 @@
-# The tasks of povgen; `make help` lists them. `make movies` renders the paper's three movies, `make test` runs the tests.
+# The tasks of povgen; `make help` lists them. `make movies` renders povgen's movies, `make test` runs the tests.
 # Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
 QUALITY ?= standard
@@ -8,7 +8,7 @@ VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
 GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
-  pieces))
+  pieces imaging refraction black-tops))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
 # This file says that make created the environment. Only then may make remove it.
@@ -35,7 +35,7 @@ install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
   cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
-movies: $(MOVIES)  ## the paper's three movies, into movies/
+movies: $(MOVIES)  ## the paper's three movies and five beyond it, into movies/
 
 movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)
@@ -71,6 +71,10 @@ docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --o
 docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption
 docs/gallery/far.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 90 --z1 15 --overlay --caption
 docs/gallery/spheres.png: ARGUMENTS = frame spheres --quality high --sheet ideal --alpha 120 --overlay --caption
+docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \
+  --eye 0.6,0.1
+docs/gallery/refraction.png: ARGUMENTS = frame chess --quality high --sheet refraction --ratio 0.7 --alpha 40 --overlay --caption
+docs/gallery/black-tops.png: ARGUMENTS = frame chess --quality high --tops black
 docs/gallery/pieces.png: ARGUMENTS = frame chess --size 1280x720 --antialias 3x --sheet none --aperture 7.5 --view 1.8 --eye 0,0.25 \
   --pedestal 2 --z1 8 --piece king --piece queen --piece bishop --piece knight --piece rook --piece pawn \
   --x -3 --x -1.8 --x -0.6 --x 0.6 --x 1.8 --x 3

@@ -90,24 +90,32 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
     message = str(fault["msg"]).removeprefix("Value error, ").removeprefix("Input ")
     if not fault["loc"]:  # a check of several values together; its message names them
         return message
+    message = _reason(fault) or message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
         return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
-    match fault["type"]:  # pydantic's words for these are Python's
-        case "missing":  # a part of the value is missing
-            message = "has too few parts"
-        case "too_short":
-            message = f"should have at least {fault['ctx']['min_length']} values"
-        case "too_long":
-            message = f"should have at most {fault['ctx']['max_length']} values"
-        case "tuple_type":
-            message = "should be a list"
-        case "dict_type" | "model_type":
-            message = "should be a table"
-    several = any(isinstance(part, int) for part in fault["loc"][1:])
-    if several and fault["type"] != "missing" and not isinstance(fault["input"], dict):
-        message = f"{shown(fault['input'])} {message}"  # which of the values
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
+    if isinstance(fault.get("ctx", {}).get("error"), InputError):  # of a model in the model: it says what is allowed
+        return f"{name} = {shown(values[name])}: {message}"
+    several = any(isinstance(part, int) for part in fault["loc"][1:]) and fault["input"] is not values[name]
+    if several and fault["type"] != "missing" and not isinstance(fault["input"], dict):
+        message = f"{shown(fault['input'])} {message}"  # which of the values
     return f"{name} = {shown(values[name])}: {message} ({about})"
+
+
+def _reason(fault: Mapping[str, Any]) -> str | None:
+    """Return povgen's words for those of pydantic's errors whose own words are Python's."""
+    match fault["type"]:
+        case "missing":  # a part of the value is missing
+            return "has too few parts"
+        case "too_short":
+            return f"should have at least {fault['ctx']['min_length']} values"
+        case "too_long":
+            return f"should have at most {fault['ctx']['max_length']} values"
+        case "tuple_type":
+            return "should be a list"
+        case "dict_type" | "model_type":
+            return "should be a table"
+    return None

@@ -120,11 +120,13 @@ def _about(field: "FieldInfo") -> str:
     from pydantic_core import PydanticUndefined
 
     default = field.default
-    if isinstance(default, tuple):
+    if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
     return (
-        about if default in (None, False, PydanticUndefined) or "default" in about else f"{about} (default {default})"
+        about
+        if default in (None, False, (), PydanticUndefined) or "default" in about
+        else f"{about} (default {default})"
     )
 
 

@@ -95,8 +95,11 @@ def choose(
 
     The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
     scenes. If `antialias` is given, no other sampling is tried.
-    Raises InputError if no candidate meets the tolerance or flip-evaluator is missing; PovrayError.
+    Raises InputError for windows in series, or if no candidate meets the tolerance or flip-evaluator is missing;
+    PovrayError.
     """
+    if any(scene.window for scene in scenes):
+        raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")
     # at alpha = 0 the ideal sheet changes nothing, and no sheet costs less; but a predicted image needs a sheet
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)
     substitute = "none" if plain else "ideal"

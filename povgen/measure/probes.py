@@ -6,7 +6,6 @@ A position in the picture is a complex number x + iy: tiles in the plane z = 0, 
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import radians
 from pathlib import Path
 from typing import ClassVar
 
@@ -20,6 +19,7 @@ from povgen.optics import trace
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
+from povgen.scene import prediction
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -85,6 +85,13 @@ class Positions(_Probe):
         return ((self.L, self.z1),)
 
 
+class Light(Positions):
+    """A white square parallel to the sheets, with its centre at L, before black."""
+
+    name: ClassVar[str] = "probes/light"
+    subject: ClassVar[str] = "a white square, for the share of its light that comes through the window"
+
+
 class PiecePositions(Chess):
     """A chess piece alone. Its colours encode the position relative to the centre of its foot."""
 
@@ -93,6 +100,13 @@ class PiecePositions(Chess):
     extent: ClassVar[float] = 2.0
     z1: float = 2
     piece: str = "knight"
+
+
+def brightness(scene: Light, size: Size) -> Floats:
+    """Render a probe, and return how bright its pixels are, (height, width): 1 for the light of the square."""
+    with temporary_folder() as folder:
+        colours = _read(povray.Runner().run(to_pov(scene), LinearRendering(size), folder))
+    return np.asarray(colours[..., 0])
 
 
 def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:
@@ -155,19 +169,13 @@ def window(scene: Scene, size: Size) -> tuple[slice, slice]:
 def traced(scene: Scene, direction: Floats, max_faces: int = 60, origin: Floats | None = None) -> trace.Rays:
     """Trace rays exactly through a scene of prisms, each through at most `max_faces` faces.
 
-    `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets the
-    window frame behind the sheets ends there.
+    `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets a window
+    frame behind the sheets ends there.
     """
-    sheets = trace.sheets(scene.sheet, radians(scene.alpha), scene.prism)
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    found = trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces)
-    side = np.where(found.direction[:, 2] > 0, 0.5, -0.5) * scene.depth
-    leaves = found.position + ((side - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
-    free = found.end <= trace.End.BACK
-    found.end[free & (abs(leaves[:, :2]).max(1) > scene.aperture / 2)] = trace.End.FRAME
-    found.designed &= found.end == trace.End.THROUGH
-    return found
+    sheets = prediction.prism_sheets(scene)
+    return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth)
 
 
 def _reach(position: Complexes) -> Floats:

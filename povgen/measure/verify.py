@@ -12,14 +12,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.measure import probes
-from povgen.measure.probes import ApparentObject, Complexes, Directions, Floats, PiecePositions, Positions, Size
+from povgen.measure.probes import (
+    ApparentObject,
+    Complexes,
+    Directions,
+    Floats,
+    Light,
+    Mask,
+    PiecePositions,
+    Positions,
+    Size,
+)
 from povgen.measure.rounding import decided_by_rounding
-from povgen.optics import rotation
-from povgen.optics.trace import End
+from povgen.optics import rotation, series
+from povgen.optics.polarisation import jones, mean_transmission, transmission
+from povgen.optics.trace import End, Face
 from povgen.scene import prediction
+from povgen.scene.models import Scene, Window
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
+Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window
+SERIES: tuple[Series, ...] = (
+    (120, {"alpha": 120, "z": 2}),
+    (50, {"alpha": 75, "z": 1}),
+    (40, {"alpha": -100, "z": 0.6}),
+)
 
 
 @dataclass(frozen=True)
@@ -48,11 +66,19 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from horizon()
         yield from real_image()
         yield from nothing_changed()
+        yield from other_sheets()
+        yield from series_positions()
+        yield from series_directions()
+        yield from series_image()
     if sheet != "ideal":
         yield from every_pixel()
         yield from finite_prisms()
         yield from paraxial_prediction()
         yield from other_prisms()
+        yield from series_pixels()
+        yield from series_prediction()
+        yield from black_tops()
+        yield from partial_reflection()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -173,11 +199,14 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
     for z1 in (1.0, 2.0, 4.0):
         eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
         scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes]
-        a, b = (seen.position for _, seen in located(scenes, size))
-        # distance: from the eyes to the point where their lines of sight cross
-        z2_over_distance = 1 - (a - b) / (eyes[0] - eyes[1])
-        off.append(100 * abs(scenes[0].z2 - scenes[0].z2 / z2_over_distance - z1) / z1)
+        off.append(100 * abs(image_distance([seen.position for _, seen in located(scenes, size)], scenes) + z1) / z1)
     yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
+
+
+def image_distance(positions: list[complex], scenes: list[Positions]) -> complex:
+    """Return how far behind the plane z = 0 the lines of sight of two eyes to an object cross."""
+    z2_over_distance = 1 - (positions[0] - positions[1]) / (scenes[0].E - scenes[1].E)
+    return scenes[0].z2 / z2_over_distance - scenes[0].z2
 
 
 def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
@@ -301,13 +330,169 @@ def _prediction_error(
 
 
 def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
-    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles."""
+    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles.
+
+    For windows in series, the complex depth takes the place of eq. 7.
+    """
     thin, thick = [], []
     for scene, seen in located(scenes, size):
-        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha), scene.behind)
         thin.append(abs(seen.position - ideal))
         thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
+
+
+# Of each other ideal sheet, its parameters in the scenes that are measured.
+OTHER: dict[str, tuple[dict[str, object], ...]] = {
+    "axis": (
+        {"alpha": 25, "axis": (0, 1, 0)},
+        {"alpha": -40, "axis": (0.6, 0.3, 1)},
+        {"alpha": 60, "axis": (1, 0, -1)},
+    ),
+    "refraction": ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6}),
+    "mirror": ({"alpha": 0}, {"alpha": 60}, {"alpha": -100}),
+}
+
+
+def other_sheets(size: Size = HD) -> Iterator[Measured]:
+    """Compare the apparent positions of objects behind other ideal sheets with `ideal.apparent_position`."""
+    for sheet, several in OTHER.items():
+        scenes = []
+        for values in several:
+            for E in (0j, 0.3 - 0.2j):
+                scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
+                view = np.array([0.2 - E.real, 0.3 - E.imag, scene.z2])  # an object that appears at 0.2 + 0.3i
+                x, y, z = scene.bend(view)
+                scenes.append(scene.replace(L=0.2 + 0.3j + 2 * complex(x, y) / z))
+        off = [px(abs(seen.position - scene.apparent_position(scene.L, 2))) for scene, seen in located(scenes, size)]
+        yield Measured(
+            "ideal", f"sheet {sheet}: apparent position, {len(scenes)} scenes, worst", np.max(off), 0.1, "px"
+        )
+
+
+def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:
+    """Compare the apparent positions of objects behind 2 and 3 ideal windows with the complex depth."""
+    for windows in (2, 3):
+        scenes = [*series_targets("ideal", windows, count - count // 2, seed=11, E=0j)]
+        scenes += series_targets("ideal", windows, count // 2, seed=12, E=0.3 - 0.2j)
+        off = [
+            px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) for scene, seen in located(scenes, size)
+        ]
+        what = f"{windows} windows: apparent position against the complex depth, {count} scenes, worst"
+        yield Measured("ideal", what, np.max(off), 0.1, "px")
+
+
+def series_directions(size: Size = HD) -> Iterator[Measured]:
+    """Compare the direction that each pixel shows through all of 2 and 3 ideal windows with the rotated direction."""
+    worst = 0.0
+    for alpha, window, E in (
+        (120, SERIES[0][1:], 0j),
+        (50, [{"alpha": 75, "z": 1}, {"alpha": -40, "z": 2}], 0.3 - 0.2j),
+    ):
+        scene = Directions(sheet="ideal", alpha=alpha, window=window, eye=E)
+        (decoded,) = probes.decoded([scene], size)
+        inside, direction = probes.rays(scene, size)
+        through, turned = through_ideal(scene, direction)
+        off = np.linalg.norm(_unit(decoded[inside][through]) - turned[through], axis=1)
+        worst = max(worst, np.nan_to_num(off, nan=np.inf).max())
+    yield Measured("ideal", "2 and 3 windows: direction against the rotations, worst pixel", worst, 1e-4, "rad")
+
+
+def through_ideal(scene: Scene, direction: Floats) -> tuple[Mask, Floats]:
+    """Return which of the eye's rays pass all windows and their frames, and their directions behind the windows.
+
+    Shapes are (n, 3), (n,) and (n, 3). Rays within 1e-6 tiles of an edge do not count.
+    """
+    slope = (direction[:, 0] + 1j * direction[:, 1]) / direction[:, 2]
+    at, z, through, half = scene.E + scene.z2 * slope, 0.0, np.ones(len(slope), bool), scene.aperture / 2 - 1e-6
+    for place, alpha in zip(scene.places, scene.alphas, strict=True):
+        at = at + (place - z) * slope
+        before, after = slope, slope * np.exp(-1j * radians(alpha))
+        for point in (at - scene.depth / 2 * before, at, at + scene.depth / 2 * after):
+            through &= np.maximum(abs(point.real), abs(point.imag)) < half
+        slope, z = after, place
+    turned = np.column_stack((slope.real, slope.imag, np.ones(len(slope))))
+    return through, _unit(turned)
+
+
+def series_image(size: Size = HD) -> Iterator[Measured]:
+    """Measure the image distance of two windows, by the parallax between two eyes."""
+    off = []
+    for first, second, gap in ((120, 120, 2.0), (150, 100, 1.5), (40, -100, 2.0)):
+        z1, W = series.imaged_plane(radians(first), [(gap, radians(second))])
+        window = [{"alpha": second, "z": gap}]
+        eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
+        scenes = [
+            Positions(sheet="ideal", alpha=first, window=window, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes
+        ]
+        off.append(100 * abs(image_distance([seen.position for _, seen in located(scenes, size)], scenes) - W) / abs(W))
+    yield Measured("ideal", "2 windows: image distance by parallax, worst of 3", np.max(off), 0.2, "%")
+
+
+def series_pixels(
+    counts: tuple[int, ...] = (100,), scenes: tuple[Series, ...] = SERIES, size: Size = SMALL
+) -> Iterator[Measured]:
+    """Compare the direction that every pixel shows through 4 sheets with the exact ray trace, stray light included."""
+    for count in counts:
+        probed = [Directions(sheet="detailed", prisms=count, alpha=alpha, window=window) for alpha, *window in scenes]
+        yield from _pixels(f"2 windows of 2x{count}, {len(scenes)} scenes", probed, size)
+
+
+def series_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
+    """Measure the error of the paraxial prediction for 2 and 3 windows, as a fraction of the complex depth's error."""
+    for windows in (2, 3):
+        thin, thick = errors(series_targets("detailed", windows, count, seed=5, E=0j), size)
+        what = f"{windows} windows of 2x100: paraxial prediction's error ({px(thick):.2f} px) / the complex depth's"
+        yield Measured("detailed", what, thick / thin, 0.1)
+
+
+def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, **values: float) -> list[Positions]:
+    """Return squares behind random windows, like `targets`, that are well inside every window."""
+    random = np.random.default_rng(seed)
+    scenes: list[Positions] = []
+    while len(scenes) < count:
+        angles = random.uniform(8, 150, windows) * random.choice([-1, 1], windows)
+        places = np.cumsum(random.uniform(0.6, 1.6, windows - 1))
+        window = tuple(Window(alpha=alpha, z=z) for alpha, z in zip(angles[1:], places, strict=True))
+        z1, z2, P = random.uniform(1, 6), random.uniform(4, 8), complex(*random.uniform(-0.5, 0.5, 2))
+        scene = Positions(sheet=sheet, alpha=angles[0], window=window, z1=z1, z2=z2, eye=E, **values)
+        L = rotation.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
+        crossed = series.crossings(P, E, z2, radians(scene.alpha), scene.behind)
+        M = z2 / abs(rotation.depth(z1, z2, radians(scene.alpha), scene.behind))
+        if M < 4 and np.maximum(abs(crossed.real), abs(crossed.imag)).max() < 0.7:
+            scenes.append(scene.replace(L=L, extent=0.25 / M))
+    return scenes
+
+
+def black_tops(size: Size = SMALL) -> Iterator[Measured]:
+    """Compare which pixels are black, if the tops of prisms are, with the exact ray trace."""
+    scene = Directions(sheet="detailed", tops="black")
+    (decoded,) = probes.decoded([scene], size)
+    inside, direction = probes.rays(scene, size)
+    found = probes.traced(scene, direction, prediction.max_trace_level(scene))
+    seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+    black = (found.faces == Face.TOP).any(1)
+    agree = np.isnan(decoded[inside][seen][:, 0]) == black[seen]
+    what = f"black tops take {100 * black[seen].mean():.1f} % of the pixels: as in the ray trace"
+    yield Measured("detailed", what, 100 * agree.mean(), 99.5, "%", least=True)
+
+
+def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
+    """Compare how bright light on the designed path is, with partial reflection, with the Fresnel equations."""
+    scene = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
+    inside, direction = probes.rays(scene, size)
+    angles, prism = [0, radians(scene.alpha) / 2], scene.prism
+    light = -rotation.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
+    clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
+    clear &= probes.traced(scene, direction).designed
+    seen = probes.brightness(scene, size)[inside][clear]
+    expected = mean_transmission(light[clear], angles, prism)
+    off = np.quantile(abs(seen - expected), 0.99)
+    what = f"--fresnel: brightness on the designed path ({seen.mean():.3f}) against Fresnel's equations, 99 % of pixels"
+    yield Measured("detailed", what, off, 0.0005)
+    both = transmission(jones(light[clear], angles, prism)).mean()
+    what = f"--fresnel: its mean against that of polarised light ({both:.3f})"
+    yield Measured("detailed", what, abs(seen.mean() - both), 0.02)
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:

@@ -7,33 +7,45 @@ Other shifts depend on the point at which a ray enters a prism, and are zero on 
 derivation.
 
 Let light from L reach E with the slope s = (P - E)/z2, a complex number. Then L - E = A s + B conj(s), with A and B
-that depend on z1, z2, alpha and the pitch (`_depths`).
+that depend on the windows, z1, z2 and the pitch (`depths`).
 
-Signs and units are as in `rotation`. The plane z = 0 is midway between the sheets. z1, z2 and the apparent position
-refer to this plane.
+Signs and units are as in `rotation`. The plane of a window is midway between its two sheets. z2 and the apparent
+position refer to the plane of the first window, z = 0. z1 refers to the plane of the last one. `behind` are the windows
+behind the first one, as in `rotation.depth`. `prism` is the shape of the prisms, of all windows or one for each. Prisms
+of an ideal window have the pitch 0.
 """
+
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.optics.prism import Prism
-from povgen.optics.rotation import Complexes, Floats
+from povgen.optics.rotation import Complexes, Floats, Windows, depth
+
+Prisms = Prism | Sequence[Prism]
 
 
-def image(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
+def image(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
+) -> tuple[Complexes, Complexes]:
     """Return a and b with P - E = a (L - E) + b conj(L - E), where light from L to E crosses the plane z = 0 at P.
 
-    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0, a = 1 - P of eq. 7, and b = 0.
+    z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0 and one window, a = 1 - P of eq. 7,
+    and b = 0.
     At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
     so are their errors (`limits.MAX_CORRECTION`).
     """
-    A, B = _depths(z1, z2, alpha, prism)
+    A, B = depths(z1, z2, alpha, prism, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.divide(z2, abs(A) ** 2 - abs(B) ** 2)
         return A.conj() * scale, -B * scale
 
 
-def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Floats, Floats]:
+def nu_and_M(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
+) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
     A short step d on the object appears as a d + b conj(d), with a and b from `image`. Then nu = arg(a). The
@@ -41,21 +53,24 @@ def nu_and_M(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tu
     a pitch of 0, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is
     |b|. If |A| = |B|, nu is NaN and M is infinite.
     """
-    A, B = _depths(z1, z2, alpha, prism)
-    a, b = image(z1, z2, alpha, prism)
+    behind = tuple(behind)
+    A, B = depths(z1, z2, alpha, prism, behind)
+    a, b = image(z1, z2, alpha, prism, behind)
     M = np.where(abs(A) == abs(B), np.inf, np.maximum(abs(a), abs(b)))
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 
 
-def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> Complexes:
+def infinite_z1(z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()) -> Complexes:
     """Return the two z1 at which |A| = |B|.
 
     If no real z1 has |A| = |B|, the two results are complex. Their real part is the z1 at which |A| is least.
     """
-    g, apart = prism.slab_shift, prism.separation
-    h = (apart + g) / 2
-    half = np.emath.sqrt((apart - g) ** 2 - (np.subtract(z2, h) * np.sin(alpha)) ** 2)
-    return h - np.subtract(z2, h) * np.cos(alpha) + np.array([-half, half])
+    behind = tuple(behind)
+    A, B = depths(0, z2, alpha, prism, behind)  # A = A(z1 = 0) + z1 exp(-i a), with the sum a of all angles
+    a = np.asarray(alpha) + sum(np.asarray(turn) for _, turn in behind)
+    least = A * np.exp(1j * a)
+    half = np.emath.sqrt(abs(B) ** 2 - least.imag**2)
+    return -least.real + np.array([-half, half])
 
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
@@ -69,10 +84,16 @@ def infinite_alpha(z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
 
 
 def apparent_position(
-    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism
+    L: ArrayLike,
+    E: ArrayLike,
+    z1: ArrayLike,
+    z2: ArrayLike,
+    alpha: ArrayLike,
+    prism: Prisms,
+    behind: Windows = (),
 ) -> Complexes:
     """Return where light from L to E crosses the plane z = 0: `rotation.apparent_position` for real prisms."""
-    a, b = image(z1, z2, alpha, prism)
+    a, b = image(z1, z2, alpha, prism, behind)
     D = np.subtract(L, E)
     return np.add(E, a * D) + b * np.conj(D)
 
@@ -89,9 +110,18 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
         return np.add(E, np.multiply(z2, slope))
 
 
-def _depths(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prism) -> tuple[Complexes, Complexes]:
-    """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s."""
-    g, apart = prism.slab_shift, prism.separation
-    h = (apart + g) / 2
-    turn = np.exp(-1j * np.asarray(alpha))
-    return np.subtract(z2, h) + turn * np.subtract(z1, h), (apart - g) * turn.conj()
+def depths(
+    z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
+) -> tuple[Complexes, Complexes]:
+    """Return A and B with L - E = A s + B conj(s), for a ray from L that reaches the eye with the slope s.
+
+    Each window shortens the distances on its two sides by h, and adds (apart - g) exp(i a) conj(s) to L - E. Here a is
+    the sum of the angles up to this window (docs/beyond.md).
+    """
+    behind = tuple(behind)
+    prisms = [prism] * (1 + len(behind)) if isinstance(prism, Prism) else prism
+    h = [(prism.separation + prism.slab_shift) / 2 for prism in prisms]
+    totals = accumulate([np.asarray(alpha), *(np.asarray(turn) for _, turn in behind)])
+    B = sum((prism.separation - prism.slab_shift) * np.exp(1j * a) for prism, a in zip(prisms, totals, strict=True))
+    shortened = [(np.subtract(d, x + y), turn) for (d, turn), (x, y) in zip(behind, pairwise(h), strict=True)]
+    return depth(np.subtract(z1, h[-1]), np.subtract(z2, h[0]), alpha, shortened), B

@@ -14,6 +14,7 @@ alpha, r and distances are real. Complex numbers raise TypeError. Negative r or 
 NaN.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,10 @@ from numpy.typing import ArrayLike, NDArray
 Floats = Any
 Complexes = Any
 Booleans = Any
+
+# The windows behind the first one, in the order in which an eye looks through them. Each is the pair of its distance
+# from the window before it, and its alpha.
+Windows = Iterable[tuple[ArrayLike, ArrayLike]]
 
 
 def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
@@ -108,24 +113,43 @@ def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
     return M(r, alpha)
 
 
-def apparent_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Complexes:
-    """Return where light from L to E crosses the sheet: E + (L - E) (1 - P), with P of eq. 7.
+def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
+    """Return the complex depth Z: light from L that reaches E with the slope s has crossed L - E = Z s.
 
-    L and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole the result is the complex
-    infinity. For L = E it is NaN there, because the eye then sees L in every direction.
+    z2 is the distance from the eye to the first window, alpha the angle of this window, and z1 the distance from the
+    last window to the object. `behind` are the windows between the first one and the object: pairs (d, alpha). For
+    windows of alpha_1 ... alpha_n, the nearest to the eye first,
+    Z = z2 + d_1 exp(-i alpha_1) + d_2 exp(-i (alpha_1 + alpha_2)) + ... + z1 exp(-i (alpha_1 + ... + alpha_n)).
+    For one window Z = z2 + z1 exp(-i alpha), without cancellation. Distances of either sign are allowed.
     """
-    z1, z2, alpha = _real("z1", z1, 0), _real("z2", z2, 0), _real("alpha", alpha)
-    return np.asarray(E) + _divide(np.subtract(L, E) * z2, _sum(z2, z1, -alpha))
+    Z = _real("z1", z1)
+    for distance, turn in reversed([(z2, alpha), *behind]):
+        Z = _sum(_real("distance", distance), Z, -_real("alpha", turn))
+    return Z
 
 
-def object_position(P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Complexes:
+def apparent_position(
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()
+) -> Complexes:
+    """Return where light from L to E crosses the first window: P = E + (L - E) z2/Z, with Z of `depth`.
+
+    For one window this is E + (L - E) (1 - P), with P of eq. 7. L and E are complex. z1 >= 0 and z2 > 0 are finite. All
+    are in one unit. At the pole, Z = 0, the result is the complex infinity. For L = E it is NaN there, because the eye
+    then sees L in every direction.
+    """
+    z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
+    return np.asarray(E) + _divide(np.subtract(L, E) * z2, depth(z1, z2, alpha, behind))
+
+
+def object_position(
+    P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()
+) -> Complexes:
     """Return the point L at which an object appears at P: the inverse of `apparent_position`.
 
     P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
-    z1, z2, alpha = _real("z1", z1, 0), _real("z2", z2, 0), _real("alpha", alpha)
-    depth = _sum(z2, z1, -alpha)
-    return np.asarray(E) + np.subtract(P, E) * depth / z2
+    z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
+    return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
 
 
 def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
@@ -179,7 +203,7 @@ def _with_transverse(direction: Floats, transverse: Complexes) -> Floats:
 
 
 def _sum(a: Floats, b: Floats, alpha: Floats) -> Complexes:
-    """Return a + b exp(i alpha) for a, b >= 0, without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
+    """Return a + b exp(i alpha), for real a and b without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
     half = alpha / 2
     cosine = np.cos(half)
     at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # alpha is the double nearest to an odd multiple of pi

@@ -1,13 +1,15 @@
 """Exact ray trace of Dove-prism sheets, on numpy arrays. Each ray is followed until it leaves the sheets.
 
-The coordinates are the scenes': x right, y up, z away from the eye. The sheets are centred on z = 0. Lengths are in the
-unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. Light that
-meets the window frame ends there.
+The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
+in the unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. A ray
+that meets the frame of a window from inside ends there, and so does a ray that misses the first window on its way. A
+ray also ends where it misses a later window.
 
 Each sheet has its own coordinate system, in which its prisms' ridges lie along x. Each of its prisms has a cell, one
 pitch high: the prism and the air above it. There u is the height above the prism's base.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -40,6 +42,7 @@ class End(IntEnum):
     BACK = 1  # leaves on the side that it came from
     FRAME = 2  # meets the window frame
     UNFINISHED = 3  # has met the greatest allowed number of faces
+    BESIDE = 4  # passes beside a window, after another one
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ class Sheet:
 
     angle: float
     centre: float
+    window: int = 0  # the window that the sheet is in; a window's sheets follow one another
 
 
 @dataclass
@@ -115,15 +119,20 @@ class _Glass:
         return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
 
 
-def pair(alpha: float, prism: Prism) -> tuple[Sheet, Sheet]:
-    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
-    aside = prism.separation / 2
-    return Sheet(alpha / 2, -aside), Sheet(0.0, aside)
+def pair(alpha: float, prism: Prism, behind: Iterable[tuple[float, float]] = ()) -> tuple[Sheet, ...]:
+    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2.
 
-
-def sheets(model: str, alpha: float, prism: Prism) -> tuple[Sheet, ...]:
-    """Return the sheets of a scene whose `sheet` is 'detailed' or 'single'. alpha in radians."""
-    return (Sheet(0.0, 0.0),) if model == "single" else pair(alpha, prism)
+    `behind` are further windows, as in `rotation.depth`: the distance from the middle of the window before, and alpha.
+    Two sheets of each follow. Raises ValueError for windows that overlap.
+    """
+    aside, z = prism.separation / 2, 0.0
+    sheets = [Sheet(alpha / 2, -aside), Sheet(0.0, aside)]
+    for window, (distance, turn) in enumerate(behind, 1):
+        if distance < prism.thickness(2):
+            raise ValueError(f"distance between windows = {distance:g}; allowed: {prism.thickness(2):g} or more")
+        z += distance
+        sheets += [Sheet(turn / 2, z - aside, window), Sheet(0.0, z + aside, window)]
+    return tuple(sheets)
 
 
 def trace(
@@ -133,11 +142,13 @@ def trace(
     window: float,
     prism: Prism,
     most: int = 60,
+    frame: float = 0.0,
 ) -> Rays:
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill a square window with the given side. A ray ends after `most` faces.
+    eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z,
+    if it is greater than that of the sheets: light from the sheets can meet it. A ray ends after `most` faces.
     Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prism)
@@ -158,7 +169,7 @@ def trace(
     for start in range(0, n, CHUNK):
         chunk = Rays(*(getattr(rays, field.name)[start : start + CHUNK] for field in fields(Rays)))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(chunk, sheets, glass).run()
+            _Trace(chunk, sheets, glass, frame).run()
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     steps = len(path)
     path = np.where(forward, path, path[::-1])
@@ -190,12 +201,16 @@ class _Trace:
     the sine of that sheet's angle.
     """
 
-    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass) -> None:
+    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass, frame: float) -> None:
         n, self.most = rays.faces.shape
         self.rays, self.glass, self.sheets = rays, glass, len(sheets)
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
         self.centre = np.array([sheet.centre for sheet in sheets])
+        self.window = np.array([sheet.window for sheet in sheets])
+        # z of the middle of each sheet's window
+        self.middle = np.array([self.centre[self.window == window].mean() for window in self.window])
+        self.frame = frame / 2
         self.x, self.u, self.z, self.dx, self.dy, self.dz, self.cell, self.c, self.s = np.empty((9, n))
         self.forward = rays.direction[:, 2] > 0
         self.sheet = np.where(self.forward, 0, len(sheets) - 1)
@@ -216,18 +231,26 @@ class _Trace:
         here = self.sheet[i]
         c = self.c[i] = self.cosine[here]
         s = self.s[i] = self.sine[here]
-        x, y, z = self.rays.position[i].T
         dx, dy, dz = self.rays.direction[i].T
-        surface = np.where(dz > 0, -self.glass.half, self.glass.half)
-        step = (surface + self.centre[here] - z) / dz
-        x, y = x + step * dx, y + step * dy
+        x, y, surface, outside = self.arrival(i)
         v = c * y - s * x
         self.x[i], self.z[i] = c * x + s * y, surface
         self.dx[i], self.dy[i], self.dz[i] = c * dx + s * dy, c * dy - s * dx, dz
         cell = self.cell[i] = np.floor((v - self.glass.first) / self.glass.pitch)
         self.u[i] = v - self.glass.first - cell * self.glass.pitch
-        half = self.glass.window / 2
-        return self.without_ended(i, (abs(x) > half) | (abs(y) > half), End.FRAME)
+        return self.without_ended(i, outside, End.FRAME)
+
+    def arrival(self, i: Indices) -> tuple[Floats, Floats, Floats, Booleans]:
+        """Return where rays in the scene's coordinates reach the surface of their sheet, and if this is outside it.
+
+        x and y are in the scene's coordinates, z is from the sheet's middle plane.
+        """
+        x, y, z = self.rays.position[i].T
+        dx, dy, dz = self.rays.direction[i].T
+        surface = np.where(dz > 0, -self.glass.half, self.glass.half)
+        step = (surface + self.centre[self.sheet[i]] - z) / dz
+        x, y, half = x + step * dx, y + step * dy, self.glass.window / 2
+        return x, y, surface, (abs(x) > half) | (abs(y) > half)
 
     def leave(self, i: Indices) -> None:
         """Write positions and directions in the scene's coordinates."""
@@ -264,12 +287,26 @@ class _Trace:
     def change_sheet(self, i: Indices) -> Indices:
         """Take rays that leave a sheet to the next one, if there is one. Return those that reach it."""
         self.leave(i)
-        self.sheet[i] += np.where(self.dz[i] > 0, 1, -1)
-        at = self.sheet[i]
-        ended = (at < 0) | (at == self.sheets)
-        out = i[ended]
-        self.rays.end[out] = np.where((at[ended] > 0) == self.forward[out], End.THROUGH, End.BACK)
+        onward = np.where(self.dz[i] > 0, 1, -1)
+        before, after = self.sheet[i], self.sheet[i] + onward
+        last = (after < 0) | (after == self.sheets)
+        after = np.where(last, before, after)
+        self.sheet[i] = after
+        ended = last | (self.window[after] != self.window[before])  # they leave the window; some reach the next one
+        j, before, after, onward, last = (values[ended] for values in (i, before, after, onward, last))
+        blocked = self.outside(j, self.middle[before] + onward * self.frame)
+        beside = self.outside(j, self.middle[after] - onward * self.frame) | self.arrival(j)[-1]
+        through = np.where((onward > 0) == self.forward[j], End.THROUGH, End.BACK)
+        self.rays.end[j] = np.select([blocked, last], [End.FRAME, through], End.BESIDE)
+        ended[ended] = blocked | last | beside
         return self.enter(i[~ended])
+
+    def outside(self, i: Indices, z: Floats) -> Booleans:
+        """Return if rays are outside the window's square in the plane z, or where they are if they have passed it."""
+        position, direction = self.rays.position[i], self.rays.direction[i]
+        step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
+        x, y, _ = abs(position + step[:, None] * direction).T
+        return np.asarray(np.maximum(x, y) > self.glass.window / 2)
 
     def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
         """Take rays in the glass to the next face. Return those that leave the prism and those that are reflected."""

@@ -5,6 +5,7 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from collections.abc import Collection, Mapping
+from itertools import pairwise
 from math import radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
@@ -29,14 +30,18 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.rotation import Booleans, Complexes, Floats
 
 T = TypeVar("T")
-SheetModel = Literal["detailed", "ideal", "single", "none"]
+SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "mirror"]
+OTHER_SHEETS = ("axis", "refraction", "mirror")  # ideal sheets that do not rotate light about their normal
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
+MAX_WINDOWS = 5
+Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
+Component = Annotated[float, Field(ge=-1, le=1)]
 
 
 def as_pair(value: object) -> object:
@@ -103,19 +108,73 @@ PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
-class Scene(Model):
-    """What all scenes share: the eye, the window and the sheets in it."""
+class Window(Model):
+    """A window behind the first one, and parallel to it. Its size, its frame and its prisms are those of the first."""
 
-    alpha: Annotated[float, Field(ge=-360, le=360)] = Field(
-        66, description="ray-rotation angle alpha, -360 to 360 degrees"
+    alpha: Alpha = Field(description="ray-rotation angle, -360 to 360 degrees")
+    z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
+    sheet: Literal["detailed", "ideal"] | None = Field(
+        None, description="model of its sheets: detailed or ideal (default: the scene's)"
     )
+
+
+def _window(value: object) -> object:
+    """Accept text such as 'alpha=120,z=2'."""
+    if isinstance(value, str):
+        parts = [part.partition("=") for part in value.split(",")]
+        values = {name.strip(): number for name, _, number in parts}
+        if len(values) < len(parts) or not all(equals for _, equals, _ in parts):
+            raise ValueError("should be text such as alpha=120,z=2")
+        value = values
+    return Window(**value) if isinstance(value, Mapping) else value
+
+
+def _windows(value: object) -> object:
+    """Accept a single window."""
+    return [value] if isinstance(value, (str, Mapping, Window)) else value
+
+
+WINDOW = (
+    "a further window, such as alpha=120,z=2: its angle in degrees, and how many tiles it is behind the first window; "
+    f"with sheet=ideal or sheet=detailed if it differs from the first; up to {MAX_WINDOWS - 1} windows, in order of z"
+)
+Windows = Annotated[
+    tuple[Annotated[Window, BeforeValidator(_window)], ...],
+    Field(max_length=MAX_WINDOWS - 1),
+    BeforeValidator(_windows),
+]
+
+
+class _Windows(Model):
+    window: Windows = Field(description=WINDOW)
+
+
+def as_windows(value: object) -> list[Window]:
+    """Return the windows that a scene's parameter `window` states. Raises InputError."""
+    return list(_Windows(window=value).window)
+
+
+class Scene(Model):
+    """What all scenes share: the eye, the windows and the sheets in them."""
+
+    alpha: Alpha = Field(66, description="ray-rotation angle alpha, -360 to 360 degrees")
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
         6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
     sheet: SheetModel = Field(
         "detailed",
-        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet) or none",
+        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet), none, "
+        "or another ideal sheet: axis (rotation by alpha about --axis), refraction (by --ratio times exp(i alpha)), "
+        "mirror (about a line at alpha/2)",
     )
+    axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
+        (1, 0, 0),
+        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, not 0,0,0",
+    )
+    ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
+        1, description="ratio of refractive indices of --sheet refraction, the object's side over the eye's, 0.1 to 10"
+    )
+    window: Windows = Field((), description=WINDOW)
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
         100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
     )
@@ -132,6 +191,12 @@ class Scene(Model):
         Prism.aspect,
         description="length of a prism, in units of its length at full aperture: "
         "above a least value that depends on index and base angle, and below 2",
+    )
+    tops: Literal["clear", "black"] = Field(
+        "clear", description="the prisms' tops: clear, or black, which absorbs much of the stray light"
+    )
+    fresnel: bool = Field(
+        False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         APERTURE,
@@ -180,14 +245,46 @@ class Scene(Model):
         return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
     @property
+    def sheets(self) -> tuple[SheetModel, ...]:
+        """The model of the sheets in each window, the first window first. 'none' is for all windows."""
+        own: SheetModel = self.sheet
+        return (own, *(own if own == "none" else window.sheet or own for window in self.window))
+
+    @property
+    def alphas(self) -> tuple[float, ...]:
+        """The ray-rotation angle of each window, degrees."""
+        return (self.alpha, *(window.alpha for window in self.window))
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """z of each window, midway between its sheets, tiles."""
+        return (0.0, *(window.z for window in self.window))
+
+    @property
+    def behind(self) -> tuple[tuple[float, float], ...]:
+        """The windows behind the first one, as in `rotation.depth`: (distance from the one before, alpha, radians)."""
+        turns = [radians(alpha) for alpha in self.alphas[1:]]
+        return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
+
+    @property
+    def prisms_by_window(self) -> tuple[Prism, ...]:
+        """The shape of the prisms in each window. Those of an ideal sheet have no size."""
+        return tuple(self.prism if sheet == "detailed" else Prism(0.0) for sheet in self.sheets)
+
+    @property
+    def simulated(self) -> int:
+        """How many windows the camera simulates: the ideal ones. They are nearer to the eye than windows of prisms."""
+        return self.sheets.count("ideal")
+
+    @property
     def has_prisms(self) -> bool:
-        """Whether the sheets consist of prisms."""
-        return self.sheet in ("detailed", "single")
+        """Whether the sheets of a window consist of prisms."""
+        return any(sheet in ("detailed", "single") for sheet in self.sheets)
 
     @property
     def sheets_depth(self) -> float:
-        """Extent of the sheets along z, tiles. They are centred on z = 0."""
-        sheets = {"detailed": 2, "single": 1}.get(self.sheet, 0)
+        """Extent along z of the sheets in a window of prisms, tiles; 0 without prisms. Its middle is the window's z."""
+        sheets = max({"detailed": 2, "single": 1}.get(sheet, 0) for sheet in self.sheets)
         return self.prism.thickness(sheets) if sheets else 0.0
 
     @property
@@ -195,62 +292,96 @@ class Scene(Model):
         """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
         return max(self.aperture / 10, 1.02 * self.sheets_depth)
 
+    def bend(self, direction: "ArrayLike") -> "Floats":
+        """Return light's directions (..., 3) behind the sheet, if it is one of OTHER_SHEETS (`optics.ideal`)."""
+        from cmath import rect
+
+        from povgen.optics import ideal, rotation
+
+        alpha = radians(self.alpha)
+        match self.sheet:
+            case "axis":
+                return ideal.rotate_about(direction, self.axis, alpha)
+            case "refraction":
+                return ideal.refract(direction, rect(self.ratio, alpha))
+            case _:
+                return rotation.mirror(direction, alpha / 2)
+
     def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
-        L (complex) and z1 are in tiles. alpha, in degrees, replaces the scene's own. Arrays broadcast.
+        Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
+        scene's own. Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import paraxial, rotation
 
         turn = numpy.radians(self.alpha if alpha is None else alpha)
-        match self.sheet:
-            case "detailed":
-                return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prism)
-            case "single":
-                return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
-            case "ideal":
-                return rotation.apparent_position(L, self.E, z1, self.z2, turn)
-            case "none":
-                return rotation.apparent_position(L, self.E, z1, self.z2, 0)
+        if self.sheet in OTHER_SHEETS:
+            from povgen.optics import ideal
+
+            return ideal.apparent_position(self.bend, L, self.E, z1, self.z2)
+        if self.sheet == "single":
+            return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
+        if self.sheet == "none":
+            return rotation.apparent_position(L, self.E, numpy.add(z1, self.places[-1]), self.z2, 0)
+        if "detailed" in self.sheets:
+            return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prisms_by_window, self.behind)
+        return rotation.apparent_position(L, self.E, z1, self.z2, turn, self.behind)
 
     def visible(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Booleans":
-        """Return whether light from a point reaches the eye through the window, by the prediction.
+        """Return whether light from a point reaches the eye through the windows, by the prediction.
 
-        The light must pass inside the window frame's front and back, and inside the window at the middle planes of the
-        sheets, where the prediction turns it. Arguments as for `apparent_position`.
+        The light must pass inside each window frame's front and back, and inside each window at the middle planes of
+        its sheets, where the prediction turns it. Arguments as for `apparent_position`.
         """
         import numpy
 
-        turn = numpy.exp(-1j * numpy.radians(self.alpha if alpha is None else alpha))
+        from povgen.optics import paraxial
+
+        turn = numpy.radians(self.alpha if alpha is None else alpha)
+
+        def at(passed: int, z: float) -> "Complexes":
+            """Where light is, a distance z behind the last of the windows that a ray from the eye has passed."""
+            if passed == 0 or self.sheet == "none":
+                return self.E + slope * (self.z2 + self.places[max(0, passed - 1)] + z)
+            if self.sheet in OTHER_SHEETS:
+                P = self.E + slope * self.z2
+                return L - numpy.subtract(L, P) / z1 * numpy.subtract(z1, z)
+            if self.sheet == "single":
+                return L - slope.conjugate() * numpy.subtract(z1, z)
+            A, B = paraxial.depths(z, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
+            return self.E + A * slope + B * slope.conjugate()
+
         with numpy.errstate(invalid="ignore"):
-            # between eye and sheets; `behind` is between sheets and object
             slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
-            behind = {"single": slope.conjugate(), "none": slope}.get(self.sheet, turn * slope)
-            middle = self.prism.separation / 2 if self.sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
-            crossed = [self.E + slope * (self.z2 - z) for z in (self.depth / 2, middle)]
-            crossed += [L - behind * numpy.subtract(z1, z) for z in (self.depth / 2, middle)]
+            crossed = []
+            for passed, sheet in enumerate(self.sheets):
+                distance = self.places[passed] - self.places[max(0, passed - 1)]
+                middle = self.prism.separation / 2 if sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
+                for z in (self.depth / 2, middle):
+                    crossed += [at(passed, distance - z), at(passed + 1, z)]
         half = self.aperture / 2
         return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
-        """Return the angle nu, degrees, through which two sheets show an object turned, and its magnification M.
+        """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
-        They are eqs. 8 and 9, corrected, or for prisms of finite size those of `paraxial.nu_and_M`. Of all equivalent
-        angles, nu is the one within 180 degrees of alpha/2. It is NaN at the pole, and for a mirrored object. z1 is in
-        tiles; arrays broadcast.
+        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
+        Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas. It is NaN at the pole,
+        and for a mirrored object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
         from povgen.optics import paraxial, rotation
 
-        alpha = remainder(self.alpha, 360)
-        if self.sheet == "ideal":
+        alpha = remainder(sum(self.alphas), 360)
+        if self.sheets == ("ideal",):
             r = rotation.r(z1, self.z2)
             nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
         else:
-            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prism)
+            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prisms_by_window, self.behind)
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @property
@@ -262,7 +393,7 @@ class Scene(Model):
         if z1 <= nearest:
             raise ValueError(
                 f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
-                f"z = {self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
+                f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
             )
         if z1 > self.farthest:
             raise ValueError(
@@ -272,7 +403,7 @@ class Scene(Model):
     @property
     def farthest(self) -> float:
         """The greatest z1, tiles."""
-        return MAX_DISTANCE / self.tile
+        return MAX_DISTANCE / self.tile - self.places[-1]
 
     @model_validator(mode="after")
     def _check_prisms_and_eye(self) -> Self:
@@ -290,6 +421,28 @@ class Scene(Model):
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
             raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
+        return self
+
+    @model_validator(mode="after")
+    def _check_windows(self) -> Self:
+        for number, (before, z) in enumerate(pairwise(self.places), 2):
+            least = before + self.depth + 0.01
+            if z <= least:
+                raise ValueError(
+                    f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
+                    f"allowed: z > {least:.4g}"
+                )
+        if self.window and self.sheet in ("single", *OTHER_SHEETS):
+            raise ValueError(
+                f"sheet = {self.sheet!r}: not with several windows; allowed: 'detailed', 'ideal' or 'none'"
+            )
+        if not any(self.axis):
+            raise ValueError("axis = 0,0,0: no direction; allowed: any other")
+        if "ideal" in self.sheets[self.simulated :]:
+            raise ValueError(
+                "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
+                "them before all prisms; allowed: ideal windows first"
+            )
         return self
 
 
@@ -366,8 +519,15 @@ class Chess(Scene):
         return -(self.aperture / 2 + self.rim)
 
     def apparent_steps(self, z1: float) -> tuple[complex, complex]:
-        """Return the predicted image, in the plane z = 0, of a step of one tile to the right and of one up, at z1."""
-        right, up = (complex(self.apparent_position(self.E + step, z1)) - self.E for step in (1, 1j))
+        """Return the predicted image of a step of one tile to the right and of one up, at z1.
+
+        It is in the plane z = 0, or in the plane of the last window that the camera simulates.
+        """
+        from povgen.optics import rotation
+
+        last = self.simulated - 1
+        scale = rotation.depth(0, self.z2, radians(self.alpha), self.behind[:last]) / self.z2 if last > 0 else 1
+        right, up = ((complex(self.apparent_position(self.E + step, z1)) - self.E) * scale for step in (1, 1j))
         return right, up
 
     @model_validator(mode="after")
@@ -389,7 +549,7 @@ class Chess(Scene):
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
                 "allowed: sheet = 'detailed' or 'ideal'"
             )
-        if self.predicted_image and self.z2 in self.distances and abs(self.alpha) == 180:
+        if self.predicted_image and not self.window and self.z2 in self.distances and abs(self.alpha) == 180:
             raise ValueError(
                 f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z2:g} the piece appears at "
                 "infinity (the pole of eq. 7); allowed: any other alpha or z1"

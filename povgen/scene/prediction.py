@@ -6,8 +6,9 @@ other light is stray light. The limits are in limits.py.
 
 from cmath import rect
 from collections.abc import Iterator
+from dataclasses import replace
 from math import ceil, hypot, inf, radians, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.optics.prism import Prism
 from povgen.scene.limits import (
@@ -21,8 +22,11 @@ from povgen.scene.limits import (
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
 )
-from povgen.scene.models import Scene
+from povgen.scene.models import OTHER_SHEETS, Scene
 from povgen.settings import Rendering
+
+if TYPE_CHECKING:
+    from povgen.optics import trace
 
 
 class Survey(NamedTuple):
@@ -32,7 +36,8 @@ class Survey(NamedTuple):
     designed: float  # the fraction of the rays on the designed path
 
 
-SurveyInputs = tuple[str, float, float, complex, float, Prism, int]
+# sheets, alpha and the windows behind the first one, z2, E, side of the windows, prism, number of rays
+SurveyInputs = tuple[tuple[str, ...], float, tuple[tuple[float, float], ...], float, complex, float, Prism, int]
 surveys: dict[SurveyInputs, Survey] = {}  # finished surveys, by their inputs
 
 
@@ -46,32 +51,68 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 def surveyed(scene: Scene, side: int = 60) -> SurveyInputs:
     """Return everything on which a scene's survey depends."""
-    return (scene.sheet, scene.alpha, scene.z2, scene.E, scene.aperture, scene.prism, side)
+    return scene.sheets, scene.alpha, scene.behind, scene.z2, scene.E, scene.aperture, scene.prism, side
 
 
-def _survey(sheet: str, alpha: float, z2: float, E: complex, window: float, prism: Prism, side: int) -> Survey:
-    """Trace rays through a window of prisms. The window is divided into squares; one ray meets a random point of each.
+def prism_sheets(scene: Scene) -> "tuple[trace.Sheet, ...]":
+    """Return the sheets of prisms in a scene, the nearest to the eye first."""
+    return _sheets(scene.sheets, scene.alpha, scene.behind, scene.prism)
 
-    The random points are the same each time. Regularly spaced points would make moire with the prisms.
+
+def _sheets(
+    sheets: tuple[str, ...], alpha: float, behind: tuple[tuple[float, float], ...], prism: Prism
+) -> "tuple[trace.Sheet, ...]":
+    from povgen.optics import trace  # slow to load, and only prisms need it
+
+    if "single" in sheets:
+        return (trace.Sheet(0.0, 0.0),)
+    first = sheets.count("ideal")
+    turns = [radians(alpha), *(turn for _, turn in behind)]
+    z = sum(distance for distance, _ in behind[:first])
+    return tuple(replace(sheet, centre=sheet.centre + z) for sheet in trace.pair(turns[first], prism, behind[first:]))
+
+
+def _survey(
+    sheets: tuple[str, ...],
+    alpha: float,
+    behind: tuple[tuple[float, float], ...],
+    z2: float,
+    E: complex,
+    window: float,
+    prism: Prism,
+    side: int,
+) -> Survey:
+    """Trace rays through windows of prisms. The first window is divided into squares; one ray meets each.
+
+    It meets a random point of the square. The random points are the same each time. Regularly spaced points would make
+    moire with the prisms. In the fraction on the designed path, rays that miss a later window do not count.
     """
     import numpy as np
 
-    from povgen.optics import trace  # slow to load, and only prisms need it
+    from povgen.optics import series, trace
 
     points = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
     x, y = (points.reshape(2, -1) / side - 0.5) * window
-    direction = np.column_stack((x - E.real, y - E.imag, np.full(len(x), z2)))
-    eye = np.array([[E.real, E.imag, -z2]])
-    glass = trace.sheets(sheet, radians(alpha), prism)
-    found = trace.trace(eye, direction, glass, window, prism)
+    P = series.crossings(x + 1j * y, E, z2, radians(alpha), behind)
+    through_all = (np.maximum(abs(P.real), abs(P.imag)) <= window / 2).all(0)
+    glass = _sheets(sheets, alpha, behind, prism)
+    # rays start at the eye, or at the last ideal window
+    first = sheets.count("ideal")
+    distance = [z2, *(distance for distance, _ in behind)]
+    start, end = P[first - 1] if first else np.full(len(x), E), P[first]
+    origin = np.column_stack((start.real, start.imag, np.full(len(x), sum(distance[1:first]) if first else -z2)))
+    direction = np.column_stack(((end - start).real, (end - start).imag, np.full(len(x), distance[first])))
+    found = trace.trace(origin, direction, glass, window, prism)
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8 is a margin: pictures can lose a larger fraction than this sample
     lost = int(0.8 * MAX_LOST_FRACTION * len(x))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
-        longer = trace.trace(eye, direction[unfinished], glass, window, prism, MAX_FACES)
+        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
-    return Survey(max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed.mean()))
+    return Survey(
+        max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed[through_all].mean()) if through_all.any() else 0.0
+    )
 
 
 def max_trace_level(scene: Scene) -> int:
@@ -87,21 +128,28 @@ def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera.pov.j2.
+    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the part of
+    it that shows a second window is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
         return grid
-    return ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR)))) if scene.E else 1
+    if scene.sheet in OTHER_SHEETS:
+        return _cells_of_other_sheet(scene)
+    return (
+        ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR))))
+        if scene.E or scene.simulated > 1
+        else 1
+    )
 
 
 def grid_error(scene: Scene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis; on the axis the interpolation is exact. POV-Ray interpolates between unit vectors
-    at the corners of triangles. Off the axis, a ray then has the direction that belongs to another point, up to
+    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates
+    between unit vectors at the corners of triangles. A ray then has the direction that belongs to another point, up to
     d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
-    displaced by |P| times this distance.
+    displaced by |P| times this distance, or for several windows |z1/Z| times.
     """
     half = scene.aperture / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)
@@ -111,10 +159,53 @@ def grid_error(scene: Scene, cells: int) -> float:
     return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view * 960
 
 
+def _cells_of_other_sheet(scene: Scene) -> int:
+    """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
+
+    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. For an
+    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, mirror).
+    """
+    import numpy as np
+
+    n = 16
+    side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
+
+    def directions(x: "np.typing.ArrayLike", y: "np.typing.ArrayLike") -> "np.typing.NDArray[np.float64]":
+        view = np.stack(np.broadcast_arrays(np.subtract(x, scene.E.real), np.subtract(y, scene.E.imag), scene.z2), -1)
+        bent = scene.bend(view)
+        return np.asarray(bent / np.linalg.norm(bent, axis=-1, keepdims=True))
+
+    if (
+        not scene.E
+        and scene.sheet != "refraction"
+        and np.isfinite(directions(side[[0, -1]], side[[0, -1], None])).all()
+    ):
+        return 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        corners = directions(side, side[:, None])
+        middle = (side[1:] + side[:-1]) / 2
+        right = directions(middle, middle[:, None])
+        shown = corners[:-1, :-1] + corners[1:, 1:]
+        off = np.linalg.norm((shown / shown[..., 2:] - right / right[..., 2:])[..., :2], axis=-1)
+        slope = corners[..., :2] / corners[..., 2:]
+        # how far an object's point moves if its apparent position moves by a tile: the least, over all directions
+        steps = [np.diff(slope, axis=axis)[:n, :n] / (side[1] - side[0]) for axis in (1, 0)]
+        worst = 0.0
+        for z1 in scene.distances or (2 * scene.z2,):
+            jacobian = z1 * np.stack(steps, -1) + np.eye(2)
+            least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
+            worst = max(worst, np.nanquantile(z1 * off / np.maximum(least, 0.02), 0.98, method="higher"))
+    error = worst / scene.view * 960
+    return ceil(min(MAX_CELLS, max(1, n * sqrt(error / MAX_CAMERA_ERROR))))
+
+
 def _P(scene: Scene, z1: float) -> float:
-    """Return |P| of eq. 7. Unlike `rotation.P` it does not need numpy, which is slow to load."""
-    inverse = abs(1 + rect(scene.z2 / z1, radians(scene.alpha)))
-    return 1 / inverse if inverse else inf
+    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `rotation` it does not need numpy, slow to load."""
+    Z, turn = complex(scene.z2), 1 + 0j
+    for distance, alpha in ((0, radians(scene.alpha)), *scene.behind):
+        Z, turn = Z + distance * turn, turn * rect(1, -alpha)
+    Z += z1 * turn
+    return z1 / abs(Z) if Z else inf
 
 
 def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple[str, str]]:
@@ -128,8 +219,10 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
         text += " prisms' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
-    if scene.sheet == "detailed" and abs((scene.alpha + 180) % 360 - 180) < MIN_ALPHA:
-        text = f"alpha = {scene.alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
+    for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
+        if sheet != "detailed" or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
+            continue
+        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
@@ -148,7 +241,7 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
         "caption": rendering and rendering.caption and two,
     }
     names = [name for name, shown in shows.items() if shown]
-    if not names or scene.sheet == "none":
+    if not names or scene.sheet in ("none", *OTHER_SHEETS):
         return
     import numpy as np
 
@@ -157,14 +250,14 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     L, z1 = np.array([L for L, _ in scene.objects]), np.array(scene.distances)
     alpha = radians(scene.alpha)
     with np.errstate(all="ignore"):
-        if scene.sheet == "ideal":
-            found = rotation.condition(scene.z2 / z1, alpha)
-            # for an eye off the axis, a camera error above one pixel also counts
-            right = found / grid_error(scene, camera_cells(scene)) if scene.E else np.inf
+        if two and "detailed" not in scene.sheets:
+            found = abs(np.divide(scene.z2, rotation.depth(z1, scene.z2, alpha, scene.behind)))
+            # where the camera interpolates between cells, its error above one pixel also counts
+            right = found / grid_error(scene, camera_cells(scene)) if camera_cells(scene) > 1 else np.inf
             limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
             what, size = "the object is magnified", "{:.3g} times"
         else:
-            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha)
+            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha, scene.behind)
             # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
             moved = (
                 scene.apparent_position(L, z1) - thin

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from povgen import __version__
 from povgen.errors import InputError
 from povgen.scene import prediction
-from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, checked_scene
+from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Chess, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
 
@@ -82,8 +82,9 @@ def to_pov(
             input=_input(file),
             options=" ".join(sampling.picture_options),
             supersampling=sampling.supersampling,
-            cells=prediction.camera_cells(scene) if scene.sheet == "ideal" else None,
+            cells=prediction.camera_cells(scene) if scene.sheet in ("ideal", *OTHER_SHEETS) else None,
             trace_level=prediction.max_trace_level(scene),
+            other=scene.sheet in OTHER_SHEETS,
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )
     )

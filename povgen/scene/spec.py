@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.model import Model
-from povgen.scene.models import SCENES, Scene, as_pair
+from povgen.scene.models import MAX_WINDOWS, SCENES, Scene, Window, as_pair, as_windows
 from povgen.scene.pieces import from_folder
 from povgen.settings import QUALITIES, Sampling
 
@@ -20,6 +20,8 @@ MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for
 MAX_FRAMES = 10000
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
+# The numbers of the windows behind the first one that can be swept: window2_alpha, window2_z, window3_alpha, ...
+WINDOW_NUMBERS = {f"window{n}_{name}": (n, name) for n in range(2, MAX_WINDOWS + 1) for name in ("alpha", "z")}
 
 
 def _number_or_pair(value: object) -> object:
@@ -115,21 +117,24 @@ class MovieSpec(Model):
         "or as many as a sweep has values)",
     )
     loop: bool = Field(False, description="whether the movie goes there and back, so that it can be repeated")
-    fixed: dict[str, Any] = Field({}, description="the scene's fixed parameters")
+    fixed: dict[str, Any] = Field(
+        {}, description="the scene's fixed parameters; windows behind the first one have a table [[window]] each"
+    )
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
         description="the swept parameters; for each a table [[sweep]], with two brackets"
     )
 
     @model_validator(mode="after")
     def _check_sweeps(self) -> Self:
-        numbers = swept_numbers(SCENES[self.scene])
+        numbers = swept_numbers(SCENES[self.scene]) | dict.fromkeys(WINDOW_NUMBERS, 1)
         names = [sweep.parameter for sweep in self.sweep]
         for name in self.fixed.keys() - SCENES[self.scene].model_fields:
             raise ValueError(f"{shown(name)}: unknown; allowed: {', '.join(SCENES[self.scene].model_fields)}")
         for sweep in self.sweep:
             name = sweep.parameter
             if name not in numbers:
-                raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {', '.join(numbers)}")
+                own = [*swept_numbers(SCENES[self.scene]), "window2_alpha", "window2_z", "..."]
+                raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {', '.join(own)}")
             if names.count(name) > 1:
                 raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
             for value in sweep.values or sweep.ends:
@@ -179,6 +184,8 @@ class MovieSpec(Model):
         except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
             raise InputError(f"{name}: not TOML: {error}") from None
         try:
+            if "window" in values:
+                values["fixed"] = {"window": values.pop("window"), **values.get("fixed", {})}
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
@@ -223,10 +230,13 @@ class MovieSpec(Model):
     def _scene(self, swept: dict[str, Any], n: int, count: int) -> Scene:
         """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed."""
         model = SCENES[self.scene]
+        own = {name: x for name, x in swept.items() if name not in WINDOW_NUMBERS}
         # prisms are counted
-        swept = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in swept.items()}
+        own = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in own.items()}
         try:
-            return model(**{**self.fixed, **swept})
+            if len(own) < len(swept):
+                own["window"] = self._windows({name: x for name, x in swept.items() if name not in own})
+            return model(**{**self.fixed, **own})
         except InputError as error:
             try:
                 model(**self.fixed)
@@ -235,6 +245,16 @@ class MovieSpec(Model):
                     raise
             values = [f", {x} = {_text(value)}" for x, value in swept.items() if not str(error).startswith(f"{x} = ")]
             raise InputError(f"frame {n} of {count}{''.join(values)}: {error}") from None
+
+    def _windows(self, swept: dict[str, float]) -> list[Window]:
+        """Return the windows behind the first one, with swept numbers in place of their own. Raises InputError."""
+        windows = as_windows(self.fixed.get("window", ()))
+        for name, value in swept.items():
+            number, field = WINDOW_NUMBERS[name]
+            if number > len(windows) + 1:
+                raise InputError(f"{name}: swept, but there is no window {number}; allowed: with another [[window]]")
+            windows[number - 2] = windows[number - 2].replace(**{field: value})
+        return windows
 
     def _frames_there(self, quality: str) -> int:
         """Return the number of frames from start to stop."""
@@ -263,7 +283,7 @@ class MovieSpec(Model):
 def swept_numbers(scene: type[Scene]) -> dict[str, int]:
     """Return the scene's parameters that can be swept, and how many numbers a value of each has."""
     counts = {name: _numbers(field.annotation) for name, field in scene.model_fields.items()}
-    return {name: count for name, count in counts.items() if count}
+    return {name: count for name, count in counts.items() if count in (1, 2)}
 
 
 def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from povgen.optics import paraxial, rotation
-from povgen.optics.prism import Prism
-from povgen.scene.models import Scene
+from povgen.scene.models import OTHER_SHEETS, Scene
 from povgen.settings import Rendering
 
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
@@ -51,22 +50,30 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
         _strip(picture, [Item(text, text, colour) for text, colour in colours], at_top=True)
     if rendering.caption:
         texts = (f"{SYMBOLS.get(name, name)} = {value}" for name, value in facts(scene).items())
-        widest = (_widest_text(name, len(scene.distances) > 1) for name in facts(scene))
+        several, windows = len(scene.distances) > 1, len(scene.places)
+        widest = (_widest_text(name, several, windows) for name in facts(scene))
         _strip(picture, [Item(*texts) for texts in zip(texts, widest, strict=True)], at_top=False)
     return picture
 
 
 def facts(scene: Scene) -> dict[str, str]:
-    """Return what the caption says: alpha, z1, z2, r, nu and M, as text.
+    """Return what the caption says: alpha, z1, z2, r, nu and M, as text. For windows in series, their z replaces r.
 
     For several objects a value is a range. nu and M are predictions for the size of the scene's prisms
     (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
     texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
+    if scene.window:  # r is for a single window
+        del texts["r"]
+        texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places), **texts}
     if scene.sheet in ("detailed", "ideal"):
         nu, M = scene.nu_and_M(z1)
-        texts = {"alpha": f"{scene.alpha + 0:.1f}°", **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+        alphas = ", ".join(f"{alpha + 0:.1f}°" for alpha in scene.alphas)
+        texts = {"alpha": alphas, **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+    if scene.sheet in OTHER_SHEETS:
+        own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet == "refraction" else {}
+        texts = {"alpha": f"{scene.alpha + 0:.1f}°", **own, **texts}
     return texts
 
 
@@ -100,7 +107,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     if rendering.overlay:
         texts += [("predicted position", P_COLOUR)] * bool(scene.objects)
         texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
-        texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1)
+        texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1 and not scene.window)
     annotates = rendering.overlay or rendering.caption
     return texts + [("predicted image", IMAGE_COLOUR)] * (annotates and getattr(scene, "predicted_image", False))
 
@@ -185,11 +192,14 @@ def _write_alpha(draw: ImageDraw.ImageDraw, x: float, base: float, size: float) 
     draw.bitmap((round(x), round(base) - shape[1]), mask.resize(shape, Image.Resampling.BOX), fill="white")
 
 
-def _widest_text(name: str, several: bool) -> str:
+def _widest_text(name: str, several: bool, windows: int) -> str:
     """Return a text as wide as the space that each frame reserves for a value. So a movie's caption does not move."""
     number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000"}.get(name, "0.000")
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
+    if name in ("alpha", "z"):
+        number = ", ".join([number + unit * (name == "alpha")] * windows)
+        unit = ""
     return f"{SYMBOLS.get(name, name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
 
 
@@ -249,13 +259,15 @@ def positions(scene: Scene) -> list[complex]:
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
-    The first curves are for constant alpha, one for each L: z1 changes along them. If there is a single object, the
-    second curve is for constant r: alpha changes along it. A part is an array of points of the plane z = 0, in tiles,
-    at most `step` apart. It ends where the window frame begins to hide the object.
+    The first curves are for constant alpha, one for each L: z1 changes along them. If there are a single object and a
+    single window, the second curve is for constant r: alpha changes along it. A part is an array of points of the plane
+    z = 0, in tiles, at most `step` apart. It ends where a window frame begins to hide the object.
     """
-    alpha, prism = radians(scene.alpha), scene.prism if scene.sheet == "detailed" else Prism(0.0)
+    alpha, prisms = radians(scene.alpha), scene.prisms_by_window
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": []}.get(scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prism).real)
+    infinite = {"single": [scene.z2], "none": [], **dict.fromkeys(OTHER_SHEETS, [])}.get(
+        scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
+    )
 
     def constant_alpha(L: complex) -> Curve:
         return lambda z1: (scene.apparent_position(L, z1), scene.visible(L, z1))
@@ -264,9 +276,9 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
         (_visible_parts(scene, constant_alpha(L), ends, infinite, step), ALPHA_COLOUR)
         for L in dict.fromkeys(L for L, _ in scene.objects) or [scene.L]
     ]
-    if len(scene.objects) == 1 and scene.sheet in ("detailed", "ideal"):
+    if len(scene.objects) == 1 and not scene.window and scene.sheet in ("detailed", "ideal"):
         z1 = scene.distances[0]
-        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prism).real)
+        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prisms[0]).real)
 
         def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
             return scene.apparent_position(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)

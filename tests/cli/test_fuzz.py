@@ -39,6 +39,7 @@ from povgen.cli import app
 from povgen.cli.options import with_options
 from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
+from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
 from povgen.settings import Rendering
 
@@ -218,7 +219,8 @@ SOME = {  # right values for what is no field of a model
     "color": st.sampled_from(["red", "#c87529", "#00f", "hsl(0, 100%, 50%)"]),
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
     "quality": st.sampled_from(["draft", "standard"]),
-    "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto"]),
+    "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto", "axis", "refraction", "mirror"]),
+    "window": st.sampled_from(["alpha=120,z=2", "alpha=-50,z=0.9,sheet=detailed", "z=4,alpha=3,sheet=ideal"]),
 }
 
 
@@ -315,6 +317,14 @@ def skeletons():
             with suppress(InputError):  # some do not go together
                 scene = model(**dict(zip(choices, values, strict=True)))
                 found |= skeleton(to_pov(scene))
+        for sheet, *others in (("ideal", None, "ideal", "detailed"), ("detailed", None), ("none", None)):
+            windows = [{"alpha": 30, "z": n, "sheet": other} for n, other in enumerate(others, 1)]
+            more = {"predicted_image": True} if "piece" in model.model_fields and sheet != "none" else {}
+            for pedestal in (0, 0.8)[: 1 + ("piece" in model.model_fields)]:
+                options = more | ({"pedestal": pedestal} if "piece" in model.model_fields else {})
+                found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options)))
+    for sheet in ("detailed", "ideal", "none"):
+        found |= skeleton(to_pov(Chess(sheet=sheet), Mosaic((64, 48), 8, [[(0, 0)]])))
     for antialias in ("off", "2x"):  # the header's words differ
         found |= skeleton(to_pov(Chess(), antialias=antialias))
     return found
@@ -359,7 +369,7 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli import checkup
-    from povgen.measure import charts, speed, stability, verify
+    from povgen.measure import charts, glass, speed, stability, verify
     from povgen.rendering import cluster, frames, povray
     from povgen.scene import spec
     from povgen.teach import figures, page
@@ -398,6 +408,7 @@ def place(tmp_path_factory):
             patch.setattr(speed, name, lambda *_: [])
         for name in ("save_frames", "save_prism_counts", "save_workers"):
             patch.setattr(charts, name, lambda *_: None)
+        patch.setattr(glass, "save_charts", lambda folder: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.build is build
@@ -723,7 +734,14 @@ def test_what_is_right_is_done(data):
 BOUNDS = {
     **{"alpha": (-360, 360), "z2": (0, 150), "prisms": (1, 3000), "z1": (0, 5000), "x": (-10, 10)},
     **{"index": (1.1, 4), "base_angle": (15, 75), "gap": (0.001, 0.5), "aspect": (0, 2)},
-    **{"aperture": (0.5, 10), "pedestal": (0, 10), "view": (0.1, 100), "timeout": (0, 1e6), "eye_distance": (0, 5)},
+    **{
+        "aperture": (0.5, 10),
+        "pedestal": (0, 10),
+        "view": (0.1, 100),
+        "timeout": (0, 1e6),
+        "eye_distance": (0, 5),
+        "ratio": (0.1, 10),
+    },
 }
 
 

@@ -40,7 +40,7 @@ def objects(text):
         if not (returned or declared or part):
             found.append((match.start(), end))
     return found + [
-        match.span() for match in re.finditer(r"^ *Cells(In|Outside)Window\(-?(Window|View).*$", code, re.M)
+        match.span() for match in re.finditer(r"^ *Cells(In|Outside)Window\((-?(Window|View)|W\)).*$", code, re.M)
     ]
 
 
@@ -76,6 +76,8 @@ def test_every_object_changes_the_picture(piece):
         Chess(sheet="ideal", predicted_image=True),
         Spheres(sheet="none", alpha=0, z1=(1, 3)),
         Spheres(sheet="ideal"),
+        Spheres(sheet="refraction", ratio=0.2, z1=(1, 3)),
+        Spheres(sheet="ideal", window="alpha=120,z=2", z1=(1, 3)),
     ],
     ids=lambda scene: f"{scene.name}-{scene.sheet}",
 )

@@ -12,6 +12,7 @@ from povgen.measure.stability import StabilityMap
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene import prediction
+from povgen.scene.models import OTHER_SHEETS
 
 SIZE = (320, 240)
 SMALL = (160, 120)
@@ -27,13 +28,26 @@ REDUCED = {
     "finite prisms": lambda size: verify.finite_prisms((25, 400), 3, size),
     "paraxial prediction": lambda size: verify.paraxial_prediction(4, size),
     "other prisms": lambda size: verify.other_prisms(((1.7, 40),), (35,), 4, size),
+    "other sheets": verify.other_sheets,
+    "series positions": lambda size: verify.series_positions(4, size),
+    "series directions": verify.series_directions,
+    "series image": verify.series_image,
+    "series pixels": lambda size: verify.series_pixels((100,), verify.SERIES[1:2], size),
+    "series prediction": lambda size: verify.series_prediction(3, size),
     "hyperbola": verify.hyperbola,
     "designed fraction": lambda size: verify.designed_fraction((66,), size),
 }
 # pictures that are large enough for the bounds, if POV-Ray renders them; SIZE if not named
-RENDERED_SIZES = {"piece": (480, 360), "real image": (480, 360)}
+RENDERED_SIZES = {"piece": (480, 360), "real image": (480, 360), "series image": (480, 360)}
 # the same without POV-Ray, whose pixels are exact; SMALL if not named
-EXACT_SIZES = {"real image": (480, 360), "hyperbola": SIZE, "other prisms": SIZE}
+EXACT_SIZES = {
+    "other sheets": SIZE,
+    "real image": (480, 360),
+    "series image": (480, 360),
+    "series prediction": SIZE,
+    "hyperbola": SIZE,
+    "other prisms": SIZE,
+}
 
 
 @pytest.mark.parametrize("name", REDUCED)
@@ -49,12 +63,17 @@ def exact(scenes, size):
     """
     for scene in scenes:
         inside, direction = probes.rays(scene, size)
-        if scene.sheet in ("ideal", "none"):
+        if scene.sheet in ("ideal", "none", *OTHER_SHEETS):
             position = np.array([scene.E.real, scene.E.imag, -scene.z2]) + direction * scene.z2 / direction[:, 2:]
-            if scene.sheet == "ideal":
-                direction = rotation.rotate(direction, np.radians(scene.alpha))
-            leaves = position + direction * scene.depth / 2 / direction[:, 2:]
-            ends = abs(leaves[:, :2]).max(1) > scene.aperture / 2
+            ends = np.zeros(len(direction), bool)
+            for place, alpha in zip(scene.places, scene.alphas, strict=True):
+                position = position + direction * (place - position[:, 2:]) / direction[:, 2:]
+                if scene.sheet in OTHER_SHEETS:
+                    direction = scene.bend(direction)
+                if scene.sheet == "ideal":
+                    direction = rotation.rotate(direction, np.radians(alpha))
+                leaves = position + direction * scene.depth / 2 / direction[:, 2:]
+                ends |= abs(leaves[:, :2]).max(1) > scene.aperture / 2
         else:
             found = probes.traced(scene, direction, prediction.max_trace_level(scene))
             position, direction = found.position, found.direction
@@ -65,7 +84,7 @@ def exact(scenes, size):
             seen = np.array(direction)
         else:
             slant = 0.5 if isinstance(scene, probes.PiecePositions) else 0
-            offset = position - (scene.L.real, scene.L.imag, scene.z1)
+            offset = position - (scene.L.real, scene.L.imag, scene.places[-1] + scene.z1)
             along = (slant * offset[:, 0] - offset[:, 2]) / (direction[:, 2] - slant * direction[:, 0])
             seen = offset + along[:, None] * direction
             ends |= abs(seen[:, :2]).max(1) > (0.4 if slant else scene.extent)
@@ -79,7 +98,7 @@ def changed(scene, name):
     """The scene half a degree of alpha off, or in checks of lengths with another length."""
     if name in ("hyperbola", "finite prisms"):
         change = {"L": scene.L + 0.05}
-    elif name == "real image":
+    elif name in ("real image", "series image"):
         change = {"z2": 0.98 * scene.z2}
     else:
         change = {"alpha": scene.alpha + 0.5}
@@ -94,6 +113,15 @@ def test_bounds_hold_for_exact_probes_and_fail_for_other_scenes(name, monkeypatc
     assert figures and all(figure.holds for figure in figures), figures
     monkeypatch.setattr(probes, "decoded", lambda scenes, size: exact([changed(s, name) for s in scenes], size))
     assert not all(figure.holds for figure in REDUCED[name](size))
+
+
+@pytest.mark.parametrize("check", [verify.black_tops, verify.partial_reflection])
+def test_what_real_glass_does(check, monkeypatch):
+    assert all(figure.holds for figure in check(SIZE))
+    # other prisms than those of the reference
+    to_pov = probes.to_pov
+    monkeypatch.setattr(probes, "to_pov", lambda scene: to_pov(scene.model_copy(update={"index": 1.55})))
+    assert not all(figure.holds for figure in check(SMALL))
 
 
 def test_the_command(tmp_path, monkeypatch):

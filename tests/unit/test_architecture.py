@@ -112,11 +112,11 @@ def test_public_names_are_listed_and_exist():
 
 
 def test_the_mathematics_needs_numpy_only():
-    assert {module.split(".")[0] for module in imports(MODULES["optics.rotation"])} == {"numpy", "typing"}
     assert {module.split(".")[0] for module in imports(MODULES["optics.prism"])} == {"dataclasses", "math"}
-    for name in ("paraxial", "trace"):
-        external = {module.split(".")[0] for module in imports(MODULES[f"optics.{name}"])} - {"povgen"}
-        assert external <= {"numpy", "dataclasses", "enum"}
+    for name in {name for name in MODULES if name.startswith("optics.")}:
+        external = {module.split(".")[0] for module in imports(MODULES[name])} - {"povgen"}
+        assert external <= {"numpy", "collections", "dataclasses", "enum", "itertools", "math", "typing"}
+        assert all(module.startswith("optics.") for module in own(name))
 
 
 def test_the_ray_trace_and_the_mesh_share_no_code():

@@ -169,12 +169,14 @@ REAL = {
     rotation.nu: {"r": 3.0, "alpha": 1.0},
     rotation.M: {"r": 3.0, "alpha": 1.0},
     rotation.condition: {"r": 3.0, "alpha": 1.0},
+    rotation.depth: {"z1": 2.0, "z2": 6.0, "alpha": 1.0, "behind": [(1.0, 0.5)]},
     rotation.apparent_position: {"L": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
     rotation.object_position: {"P": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
     rotation.rotate: {"direction": [0.1, 0.2, 1.0], "alpha": 1.0},
     rotation.mirror: {"direction": [0.1, 0.2, 1.0], "angle": 1.0},
 }
-ARGUMENTS = [(function, name) for function, values in REAL.items() for name in values if name not in ("P", "L", "E")]
+OTHER = ("P", "L", "E", "behind")
+ARGUMENTS = [(function, name) for function, values in REAL.items() for name in values if name not in OTHER]
 OTHERS = {rotation.p1, rotation.p2, rotation.r_from_P}  # which take complex numbers too, and keep them
 
 
@@ -191,11 +193,17 @@ def test_complex_numbers_are_refused_nan_is_kept(function, name):
         with pytest.raises(TypeError):
             function(**given | {name: wrong})
     assert np.isnan(function(**given | {name: np.asarray(given[name]) * np.nan})).any()
-    if name in ("r", "z1", "z2"):
+    if name in ("r", "z1", "z2") and function is not rotation.depth:
         with pytest.raises(ValueError, match=rf"^{name} = -0.5; allowed: 0 or more$"):
             function(**given | {name: [1, -0.5, np.nan]})
     if name == "alpha" and "r" in given and function not in (rotation.E_minus_P, rotation.E_from_P):
         assert np.isnan(function(np.inf, np.nan)) and np.isfinite(function(np.inf, 1.0))
+
+
+@pytest.mark.parametrize("window", [(1j, 0.5), (1.0, 0.5j)])
+def test_complex_windows_are_refused(window):
+    with pytest.raises(TypeError, match="is complex; allowed: real numbers"):
+        rotation.depth(2.0, 6.0, 1.0, [(1.0, 0.5), window])
 
 
 def test_light_parallel_to_the_sheet_is_refused():

@@ -10,7 +10,7 @@ from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
-SHEETS = ("detailed", "ideal", "single", "none")
+SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "mirror")
 
 
 def scenes():
@@ -21,7 +21,13 @@ def scenes():
         yield Directions(sheet=sheet)
         yield Positions(sheet=sheet, z1=3)
         yield PiecePositions(sheet=sheet)
+    for scene in (Spheres, Chess):
+        yield scene(alpha=50, window="alpha=75,z=2")
+        yield scene(sheet="none", window="alpha=75,z=2")
+        yield scene(sheet="ideal", window=["alpha=75,z=2", "alpha=75,z=4,sheet=detailed"])
+    yield Positions(sheet="ideal", z1=3, window=["alpha=75,z=2", "alpha=75,z=4"])
     yield Chess(predicted_image=True)
+    yield Chess(fresnel=True, tops="black")
     yield Chess(predicted_image=True, sheet="ideal", x=0.5, eye=(0, -0.33))
 
 
@@ -34,7 +40,9 @@ def code_of(scene, mosaic=None):
     return re.sub(r"//.*", "", to_pov(scene, mosaic))
 
 
-@pytest.mark.parametrize("scene", list(scenes()), ids=lambda s: f"{s.name}-{s.sheet}-{getattr(s, 'piece', '')}")
+@pytest.mark.parametrize(
+    "scene", list(scenes()), ids=lambda s: f"{s.name}-{'-'.join(s.sheets)}-{getattr(s, 'piece', '')}"
+)
 def test_everything_declared_is_used(scene):
     code = code_of(scene)
     for kind, name in re.findall(r"#(declare|macro|local)\s+(\w+)", code):

@@ -16,13 +16,20 @@ def command(
     baselines: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="compare with the macros Sheet in this folder's .inc files")
     ] = None,
+    glass: Annotated[
+        bool, typer.Option("--glass", help="only draw what real glass does: polarisation and diffraction, in seconds")
+    ] = False,
 ) -> None:
     """Measure CPU seconds against error, for every model of the sheets and every sampling, in about 20 minutes."""
     from povgen.files import save
     from povgen.measure import charts, speed
+    from povgen.measure.glass import save_charts
 
     sheet_macros = speed.baselines(baselines) if baselines else {}
     folder = made_folder(output)
+    save_charts(folder)
+    if glass:
+        return
     charts.save_frames(speed.measure_samplings(sheet_macros, say), folder)
     charts.save_flicker(list(speed.measure_flicker(say)), folder)
     charts.save_prism_counts(list(speed.measure_prism_counts(say)), folder)

@@ -1,0 +1,71 @@
+"""Windows in series: the images that parallel ray-rotating windows form (Hamilton and Courtial 2008), on numpy arrays.
+
+Signs and units are as in `rotation`, and `behind` are the windows behind the first one, as in `rotation.depth`. Windows
+have no thickness. `rotation.apparent_position` says where light crosses the first window.
+
+Light that reaches the eye E with the slope s has crossed L - E = Z s on its way from L. Without windows, light from a
+point L at the distance W behind the plane of the first window has crossed (z2 + W) s. So if W = Z - z2 is real, the
+light of L runs as if it came from the point opposite L at the distance W, whatever its slope: an image. W does not
+depend on the eye. All points of a plane have the same W, so the image is upright and as large as the object.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from povgen.optics.rotation import Complexes, Floats, Windows, depth
+
+# W is computed from sums whose terms are known to some 1e-16. An imaginary part below this share of their sizes is 0.
+ROUNDING = 1e-14
+
+
+def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
+    """Return W = Z - z2, the complex depth of the object behind the first window.
+
+    Two rays of light from L that reach the eye's side with slopes that differ by s are |W - w| |s| apart in the plane
+    at the distance w behind the first window (before it if w < 0). So the light is closest together at w = Re W. There
+    the distance is |Im W| |s|: without an image the light never comes together.
+    """
+    return depth(z1, 0, alpha, behind)
+
+
+def image_distance(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Floats:
+    """Return the distance of the image of the object's plane behind the first window, or NaN if there is no image.
+
+    A positive distance is a virtual image: light seems to come from it. A negative distance is a real image, before the
+    first window. An eye sees it standing in the air if it is farther from the window than the image. The image is
+    upright and as large as the object.
+    """
+    behind = tuple(behind)
+    W = image_depth(z1, alpha, behind)
+    size = np.abs(z1) + sum(np.abs(d) for d, _ in behind)
+    return np.where(np.abs(W.imag) <= ROUNDING * size, W.real, np.nan)[()]
+
+
+def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats]:
+    """Return z1 of the plane that has an image, and the distance of the image behind the first window.
+
+    Let A be the sum of all angles, and c the depth of the last window (`image_depth` at z1 = 0 without its alpha). Then
+    W = c + z1 exp(-iA), and Im W = 0 at z1 = Im(c)/sin A. For two windows, d apart, this is the law of sines:
+    z1 = -d sin(alpha_1)/sin(alpha_1 + alpha_2), and W = d sin(alpha_2)/sin(alpha_1 + alpha_2).
+
+    z1 < 0 is a plane before the last window: no object can stand there, but an image made by other optics can. If
+    sin A = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `image_distance`.
+    """
+    behind = tuple(behind)
+    c = image_depth(0, alpha, behind)
+    A = np.asarray(alpha) + sum(np.asarray(turn) for _, turn in behind)
+    flat = np.abs(np.sin(A)) <= ROUNDING * (1 + np.abs(A))
+    z1 = np.where(flat, np.nan, c.imag / np.where(flat, 1, np.sin(A)))[()]
+    return z1, c.real + z1 * np.cos(A)
+
+
+def crossings(P: ArrayLike, E: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
+    """Return where the ray that reaches E from P crosses each window, (n, ...), the first window first.
+
+    They follow from P in turn: P_(k+1) = P_k + d_k s exp(-i (alpha_1 + ... + alpha_k)), with the slope s = (P - E)/z2.
+    All are linear in P, so that a straight line stays one.
+    """
+    behind = tuple(behind)
+    s = np.subtract(P, E) / z2
+    later = [np.add(E, s * depth(d, z2, alpha, behind[:k])) for k, (d, _) in enumerate(behind)]
+    return np.stack(np.broadcast_arrays(P, *later))

@@ -1,0 +1,41 @@
+"""What becomes of the rays that meet a window: their shares on the designed path, in stray light, and lost."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from povgen.optics.trace import End, Face, Rays
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of all rays. Their sum is 1."""
+
+    designed: float  # leave on the designed path
+    stray: float  # leave on the far side, on another path
+    back: float  # leave on the side that they came from
+    frame: float  # meet the frame
+    absorbed: float  # meet a black top
+    beside: float  # miss a later window
+    unfinished: float  # have met the greatest allowed number of faces
+
+
+def shares(rays: Rays, black_tops: bool = False) -> Shares:
+    """Return what becomes of rays, a result of `trace.trace`.
+
+    With `black_tops`, the tops of the prisms absorb light: rays that meet a top from inside the prism, and rays that
+    run through the gap between two prisms to the top of the lower one. No ray on the designed path meets a top. Behind
+    a top nothing else changes, so that the trace is the same.
+    """
+    absorbed = (rays.faces == Face.TOP).any(1) & black_tops
+    through = rays.end == End.THROUGH
+    kinds = {
+        "designed": rays.designed,
+        "stray": through & ~rays.designed,
+        "back": rays.end == End.BACK,
+        "frame": rays.end == End.FRAME,
+        "beside": rays.end == End.BESIDE,
+        "unfinished": rays.end == End.UNFINISHED,
+    }
+    counted = {name: float(np.mean(kind & ~absorbed)) for name, kind in kinds.items()}
+    return Shares(**counted, absorbed=float(absorbed.mean()))

@@ -1,0 +1,113 @@
+"""Other ideal sheets in scenes: what they may be, what the eye sees through them, the cells of their camera."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError, Spheres
+from povgen.optics import ideal, rotation
+from povgen.scene import prediction
+from povgen.settings import Rendering
+from povgen.video import overlay
+
+SHEETS = [
+    {"sheet": "axis", "alpha": 30, "axis": (0.2, 0.4, 1)},
+    {"sheet": "refraction", "alpha": 40, "ratio": 0.7},
+    {"sheet": "mirror", "alpha": 70},
+]
+
+
+def test_they_contain_the_rotating_sheet_and_no_sheet():
+    right = Chess(sheet="ideal", alpha=50)
+    for scene in (
+        Chess(sheet="axis", axis="0,0,0.5", alpha=50),
+        Chess(sheet="refraction", ratio=1, alpha=50),
+    ):
+        assert scene.apparent_position(scene.L, 2) == pytest.approx(right.apparent_position(right.L, 2))
+        assert overlay.facts(scene)["alpha"] == "50.0°"
+    none = Chess(sheet="none")
+    for scene in (Chess(sheet="axis", alpha=0), Chess(sheet="refraction", alpha=0)):
+        assert scene.apparent_position(scene.L, 2) == pytest.approx(none.apparent_position(none.L, 2))
+
+
+def test_one_prism_sheet_of_fine_prisms_is_a_mirror():
+    prisms = Chess(sheet="single", prisms=3000)
+    mirror = Chess(sheet="mirror", alpha=0)
+    assert mirror.apparent_position(0.3 + 0.2j, 2) == pytest.approx(prisms.apparent_position(0.3 + 0.2j, 2), abs=0.001)
+
+
+@pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
+def test_the_eye_sees_a_point_where_its_ray_meets_it(values, rng):
+    """And only if the ray passes the window, and the front and the back of the frame."""
+    scene = Spheres(z1=3, eye=(0.3, -0.2), **values)
+    E, found = scene.E, []
+    for P in rng.uniform(-1.7, 1.7, 60) + 1j * rng.uniform(-1.7, 1.7, 60):
+        x, y, z = scene.bend(np.array([(P - E).real, (P - E).imag, 6]))
+        slope = complex(x, y) / z
+        L = P + 3 * slope
+        assert scene.apparent_position(L, 3) == pytest.approx(P, abs=1e-7)
+        points = (P - 0.15 * (P - E) / 6, P, P + 0.15 * slope)
+        assert scene.visible(L, 3) == all(max(abs(p.real), abs(p.imag)) < 1.5 for p in points)
+        found.append(scene.visible(L, 3))
+    assert 10 < sum(found) < 55
+    L, z1 = np.array([0.1, 0.2j])[:, None], np.array([1.0, 2, 3])
+    both = scene.apparent_position(L, z1)
+    assert both.shape == (2, 3) and both[1, 2] == pytest.approx(scene.apparent_position(0.2j, 3.0))
+
+
+@pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
+def test_overlays_are_drawn(values):
+    scene = Chess(**values)
+    ((parts, _),) = overlay.loci(scene, 0.02)
+    assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
+    assert overlay.key(scene, Rendering(overlay=True))[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
+    assert ("ratio" in overlay.facts(scene)) == (scene.sheet == "refraction")
+    assert not [*prediction.warnings(scene, Rendering(overlay=True, caption=True))]
+
+
+def shown_aside(scene, cells):
+    """By how many pixels of 1280x960 the camera's interpolation shows an object aside, at the middle of diagonals."""
+    side = np.linspace(-0.5, 0.5, cells + 1) * scene.aperture
+    P = side + 1j * side[:, None]
+    x, y = (P - scene.E).real, (P - scene.E).imag
+    unit = scene.bend(np.stack((x, y, np.full(P.shape, scene.z2)), -1))
+    unit = unit / np.linalg.norm(unit, axis=-1, keepdims=True)
+    d = unit[:-1, :-1] + unit[1:, 1:]
+    middle = (P[:-1, :-1] + P[1:, 1:]) / 2
+    L = middle + scene.z1 * (d[..., 0] + 1j * d[..., 1]) / d[..., 2]
+    return np.nanmax(abs(scene.apparent_position(L, scene.z1) - middle)) / scene.view * 960
+
+
+@pytest.mark.parametrize("eye", [(0, 0), (0.4, -0.3)])
+@pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
+def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
+    scene = Chess(eye=eye, **values)
+    cells = prediction.camera_cells(scene)
+    assert (cells == 1) == (eye == (0, 0) and scene.sheet != "refraction")
+    assert shown_aside(scene, cells) < 0.033
+    if cells > 1:
+        assert shown_aside(scene, cells // 3) > 0.03
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = 0,0,0: no direction"),
+        ({"sheet": "axis", "axis": "1,0"}, "axis = '1,0': has too few parts"),
+        ({"sheet": "refraction", "ratio": 0}, "ratio = 0: should be greater than or equal to 0.1"),
+        ({"sheet": "mirror", "window": "alpha=1,z=2"}, "sheet = 'mirror': not with several windows"),
+        ({"sheet": "axis", "predicted_image": True}, "the prediction is for two sheets, but sheet = 'axis'"),
+    ],
+)
+def test_sheets_that_cannot_be_are_refused(values, words):
+    with pytest.raises(InputError) as error:
+        Chess(**values)
+    assert words in str(error.value)
+
+
+def test_the_maps_are_those_of_the_mathematics(rng):
+    d = rng.normal(size=(20, 3))
+    alpha = np.radians(30)
+    axis, refraction, mirror = (Chess(**{**values, "alpha": 30}).bend(d) for values in SHEETS)
+    np.testing.assert_array_equal(axis, ideal.rotate_about(d, (0.2, 0.4, 1), alpha))
+    np.testing.assert_array_equal(refraction, ideal.refract(d, 0.7 * np.exp(1j * alpha)))
+    np.testing.assert_array_equal(mirror, rotation.mirror(d, alpha / 2))

@@ -1,0 +1,198 @@
+"""Several windows in a scene: what they may be, what the eye sees through them, and sweeps of their numbers."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError, MovieSpec, Spheres, to_pov
+from povgen.measure import probes
+from povgen.optics import rotation, series, trace
+from povgen.scene import limits, prediction
+from povgen.scene.models import Window
+from povgen.settings import Rendering
+from povgen.video import overlay
+
+TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
+MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=detailed"]}
+
+
+def test_a_window_is_text_a_table_or_a_window():
+    for window in ("alpha=-50,z=2", " z = 2, alpha = -50", {"alpha": -50, "z": 2}, Window(alpha=-50, z=2)):
+        for given in (window, [window]):
+            scene = Chess(window=given)
+            assert scene.window == (Window(alpha=-50, z=2),)
+            assert (scene.alphas, scene.places, scene.behind) == ((66, -50), (0, 2), ((2, pytest.approx(-0.872665)),))
+    assert Chess(**MIXED).sheets == ("ideal", "ideal", "detailed") and Chess(**MIXED).simulated == 2
+    assert Chess(**{**MIXED, "sheet": "none"}).sheets == ("none",) * 3
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"window": "alpha=120"}, "window = 'alpha=120': z: missing (distance from the first window"),
+        ({"window": "120"}, "window = '120': should be text such as alpha=120,z=2"),
+        ({"window": "alpha=1,z=2,alpha=3"}, "should be text such as alpha=120,z=2"),
+        ({"window": {"alpha": 1, "z": 2, "y": 3}}, "'y': unknown; allowed: alpha, z, sheet"),
+        ({"window": {"alpha": 1, "z": True}}, "z = True: should not be true or false"),
+        ({"window": 5}, "window = 5: should be a list"),
+        ({"window": "alpha=1,z=200"}, "z = '200': should be less than or equal to 100"),
+        ({"window": "alpha=1,z=0.3"}, "window 2, z = 0.3: its frame would touch that of the window before, at z = 0"),
+        ({"window": ["alpha=1,z=3", "alpha=1,z=2"]}, "window 3, z = 2: its frame would touch"),
+        ({"window": [f"alpha=1,z={n}" for n in range(1, 6)]}, "should have at most 4 values"),
+        ({"window": "alpha=1,z=2", "sheet": "single"}, "sheet = 'single': not with several windows"),
+        ({"window": "alpha=1,z=2,sheet=ideal"}, "window: an ideal one behind one of prisms"),
+        ({"window": "alpha=1,z=2", "z1": 0.3}, "whose back is at z = 2.15 tiles; allowed: z1 >"),
+        ({"window": "alpha=1,z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range"),
+    ],
+)
+def test_windows_that_cannot_be_are_refused(values, words):
+    with pytest.raises(InputError) as error:
+        Chess(**values)
+    assert words in str(error.value) and len(str(error.value).splitlines()) == 1
+
+
+def followed(scene, P):
+    """Follow the eye's ray to P through ideal windows. Return where it ends at the object, and what it passes."""
+    at, direction, passes = P, np.array([(P - scene.E).real, (P - scene.E).imag, scene.z2]), True
+    half = scene.aperture / 2
+    for place, alpha, after in zip(scene.places, scene.alphas, [*scene.places[1:], None], strict=True):
+        passes &= clear(at, direction, -scene.depth / 2, half) & (max(abs(at.real), abs(at.imag)) < half)
+        direction = rotation.rotate(direction, np.radians(alpha))
+        passes &= clear(at, direction, scene.depth / 2, half)
+        at += (scene.distances[0] if after is None else after - place) * complex(*direction[:2]) / direction[2]
+    return at, passes
+
+
+def clear(at, direction, z, half):
+    reached = at + z * complex(*direction[:2]) / direction[2]
+    return max(abs(reached.real), abs(reached.imag)) < half
+
+
+def test_predictions_follow_the_light_through_all_windows(rng):
+    seen = 0
+    for _ in range(200):
+        windows = [
+            {"alpha": rng.uniform(-180, 180), "z": z} for z in np.cumsum(rng.uniform(0.5, 3, rng.integers(1, 5)))
+        ]
+        scene = Spheres(
+            sheet="ideal", alpha=rng.uniform(-180, 180), window=windows, z1=3, z2=rng.uniform(2, 9), eye=(0.3, -0.2)
+        )
+        P = complex(*rng.uniform(-1.2, 1.2, 2))
+        L, passes = followed(scene, P)
+        assert scene.apparent_position(L, 3) == pytest.approx(P, abs=1e-9)
+        assert scene.visible(L, 3) == passes
+        seen += passes
+        nu, M = scene.nu_and_M(3)
+        step = complex(scene.apparent_position(L + 1e-6, 3)) - P
+        assert M * np.exp(1j * np.radians(nu)) == pytest.approx(step / 1e-6, rel=1e-6)
+    assert 20 < seen < 180
+
+
+def test_what_the_exact_trace_shows_is_visible(rng):
+    scene = probes.Directions(sheet="detailed", prisms=200, **TWO)
+    P = rng.uniform(-1.2, 1.2, 2000) + 1j * rng.uniform(-1.2, 1.2, 2000)
+    rays = probes.traced(scene, np.column_stack((P.real, P.imag, np.full(2000, 8.0))))
+    on = rays.designed
+    step = (scene.places[-1] + 3 - rays.position[on, 2:]) / rays.direction[on, 2:]
+    L = (rays.position[on] + step * rays.direction[on]) @ (1, 1j, 0)
+    assert 500 < on.sum() and scene.visible(L, 3).mean() > 0.97
+    assert np.sqrt((abs(scene.apparent_position(L, 3) - P[on]) ** 2).mean()) < 2 * scene.prism.pitch
+
+
+def test_the_predicted_image_is_where_the_cameras_rays_start():
+    """Behind the last ideal window, in whose plane the prediction is a step further."""
+    scene = Chess(sheet="ideal", predicted_image=True, **TWO)
+    one, up = scene.apparent_steps(2)
+    P = scene.apparent_position(scene.E + 0.01, 2)
+    last = series.crossings(P, scene.E, scene.z2, np.radians(120), scene.behind)[-1]
+    assert scene.E + 0.01 * one == pytest.approx(last) and up == pytest.approx(1j * one)
+    assert scene.replace(sheet="detailed").apparent_steps(2)[0] == pytest.approx(
+        scene.replace(sheet="detailed").apparent_position(1, 2), rel=1e-9
+    )
+
+
+def test_captions_and_curves_are_of_all_windows():
+    scene = Chess(sheet="ideal", **TWO)
+    facts = overlay.facts(scene)
+    assert facts == {"alpha": "120.0°, 120.0°", "z": "0, 2", "z1": "2", "z2": "8", "nu": "0.0°", "M": "1.33"}
+    ((parts, colour),) = overlay.loci(scene)
+    assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene, Rendering(overlay=True))) == 2
+    curve = np.concatenate(parts)
+    assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
+    assert "alpha" not in overlay.facts(scene.replace(sheet="none"))
+    assert scene.replace(sheet="none").apparent_position(1, 2) == pytest.approx(8 / 12)
+
+
+def test_settings_follow_the_windows():
+    one, two = Chess(alpha=50, z2=8), Chess(alpha=50, window="alpha=75,z=2", z2=8)
+    assert prediction.survey(one).designed > prediction.survey(two).designed > 0.25
+    assert prediction.max_trace_level(two) >= prediction.max_trace_level(one) + 5
+    assert 5 == prediction.max_trace_level(two.replace(sheet="ideal"))
+    mixed = two.replace(sheet="ideal", window="alpha=75,z=2,sheet=detailed")
+    assert prediction.max_trace_level(mixed) < prediction.max_trace_level(two)
+    assert prediction.survey(mixed).designed > prediction.survey(two).designed
+    assert (
+        prediction.camera_cells(one.replace(sheet="ideal")) == 1 < prediction.camera_cells(two.replace(sheet="ideal"))
+    )
+    words = " ".join(text for _, text in prediction.warnings(two.replace(window="alpha=1,z=2"), Rendering()))
+    assert "alpha = 1: within 3 degrees" in words
+    pole = Chess(sheet="ideal", alpha=180, window="alpha=180,z=2", z1=2, z2=8)  # as at z1 + z2 + 2 - 4
+    assert not [*prediction.warnings(pole, Rendering(caption=True))]
+
+
+def test_the_trace_level_leaves_few_pixels_black_behind_two_windows():
+    for values in ({"alpha": 50, "window": "alpha=75,z=2"}, {"alpha": -100, "window": "alpha=20,z=0.7", "z2": 3}):
+        scene = probes.Directions(sheet="detailed", **values)
+        _, direction = probes.rays(scene, (160, 120))
+        found = probes.traced(scene, direction, max_faces=255)
+        lost = (found.end != trace.End.FRAME) & (found.count >= prediction.max_trace_level(scene))
+        assert lost.mean() <= limits.MAX_LOST_FRACTION
+
+
+HEAD = 'title = "A movie"\nscene = "chess"\nframes = 3\n'
+
+
+def test_the_numbers_of_a_window_are_swept():
+    tables = "[[window]]\nalpha = 120\nz = 2\n[[window]]\nalpha = 30\nz = 5\n"
+    sweeps = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n'
+    sweeps += '[[sweep]]\nparameter = "window3_alpha"\nstart = 0\nstop = 90\n'
+    spec = MovieSpec.parse(HEAD + sweeps + tables, "a.toml")
+    found = [[(window.alpha, window.z) for window in scene.window] for scene in spec.scenes("standard")]
+    assert found == [[(120, 1), (0, 5)], [(120, 2), (45, 5)], [(120, 3), (90, 5)]]
+    own = spec.with_fixed({"window": ["alpha=3,z=2", "alpha=4,z=6"]}).scenes("standard")[1]
+    assert own.window == (Window(alpha=3, z=2), Window(alpha=45, z=6))
+    line = MovieSpec.of_sweeps("chess", ["window2-alpha=0:90"], {"frames": 2, "fixed": {"window": "alpha=1,z=2"}})
+    assert [scene.window[0].alpha for scene in line.scenes("standard")] == [0, 90]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "window2_z: swept, but there is no window 2; allowed: with another [[window]]"),
+        ("[[window]]\nalpha = 1\n", "a.toml: window = [{'alpha': 1}]: z: missing"),
+        ("[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n", "window = 3: should be a list"),
+        ("window = 3\n", "window = 3: should be a list"),
+        (
+            "[[window]]\nalpha = 1\nz = 2\n[[window]]\nalpha = 1\nz = 2.5\n",
+            "frame 3 of 3, window2_z = 3: window 3, z = 2.5",
+        ),
+    ],
+)
+def test_a_sweep_of_a_window_that_cannot_be_is_refused(text, words):
+    sweep = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n'
+    with pytest.raises(InputError) as error:
+        MovieSpec.parse(HEAD + text + sweep if text.startswith("window") else HEAD + sweep + text, "a.toml")
+    assert words in str(error.value)
+
+
+def test_own_movies_of_windows_image():
+    for scene in (*MovieSpec.load("imaging").scenes("draft"), MovieSpec.load("imaging-gap").scenes("standard")[0]):
+        z1, W = series.imaged_plane(np.radians(scene.alpha), scene.behind)
+        assert z1 == pytest.approx(scene.window[0].z) == pytest.approx(-W)
+    gaps = [scene.window[0].z for scene in MovieSpec.load("imaging-gap").scenes("standard")]
+    assert gaps[0] < 2 < gaps[-1] and min(abs(np.array(gaps) - 2)) < 0.05
+
+
+def test_one_window_is_the_scene_as_it_is():
+    for sheet in ("detailed", "ideal"):
+        assert to_pov(Chess(sheet=sheet, window=[])) == to_pov(Chess(sheet=sheet))
+        assert "Windows" not in to_pov(Chess(sheet=sheet)) and "Windows" in to_pov(Chess(sheet=sheet, **TWO))
