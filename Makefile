@@ -1,4 +1,4 @@
-# The tasks of povgen; `make help` lists them. `make movies` renders povgen's movies, `make test` runs the tests.
+# The tasks of povgen; `make help` lists them. `make movies` renders the paper's three movies, `make test` runs the tests.
 # Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
 QUALITY ?= standard
@@ -6,7 +6,9 @@ QUALITY ?= standard
 OPTIONS ?=
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
-MOVIES := $(patsubst %.toml,%.mp4,$(wildcard movies/*.toml))
+# those beyond the paper
+BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 mirror.mp4)
+MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
 GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
   pieces imaging refraction black-tops))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
@@ -31,11 +33,13 @@ $(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" && $(VENV)/bin
 # Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
-.PHONY: movies frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
+.PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
   cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
-movies: $(MOVIES)  ## the paper's three movies and five beyond it, into movies/
+movies: $(MOVIES)  ## the paper's three movies, into movies/
+
+movies-beyond: $(BEYOND)  ## movies of windows in series and of other ideal sheets, into movies/
 
 movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)

@@ -2,13 +2,24 @@
 
 from typing import Any
 
+from povgen.errors import InputError, shown
 from povgen.scene import prediction
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, rgb
 from povgen.scene.pieces import PieceFile
 
+SHEETS = ("detailed", "ideal", "single", "none")
+
 
 def values(scene: Scene) -> dict[str, Any]:
-    """Return a scene's parameters for `LiveView` (templates/live/view.js): tiles, degrees, colours 0 to 1 (sRGB)."""
+    """Return a scene's parameters for `LiveView` (templates/live/view.js): tiles, degrees, colours 0 to 1 (sRGB).
+
+    Raises InputError for what the live view cannot show.
+    """
+    for name, allowed in {"sheet": SHEETS, "tops": ("clear",), "fresnel": (False,)}.items():
+        if (value := getattr(scene, name)) not in allowed:
+            raise InputError(f"{name} = {shown(value)}: not in the live view; allowed: {', '.join(map(repr, allowed))}")
+    if scene.window:
+        raise InputError(f"window: {len(scene.window) + 1} windows: not in the live view; allowed: one")
     found = scene.model_dump() | {"name": scene.name, "rim": scene.rim, "faces": prediction.max_trace_level(scene)}
     if isinstance(scene, Chess):
         colors = scene.color if isinstance(scene.color, tuple) else (scene.color,)

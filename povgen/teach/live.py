@@ -32,7 +32,8 @@ class Live:
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
-    """Return the scene's live view, which the browser draws. Raises InputError for anything but a scene.
+    """Return the scene's live view, which the browser draws. Raises InputError for anything but a scene, and
+    for what the browser cannot draw: several windows, other ideal sheets, reflections, black tops.
 
     Raises PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """

@@ -52,9 +52,8 @@ def test_targets(project):
     make(project, "movies", *small)
     assert "-m venv" not in make(project, "--dry-run", "frame")
     movies = sorted((project / "movies").glob("*.mp4"))
-    papers = ["spheres", "vary-alpha", "vary-z1"]
-    assert [path.stem for path in movies] == ["axis", "imaging", "imaging-gap", "mirror", "refraction", *papers]
-    for path in movies[-3:]:
+    assert [path.stem for path in movies] == ["spheres", "vary-alpha", "vary-z1"]
+    for path in movies:
         assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (16, pytest.approx(6.4, abs=0.1))
     made = {path: path.stat().st_mtime_ns for path in movies}
     make(project, "movies", *small)
@@ -64,7 +63,7 @@ def test_targets(project):
     spec = project / "movies" / "spheres.toml"
     spec.write_text(spec.read_text().replace("frame_rate = 10", "frame_rate = 20"))
     make(project, "movies/spheres.mp4", *small)
-    assert imageio_ffmpeg.count_frames_and_secs(str(movies[-3])) == (16, pytest.approx(3.2, abs=0.1))
+    assert imageio_ffmpeg.count_frames_and_secs(str(movies[0])) == (16, pytest.approx(3.2, abs=0.1))
     os.utime(project / "templates" / "floor.pov.j2")
     z1 = "movies/vary-z1.mp4"
     for options in (small, ["QUALITY=draft", "OPTIONS=--size 64x48 --sheet none"]):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, MovieSpec, Spheres, to_pov
+from povgen import Chess, InputError, MovieSpec, Spheres, live, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
 from povgen.scene import limits, prediction
@@ -196,3 +196,17 @@ def test_one_window_is_the_scene_as_it_is():
     for sheet in ("detailed", "ideal"):
         assert to_pov(Chess(sheet=sheet, window=[])) == to_pov(Chess(sheet=sheet))
         assert "Windows" not in to_pov(Chess(sheet=sheet)) and "Windows" in to_pov(Chess(sheet=sheet, **TWO))
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"window": [{"alpha": 120, "z": 2}]}, "^window: 2 windows: not in the live view; allowed: one$"),
+        ({"sheet": "axis"}, "^sheet = 'axis': not in the live view; allowed: 'detailed', "),
+        ({"fresnel": True}, "^fresnel = True: not in the live view"),
+        ({"tops": "black"}, "^tops = 'black': not in the live view"),
+    ],
+)
+def test_the_live_view_refuses_what_it_cannot_show(parameters, message):
+    with pytest.raises(InputError, match=message):
+        live(Chess(**parameters))
