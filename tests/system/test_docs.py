@@ -243,7 +243,7 @@ def test_no_answer_stands_under_its_question():
     text = "\n".join(cell.source for cell in notebook.notebook(lesson).cells)
     question, answers = text.split("## Answers")
     assert (
-        lesson.count("<details>") == question.count("is at the end of this notebook") == answers.count("**Answer ") == 4
+        lesson.count("<details>") == question.count("is at the end of this notebook") == answers.count("**Answer ") == 5
     )
     assert "details>" not in text and "**Answer " not in question
     assert "(Yes:" not in lesson
