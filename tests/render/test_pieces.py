@@ -15,7 +15,6 @@ from povgen.optics import rotation
 from povgen.rendering import frames, povray
 from povgen.scene.pieces import PIECES
 from povgen.scene.spec import MovieSpec
-from povgen.teach import page
 from povgen.video import overlay
 
 SMALL = {"size": (96, 96), "antialias": "off"}
@@ -98,12 +97,6 @@ def test_z1_is_swept_for_all_pieces():
 
 def test_the_caption_has_the_range_of_z1():
     assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5"
-
-
-def test_the_page_shows_pieces_at_one_x():
-    spec = MovieSpec.load("vary-alpha").with_fixed({"x": [0, 1]})
-    with pytest.raises(InputError, match="x: several values"):
-        page.scenes(spec, "draft")
 
 
 @pytest.mark.parametrize(

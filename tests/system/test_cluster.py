@@ -34,7 +34,7 @@ SPEC = (
     '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
 )
 SCENES = MovieSpec.parse(SPEC, "x").scenes("standard")
-SMALL = Rendering(size=(64, 48))
+SMALL = Rendering(size=(64, 48)).suited(prisms=False)
 MOVIE = [BIN / "povgen", "movie", "z2.toml", "--size", "64x48"]
 # root may make networks, unless it is a container's
 CAN_UNSHARE = os.geteuid() == 0 and shutil.which("ip") and not subprocess.run(["unshare", "--net", "true"]).returncode

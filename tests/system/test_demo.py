@@ -124,6 +124,7 @@ def scene_of(page):
 
 def centre(page, selector):
     """Return the centre of an element, in tiles from the window's centre."""
+    page.locator(selector).wait_for()  # what is drawn over the picture follows with its next frame
     box, stage = (page.locator(each).bounding_box() for each in (selector, "#stage"))
     x, y = (box[a] + box[b] / 2 - stage[a] - stage[b] / 2 for a, b in (("x", "width"), ("y", "height")))
     return complex(x, -y) / stage["height"] * 3.7

@@ -30,7 +30,7 @@ SPEC = (
 )
 # whether this user may mount file systems; in many containers no user may
 CAN_MOUNT = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
-SMALL = Rendering(size=(64, 48))
+SMALL = Rendering(size=(64, 48)).suited(prisms=False)
 MOVIE = ["movie", "z2.toml", "--size", "64x48", "-o", "a.mp4"]
 LARGE = ["--size", "640x480", "--antialias", "off"]
 LARGE_RENDERING = Rendering(size=(640, 480), antialias="off")
