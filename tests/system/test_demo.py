@@ -814,6 +814,10 @@ def test_nothing_is_cut_off(page, size):
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         if size in ("laptop", "projector"):
             assert page.evaluate("document.documentElement.scrollHeight") <= height
+            if "question" in values:
+                page.set_viewport_size({"width": width, "height": 650})
+                expect(page.locator("#next")).to_be_in_viewport(ratio=1)
+                page.set_viewport_size({"width": width, "height": height})
             assert (
                 page.evaluate("((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector('.panel'))")
                 <= 1
