@@ -88,7 +88,7 @@ function showNumbers(now) {
   $("value-r").textContent = size(now.r);
   $("value-P").textContent = some ? point(now.P) : "–";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
-  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${brief(now.height)} high` : size(now.M);
+  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
   $("of-prisms").hidden = now.sheet !== "detailed";
   $("sentence").textContent = explanation(now);
 }

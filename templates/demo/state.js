@@ -68,7 +68,8 @@ function moment() {
   now.P = equations.P(r, alpha);
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
-  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object in the window
+  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object's plane in the window
+  if (now.two && now.M > NEAR_POLE) now.shows = poleShows(now);
   return now;
 }
 const NEAR_POLE = 12;  // a larger M is near the pole
@@ -79,6 +80,19 @@ function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism);
   return equations.ideal(L, E, z1, z2, alpha);
+}
+
+// What is seen in the window near the pole, where only a small part of the object's plane is: "thing", "pedestal" or "".
+function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism }) {
+  const half = scene.aperture / 2;
+  const depths = sheet === "ideal" ? { slab_shift: 0, separation: 0 } : prism;
+  const places = [0, -0.9, -0.45, 0.45, 0.9].flatMap((x, _, all) => all.map((y) => [x * half, y * half]));
+  const points = places.map((place) => minus(equations.behind(place, E, z1, z2, alpha, depths), L));
+  if (state.scene === "spheres") return points.some((point) => abs(point) <= radii[objects.indexOf(z1)]) ? "thing" : "";
+  const lines = outlineOf(state.piece);
+  if (!lines.length || points.some((point) => within(point, lines))) return "thing";  // the outline may not be known yet
+  const wide = data.pedestals[state.piece];
+  return points.some(([x, y]) => Math.abs(x) <= wide && y <= 0 && y >= FLOOR - L[1]) ? "pedestal" : "";
 }
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that

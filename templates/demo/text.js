@@ -50,15 +50,25 @@ function seen(now) {
   const large = `${timesText(M)} times as large as if it stood in the window`;
   if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
   if (sheet === "single") {
+    if (!Number.isFinite(height)) {
+      return `z₁ = z₂: one height fills the window from top to bottom, that of the eye. What is there is ${timesText(M)} times as wide as if it`
+        + " stood in the window.";
+    }
     const across = `${timesText(M)} times as wide and ${timesText(height)} times as high as if it stood in the window`;
     return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
-  if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
-  if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${rough(now.seen)} tiles wide fills the window.`;
+  if (M > NEAR_POLE) return poleSentence(now);
   if (sheet === "detailed" && unsure(now)) return UNSURE;
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
+}
+
+function poleSentence({ M, seen, shows }) {
+  const beside = shows === "thing" ? "" : ` ${shows ? "It is on the pedestal" : `It is beside the ${thing()}`}, so nothing of the ${thing()} is seen.`;
+  if (Number.isFinite(M)) return `Near the pole: a part of the ${thing()}’s plane that is only ${rough(seen)} tiles wide fills the window.${beside}`;
+  if (!beside) return `The pole: one point of the ${thing()} fills the whole window, the point straight before the eye.`;
+  return `The pole: one point of the ${thing()}’s plane fills the whole window, the point straight before the eye.${beside}`;
 }
 
 function remarks(now) {

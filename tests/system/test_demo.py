@@ -604,15 +604,22 @@ def test_the_pole_is_said_in_words_view_and_diagram(page):
     for values, words, seen in (
         ({"alpha": 180, "z1": 6}, "The pole: one point", "one point of the knight fills the window"),
         ({"alpha": 180, "z1": 5.8}, "Near the pole", "0.1 tiles of the knight fill the window"),
+        ({"alpha": 180, "z1": 6, "E": [1.5, 0.5]}, "beside the knight", "nothing of the knight is seen"),
+        ({"E": [0, -1.4]}, "on the pedestal", "one point of the pedestal fills the window"),
+        ({"scene": "spheres", "alpha": 180, "z1": 6}, "beside the sphere", "nothing of the sphere is seen"),
+        ({"L": [0, -1.4]}, "The pole: one point of the sphere", "one point of the sphere fills the window"),
     ):
         show(page, **values)
         expect(page.locator("#sentence")).to_contain_text(words)
         expect(page.locator("#overlay .say")).to_have_text(seen)
-    show(page, z1=6)
+    page.evaluate("fromHash('#alpha=180&z1=6')")
+    show(page)
     expect(page.locator("#diagram")).to_contain_text("P is infinitely far away")
     expect(page.locator("#value-nu")).to_have_text("undefined")
     show(page, z1=3)
     expect(page.locator("#overlay .say")).to_have_count(0)
+    show(page, sheet="single", z1=6)
+    expect(page.locator("#sentence")).to_contain_text("one height fills the window from top to bottom")
 
 
 @pytest.mark.parametrize("name", ["alpha", "z1", "z2", "L", "E", "r", "P", "nu", "M"])
