@@ -138,7 +138,7 @@ function drawTabs() {
 }
 
 TABS.forEach((tab, n) => {
-  tab.addEventListener("click", () => openQuestion(n ? Math.max(0, drawnQuestion) : -1));
+  tab.addEventListener("click", () => openQuestion(n ? lastQuestion : -1));
   tab.addEventListener("keydown", (event) => {
     if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
     event.preventDefault();
@@ -156,7 +156,7 @@ const KEYS = {
   c: () => $("show-circles").click(),
   i: () => $("show-image").click(),
   f: () => $("full-screen").click(),
-  q: () => openQuestion(state.question < 0 ? 0 : -1),
+  q: () => openQuestion(state.question < 0 ? lastQuestion : -1),
 };
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 

@@ -53,6 +53,7 @@ function keepAddress() {
 addEventListener("popstate", () => {
   if (location.hash === kept) return;
   player.pause();
+  endGlide();
   typing = null;
   fromHash(location.hash);
   kept = toHash();

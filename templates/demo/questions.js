@@ -91,15 +91,24 @@ const QUESTIONS = [
 ];
 
 const revealed = new Set();
+let explored = null;   // what the page showed before the questions
+let lastQuestion = 0;
 
+// Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 function openQuestion(n) {
+  if (n === state.question) return;
   player.pause();
-  const opened = n !== state.question;
-  state.question = n;
-  if (n >= 0 && opened) {
+  endGlide();
+  if (state.question < 0) explored = { ...state };
+  if (n >= 0) {
+    lastQuestion = n;
     revealed.delete(n);
-    change(QUESTIONS[n].before);
+    change({ ...QUESTIONS[n].before, question: n });
+  } else {
+    const shows = Object.fromEntries(["diagram", ...SWITCHES].map((name) => [name, state[name]]));
+    change({ ...explored, ...shows, question: -1 });
   }
+  drawQuestion();
   refresh();
 }
 
@@ -110,20 +119,32 @@ function reveal() {
   glide(typeof after === "function" ? after() : after);
 }
 
+let gliding = null;  // the values that the page is going to
+
+// Any input ends the movement: the page is then at its end.
+function endGlide() {
+  if (!gliding) return;
+  change(gliding);
+  gliding = null;
+  refresh();
+}
+for (const event of ["pointerdown", "keydown", "click", "input", "change"]) document.addEventListener(event, endGlide, true);
+
 // Go to other values: numbers gently, unless motion is to be reduced.
 function glide(target) {
+  gliding = target;
   const start = performance.now();
   const from = Object.fromEntries(Object.keys(target).map((name) => [name, state[name]]));
   const numeric = (x) => typeof x === "number" || Array.isArray(x);
-  const question = state.question;
   const mixed = (a, b, part) => (Array.isArray(a) ? a.map((x, k) => mixed(x, b[k], part)) : a + (b - a) * part);
   const tick = () => {
     const time = reducedMotion.matches ? 1 : Math.min(1, (performance.now() - start) / 1500);
     const part = time * time * (3 - 2 * time);
-    if (state.question !== question || held) return;
+    if (gliding !== target) return;
     change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? mixed(from[name], to, part) : to])));
     refresh();
     if (time < 1) requestAnimationFrame(tick);
+    else gliding = null;
   };
   tick();
 }

@@ -138,7 +138,8 @@ function toHash() {
   return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
 
-// Take the values from an address. What is missing or wrong there has the value that the page opens with.
+// Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
+// answer has not been revealed is shown as before its answer.
 function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const values = {};
@@ -150,7 +151,7 @@ function fromHash(hash) {
   }
   if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
   const question = Number(given.get("question")) - 1;
-  if (Number.isInteger(question) && question < QUESTIONS.length) values.question = question;
+  if (QUESTIONS[question]) Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
 }

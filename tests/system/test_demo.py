@@ -81,6 +81,7 @@ def page(shared):
           player.pause();
           player.preset = data.presets[0];
           state.question = -1;
+          lastQuestion = 0;
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;
@@ -687,6 +688,42 @@ def test_questions_are_predicted_and_revealed(page):
     expect(page.locator("#diagram")).to_be_visible()
 
 
+def test_an_input_ends_the_movement_to_the_answer(page):
+    page.evaluate("openQuestion(6); reveal()")  # the eye moves
+    page.locator("#number-z1").fill("3")
+    assert page.evaluate("[state.z1, ...state.E, gliding]") == [3, 0.8, 0, None]
+
+
+def test_what_was_explored_comes_back_after_the_questions(page):
+    show(page, scene="spheres", alpha=12, z2=7, E=[0.3, 0.1])
+    before = page.evaluate("({ ...state })")
+    page.get_by_role("tab", name="Questions").click()
+    assert page.evaluate("[state.scene, state.sheet, state.alpha]") == ["chess", "none", 0]
+    page.get_by_role("tab", name="Explore").click()
+    assert page.evaluate("({ ...state })") == before
+
+
+def test_a_link_to_a_question_does_not_show_its_answer(page):
+    page.evaluate("revealed.clear(); fromHash('#question=2&alpha=66')")
+    assert page.evaluate("[state.question, state.alpha]") == [1, 0]
+    show(page)
+    expect(page.locator("#answer")).to_be_empty()
+
+
+def test_play_and_reset(page):
+    show(page, scene="spheres", sheet="none")
+    page.evaluate("draw(); LiveView.RAYS = 0")
+    page.get_by_role("button", name="Play").click()
+    assert page.evaluate("[state.sheet, player.playing]") == ["ideal", True]
+    page.keyboard.press("2")
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("[state.scene, state.alpha, player.preset.name]") == ["chess", 66, "vary-alpha"]
+    show(page, scene="spheres", alpha=3)
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("[state.scene, state.alpha, player.preset.scene]") == ["spheres", 66, "spheres"]
+    page.evaluate("LiveView.RAYS = 1")
+
+
 def test_full_screen(page):
     button = page.get_by_role("button", name="Full screen")
     for on in ("true", "false"):
@@ -702,7 +739,7 @@ def test_a_link_reopens_what_one_sees(page):
         """() => {
           change({ scene: "spheres", sheet: "detailed", alpha: -33.25, z2: 7.5, prisms: 250 });
           change({ L: [0.3, 0.1], E: [-0.2, 0.4] });
-          Object.assign(state, { circles: true, caption: true, diagram: "paper", question: 2 });
+          Object.assign(state, { circles: true, caption: true, diagram: "paper" });
         }"""
     )
     before, link = page.evaluate("[state, toHash()]")
