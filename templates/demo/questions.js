@@ -77,8 +77,8 @@ const QUESTIONS = [
     why: () => `To the left, by ${brief(-parallax(2, 6, 180))} of your step; without sheets, to the right by ${brief(parallax(2, 6, 0))}. So the image floats in front of the window.`,
   },
   {
-    ask: "At which α does the knight at z₁ = 2, seen from z₂ = 6, appear turned the most?",
-    before: UP, unit: "degrees", tolerance: 0.06, after: () => ({ alpha: QUESTIONS[7].answer() }),
+    ask: "At which α from 0° to 180° does the knight at z₁ = 2, seen from z₂ = 6, appear turned the most?",
+    before: UP, unit: "degrees", tolerance: 5, after: () => ({ alpha: QUESTIONS[7].answer() }),
     answer: () => mostTurned(2, 6),
     why: () => `There cos α = −z₁/z₂, and sin ν = z₁/z₂: ν = ${degreesText(nuDegrees(2, 6, mostTurned(2, 6)))}. Beyond, it turns back.`,
   },
@@ -111,6 +111,8 @@ function openQuestion(n) {
   drawQuestion();
   refresh();
 }
+
+let asksForNumber = false;
 
 function reveal() {
   const question = QUESTIONS[state.question];
@@ -162,9 +164,12 @@ function drawQuestion() {
     $("ask").textContent = question.ask.replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.choices ? question.choices.map(choiceInput) : [numberInput(question)]));
     drawnQuestion = n;
+    asksForNumber = false;
   }
   $("reveal").hidden = revealed.has(n);
-  $("answer").replaceChildren(...(revealed.has(n) ? answerText(question) : []));
+  const said = document.createElement("p");
+  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? ["Type a number first."] : []));
+  if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   $("previous").disabled = n === 0;
   $("next").disabled = n === QUESTIONS.length - 1;
 }
@@ -176,10 +181,10 @@ function choiceInput(text, k) {
   return label;
 }
 
-function numberInput({ unit }) {
+function numberInput({ unit, tolerance }) {
   const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { type: "number", step: "any", name: "prediction" });
-  label.append(input, ` ${unit}`);
+  const input = Object.assign(document.createElement("input"), { className: "field", autocomplete: "off", name: "prediction" });
+  label.append(input, ` ${unit}, within ${tolerance}`);
   return label;
 }
 
@@ -187,7 +192,7 @@ function numberInput({ unit }) {
 function answerText(question) {
   const right = question.answer();
   const given = new FormData($("question-form")).get("prediction");
-  const isRight = question.choices ? Number(given) === right : Math.abs(given - right) <= question.tolerance * right;
+  const isRight = question.choices ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
   const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
   const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
   const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
@@ -197,7 +202,16 @@ function answerText(question) {
 
 $("question-form").addEventListener("submit", (event) => {
   event.preventDefault();
-  reveal();
+  const field = $("prediction").querySelector(".field");
+  asksForNumber = Boolean(field) && !Number.isFinite(readNumber(field.value));
+  if (!asksForNumber) reveal();
+  drawQuestion();
+  if (asksForNumber) field.focus();
+  else ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
 });
-$("previous").addEventListener("click", () => openQuestion(state.question - 1));
-$("next").addEventListener("click", () => openQuestion(state.question + 1));
+for (const [id, aside] of [["previous", -1], ["next", 1]]) {
+  $(id).addEventListener("click", () => {
+    openQuestion(state.question + aside);
+    $("ask").focus();
+  });
+}

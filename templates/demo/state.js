@@ -25,16 +25,28 @@ const state = { ...OPENING };
 
 const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
 
+let refusals = [];  // sentences that say which values were not allowed in the last change
+
 // Change values of the state to the nearest allowed ones. Another scene begins with its own L and z1.
 function change(values) {
   if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
   Object.assign(state, values);
-  for (const [name, range] of Object.entries(RANGES)) state[name] = clamped(state[name], range);
+  refusals = [];
+  const limited = (name, x, [least, most], why = "") => {
+    const kept = clamped(x, [least, most]);
+    if (kept !== x) refusals.push(`${name} is at ${x < least ? "least" : "most"} ${brief(kept)}${name === SYMBOL.alpha ? "°" : ""}${why}.`);
+    return kept;
+  };
+  for (const [name, range] of Object.entries(RANGES)) state[name] = limited(SYMBOL[name], state[name], range);
+  if (!Number.isInteger(state.prisms)) refusals.push("N is a whole number.");
   state.prisms = Math.round(state.prisms);
-  const chess = state.scene === "chess";
-  const least = chess ? [FLOOR + LEAST_PEDESTAL, FLOOR + 0.05] : [-ASIDE, -ASIDE];
-  const most = [chess ? FLOOR + 10 : ASIDE, ASIDE];  // a pedestal is at most 10 high
-  [state.L, state.E] = [state.L, state.E].map(([x, y], k) => [clamped(x, [-ASIDE, ASIDE]), clamped(y, [least[k], most[k]])]);
+  const { L, E } = state;
+  const aside = [-ASIDE, ASIDE];
+  // in the chess scene, a pedestal and the floor are below
+  const heights = state.scene === "chess" ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
+  const why = (y, [least]) => (state.scene === "chess" && y < least ? ": the floor is below" : "");
+  state.L = [limited("x of L", L[0], aside), limited("y of L", L[1], heights[0], why(L[1], heights[0]))];
+  state.E = [limited("x of E", E[0], aside), limited("y of E", E[1], heights[1], why(E[1], heights[1]))];
 }
 
 // ---- The scene ----
