@@ -55,6 +55,7 @@ addEventListener("popstate", () => {
   player.pause();
   endGlide();
   typing = null;
+  if (state.question < 0) explored = { ...state };
   fromHash(location.hash);
   kept = toHash();
   refresh();
