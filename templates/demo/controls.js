@@ -10,7 +10,8 @@ const STEPS = 1000;
 function fromSlider(name, place) {
   const { ends: [least, most], log } = SLIDERS[name];
   if (!log) return Number(place);
-  return Number((least * (most / least) ** (place / STEPS)).toPrecision(3));
+  const x = Number((least * (most / least) ** (place / STEPS)).toPrecision(3));
+  return name === "prisms" ? Math.round(x) : x;
 }
 
 function toSlider(name, x) {
@@ -24,22 +25,46 @@ const typed = (x) => String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toF
 for (const name of Object.keys(SLIDERS)) {
   const slider = $(`slider-${name}`);
   slider.addEventListener("input", () => given({ [name]: fromSlider(name, slider.value) }));
-  numberField($(`number-${name}`), (x) => ({ [name]: x }));
+  numberField($(`number-${name}`), 1, (x) => ({ [name]: x }));
 }
 for (const name of ["L", "E"]) {
-  ["x", "y"].forEach((axis, k) => numberField($(`number-${name}${axis}`), (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
+  ["x", "y"].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
 }
+
+// Of the spheres, an arrow key on the slider of z1 chooses the next one.
+$("slider-z1").addEventListener("keydown", (event) => {
+  const aside = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
+  if (!aside || state.scene !== "spheres") return;
+  event.preventDefault();
+  const { objects, z1 } = moment();
+  const ordered = [...objects].sort((a, b) => a - b);
+  given({ z1: ordered[clamped(ordered.indexOf(z1) + aside, [0, ordered.length - 1])] });
+});
 
 let typing = null;  // the field that someone is typing in
 
-function numberField(input, values) {
+// A field for a number. The arrows up and down change it by a step.
+function numberField(input, step, values) {
   input.addEventListener("input", () => {
     typing = input;
-    if (Number.isFinite(input.valueAsNumber)) given(values(input.valueAsNumber));
+    const x = readNumber(input.value);
+    if (!Number.isFinite(x)) return;
+    given(values(x));
+    const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
+    if (noSphere) refusals = [`No sphere is at z₁ = ${brief(x)}: the nearest one is chosen.`];
   });
   input.addEventListener("change", () => {
     typing = null;
+    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) refusals = [`“${input.value}” is not a number.`];
     refresh();
+  });
+  input.addEventListener("keydown", (event) => {
+    const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    const x = readNumber(input.value) + sign * step;
+    if (!Number.isFinite(x)) return;
+    event.preventDefault();
+    typing = null;
+    given(values(x));
   });
 }
 
@@ -65,7 +90,7 @@ function showInputs(now) {
     const x = name === "prisms" ? state.prisms : name === "alpha" ? state.alpha : now[name];
     const slider = $(`slider-${name}`);
     if (document.activeElement !== slider || Math.abs(fromSlider(name, slider.value) - x) > 0.01 * Math.abs(x)) slider.value = toSlider(name, x);
-    slider.setAttribute("aria-valuetext", name === "prisms" ? `${x} prisms` : quantity(name, x));
+    slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
     put(`number-${name}`, x);
   }
   for (const name of ["L", "E"]) ["x", "y"].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
@@ -88,7 +113,10 @@ function showNumbers(now) {
   $("value-r").textContent = size(now.r);
   $("value-P").textContent = some ? point(now.P) : "–";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
-  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${brief(now.height)} high` : size(now.M);
+  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
+  const real = now.sheet === "detailed" && `for ${prismsText(now.scene.prisms)}; the equation gives `;
+  $("about-nu").textContent = real ? real + angle(equations.nu(now.r, now.alpha)) : "angle by which the object appears turned";
+  $("about-M").textContent = real ? real + size(equations.M(now.r, now.alpha)) : "times as large as if it stood in the window";
   $("of-prisms").hidden = now.sheet !== "detailed";
   $("sentence").textContent = explanation(now);
 }
@@ -138,7 +166,7 @@ function drawTabs() {
 }
 
 TABS.forEach((tab, n) => {
-  tab.addEventListener("click", () => openQuestion(n ? Math.max(0, drawnQuestion) : -1));
+  tab.addEventListener("click", () => openQuestion(n ? lastQuestion : -1));
   tab.addEventListener("keydown", (event) => {
     if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
     event.preventDefault();
@@ -156,7 +184,7 @@ const KEYS = {
   c: () => $("show-circles").click(),
   i: () => $("show-image").click(),
   f: () => $("full-screen").click(),
-  q: () => openQuestion(state.question < 0 ? 0 : -1),
+  q: () => openQuestion(state.question < 0 ? lastQuestion : -1),
 };
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 

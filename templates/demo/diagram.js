@@ -33,7 +33,7 @@ function drawDiagram(now) {
   const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
   if (now.two) {
     parts.push(...family(map, box), ...curves(map, now));
-    if (state.diagram === "paper") parts.push(...scaleNames(at, now.alpha < 0 ? -1 : 1));
+    if (state.diagram === "paper") parts.push(...scaleNames(at, now, rem));
     if (finite(now.P)) {
       const P = at(scaled(Math.min(1, 1e4 / abs(now.P)), now.P));
       const same = abs(minus(L, E)) < 1;
@@ -65,12 +65,13 @@ const corners = (L, E, P, rem, box) => [
   ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
 ];
 
-// Far above or below L and E, or between them.
+// Below L and E, or between them: the switch is above.
 function poleWords(points, height, rem) {
   const room = (y) => Math.min(...points.map((point) => Math.abs(point[1] - y)));
-  const [y] = [-0.36, 0, 0.36].map((part) => part * height).sort((a, b) => room(b) - room(a));
+  const [y] = [0.36, 0].map((part) => part * height).sort((a, b) => room(b) - room(a));
+  const x = y === 0 && height < 14 * rem ? 4.3 * rem : 0;  // to the right of the switch
   return [
-    words("far", [0, y - 0.7 * rem], "P is infinitely far away:"), words("far", [0, y + 0.7 * rem], "no light from L reaches E"),
+    words("far", [x, y - 0.7 * rem], "P is infinitely far away:"), words("far", [x, y + 0.7 * rem], "no light from L reaches E"),
   ];
 }
 
@@ -107,15 +108,26 @@ function family({ at, unit, turned }, { width, height }) {
   return parts;
 }
 
-function scaleNames(at, sign) {
-  const names = [words("scale", at([0.5, 0.46 * sign]), "r = 1")];
-  for (const [r, name] of FAMILY_R) {
+// The names of the circles. A name is left out if it would cover another, or a corner of the triangle.
+function scaleNames(at, { alpha, P }, rem) {
+  const sign = alpha < 0 ? -1 : 1;
+  const names = [];
+  const taken = [[0, 0], [1, 0], ...(finite(P) ? [P] : [])].map((corner) => [...at(corner), rem]);
+  const name = (place, text) => {
+    const half = 0.25 * rem * text.length + 0.2 * rem;
+    const apart = ([x, y, other]) => Math.abs(x - place[0]) > half + other || Math.abs(y - place[1]) > 1.1 * rem;
+    if (!taken.every(apart)) return;
+    taken.push([...place, half]);
+    names.push(words("scale", place, text));
+  };
+  name(at([0.5, 0.46 * sign]), "r = 1");
+  for (const [r, text] of FAMILY_R) {
     const [centre, radius] = [-1 / (r * r - 1), r / Math.abs(r * r - 1)];
-    names.push(words("scale", at([centre, radius < 0.5 ? sign * radius : -sign * radius]), name));
+    name(at([centre, radius < 0.5 ? sign * radius : -sign * radius]), text);
   }
-  for (const degrees of [30, 60, 90]) {
-    const name = `${degrees === 30 ? "α = " : ""}${sign < 0 ? "−" : ""}${degrees}°`;
-    names.push(words("scale", at([0.5, -0.5 * sign * Math.tan(radians(degrees) / 2)]), name));
+  for (const degrees of [90, 60, 30]) {
+    const text = `${degrees === 90 ? "α = " : ""}${sign < 0 ? "−" : ""}${degrees}°`;
+    name(at([0.5, -0.5 * sign * Math.tan(radians(degrees) / 2)]), text);
   }
   return names;
 }

@@ -72,6 +72,14 @@ const equations = (() => {
     return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
   }
 
+  // The point of the object's plane that is seen at a place of the plane z = 0: the inverse of `prisms`. At the pole of
+  // an infinitely fine sheet, it is E for every place.
+  function behind(place, E, z1, z2, alpha, prism) {
+    const { A, B } = depths(z1, z2, alpha, prism);
+    const D = minus(place, E);
+    return plus(E, scaled(1 / z2, plus(times(A, D), times(B, conj(D)))));
+  }
+
   // The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
   function turned(z1, z2, alpha, prism) {
     const { A, B } = depths(z1, z2, alpha, prism);
@@ -110,7 +118,7 @@ const equations = (() => {
     return [-alpha, alpha];
   }
 
-  return { P, oneMinusP, nu, M, ideal, prisms, mirrored, turned, infiniteZ1, infiniteAlpha };
+  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, infiniteZ1, infiniteAlpha };
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);

@@ -103,8 +103,7 @@ function placeHandles(now) {
     const [x, y] = inside(at, box);
     $(id).style.transform = `translate(${x}px, ${y}px)`;
     const name = id.startsWith("eye") ? "E" : "L";
-    const where = state[name].map((x) => fixed(x, 2)).join(", ");
-    $(id).setAttribute("aria-label", `${name === "E" ? "Eye E" : "Object L"} at ${where} tiles${id.endsWith("diagram") ? ", in the diagram" : ""}: arrow keys move it`);
+    $(id).setAttribute("aria-label", `${name === "E" ? "Eye E" : "Object L"} at ${placeText(state[name])} tiles${id.endsWith("diagram") ? ", in the diagram" : ""}: arrow keys move it`);
   };
   put("eye-picture", onStage(now.E), stage);
   put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);

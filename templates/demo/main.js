@@ -53,7 +53,9 @@ function keepAddress() {
 addEventListener("popstate", () => {
   if (location.hash === kept) return;
   player.pause();
+  endGlide();
   typing = null;
+  if (state.question < 0) explored = { ...state };
   fromHash(location.hash);
   kept = toHash();
   refresh();

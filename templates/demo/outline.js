@@ -9,6 +9,18 @@ function outlineOf(name) {
   return (outlines[name] ??= contours(silhouette(view.fields[k], data.volumes.grid), data.volumes.pieces[name].place));
 }
 
+// Whether a point is inside closed lines: a line from it to the right crosses them an odd number of times.
+function within([x, y], lines) {
+  let inside = false;
+  for (const points of lines) {
+    points.forEach(([bx, by], n) => {
+      const [ax, ay] = points.at(n - 1);
+      if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) inside = !inside;
+    });
+  }
+  return inside;
+}
+
 // The least distance along z to the surface, at each point of the grid in x and y; below 0 inside the outline.
 function silhouette(field, [nx, ny, nz]) {
   const least = new Float32Array(nx * ny).fill(Infinity);

@@ -33,7 +33,11 @@ function shrunk(text, width) {
   if (wide > width) text.style.fontSize = `${width / wide}em`;
 }
 
-const poleText = (now) => (Number.isFinite(now.M) ? `${rough(now.seen)} tiles of the ${thing()} fill the window` : `one point of the ${thing()} fills the window`);
+function poleText({ M, seen, shows }) {
+  if (!shows) return `nothing of the ${thing()} is seen`;
+  const what = shows === "thing" ? thing() : shows;
+  return Number.isFinite(M) ? `${rough(seen)} tiles of the ${what} fill the window` : `one point of the ${what} fills the window`;
+}
 
 const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
 

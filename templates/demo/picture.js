@@ -56,7 +56,9 @@ $("full-screen").addEventListener("click", () => (document.fullscreenElement ? d
 $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
 $("reset").addEventListener("click", () => {
-  player.pause();
-  change({ ...OPENING });
+  player.reset();
+  explored = null;
+  const { scene } = state;
+  change({ ...OPENING, scene, ...START[scene] });
   refresh();
 });

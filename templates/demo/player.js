@@ -38,6 +38,7 @@ const player = {
 
   play() {
     if (this.preset.scene !== state.scene) return;
+    if (this.preset.parameter === "alpha" && !moment().two) change({ sheet: "ideal" });  // alpha needs two sheets
     if (this.part() >= 1) this.seek(0);
     this.playing = true;
     this.since = performance.now();
@@ -75,7 +76,10 @@ const player = {
 
   // A preset is for a scene: another scene takes its own.
   follow() {
-    if (this.preset.scene === state.scene) return;
+    if (this.preset.scene !== state.scene) this.reset();
+  },
+
+  reset() {
     this.pause();
     this.preset = data.presets.find(({ scene }) => scene === state.scene);
   },

@@ -77,8 +77,8 @@ const QUESTIONS = [
     why: () => `To the left, by ${brief(-parallax(2, 6, 180))} of your step; without sheets, to the right by ${brief(parallax(2, 6, 0))}. So the image floats in front of the window.`,
   },
   {
-    ask: "At which α does the knight at z₁ = 2, seen from z₂ = 6, appear turned the most?",
-    before: UP, unit: "degrees", tolerance: 0.06, after: () => ({ alpha: QUESTIONS[7].answer() }),
+    ask: "At which α from 0° to 180° does the knight at z₁ = 2, seen from z₂ = 6, appear turned the most?",
+    before: UP, unit: "degrees", tolerance: 5, after: () => ({ alpha: QUESTIONS[7].answer() }),
     answer: () => mostTurned(2, 6),
     why: () => `There cos α = −z₁/z₂, and sin ν = z₁/z₂: ν = ${degreesText(nuDegrees(2, 6, mostTurned(2, 6)))}. Beyond, it turns back.`,
   },
@@ -91,17 +91,28 @@ const QUESTIONS = [
 ];
 
 const revealed = new Set();
+let explored = null;   // what the page showed before the questions
+let lastQuestion = 0;
 
+// Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 function openQuestion(n) {
+  if (n === state.question) return;
   player.pause();
-  const opened = n !== state.question;
-  state.question = n;
-  if (n >= 0 && opened) {
+  endGlide();
+  if (state.question < 0) explored = { ...state };
+  if (n >= 0) {
+    lastQuestion = n;
     revealed.delete(n);
-    change(QUESTIONS[n].before);
+    change({ ...QUESTIONS[n].before, question: n });
+  } else {
+    const shows = Object.fromEntries(["diagram", ...SWITCHES].map((name) => [name, state[name]]));
+    change({ ...explored, ...shows, question: -1 });
   }
+  drawQuestion();
   refresh();
 }
+
+let asksForNumber = false;
 
 function reveal() {
   const question = QUESTIONS[state.question];
@@ -110,20 +121,32 @@ function reveal() {
   glide(typeof after === "function" ? after() : after);
 }
 
+let gliding = null;  // the values that the page is going to
+
+// Any input ends the movement: the page is then at its end.
+function endGlide() {
+  if (!gliding) return;
+  change(gliding);
+  gliding = null;
+  refresh();
+}
+for (const event of ["pointerdown", "keydown", "click", "input", "change"]) document.addEventListener(event, endGlide, true);
+
 // Go to other values: numbers gently, unless motion is to be reduced.
 function glide(target) {
+  gliding = target;
   const start = performance.now();
   const from = Object.fromEntries(Object.keys(target).map((name) => [name, state[name]]));
   const numeric = (x) => typeof x === "number" || Array.isArray(x);
-  const question = state.question;
   const mixed = (a, b, part) => (Array.isArray(a) ? a.map((x, k) => mixed(x, b[k], part)) : a + (b - a) * part);
   const tick = () => {
     const time = reducedMotion.matches ? 1 : Math.min(1, (performance.now() - start) / 1500);
     const part = time * time * (3 - 2 * time);
-    if (state.question !== question || held) return;
+    if (gliding !== target) return;
     change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? mixed(from[name], to, part) : to])));
     refresh();
     if (time < 1) requestAnimationFrame(tick);
+    else gliding = null;
   };
   tick();
 }
@@ -141,9 +164,12 @@ function drawQuestion() {
     $("ask").textContent = question.ask.replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.choices ? question.choices.map(choiceInput) : [numberInput(question)]));
     drawnQuestion = n;
+    asksForNumber = false;
   }
   $("reveal").hidden = revealed.has(n);
-  $("answer").replaceChildren(...(revealed.has(n) ? answerText(question) : []));
+  const said = document.createElement("p");
+  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? ["Type a number first."] : []));
+  if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   $("previous").disabled = n === 0;
   $("next").disabled = n === QUESTIONS.length - 1;
 }
@@ -155,10 +181,10 @@ function choiceInput(text, k) {
   return label;
 }
 
-function numberInput({ unit }) {
+function numberInput({ unit, tolerance }) {
   const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { type: "number", step: "any", name: "prediction" });
-  label.append(input, ` ${unit}`);
+  const input = Object.assign(document.createElement("input"), { className: "field", autocomplete: "off", name: "prediction" });
+  label.append(input, ` ${unit}, within ${tolerance}`);
   return label;
 }
 
@@ -166,7 +192,7 @@ function numberInput({ unit }) {
 function answerText(question) {
   const right = question.answer();
   const given = new FormData($("question-form")).get("prediction");
-  const isRight = question.choices ? Number(given) === right : Math.abs(given - right) <= question.tolerance * right;
+  const isRight = question.choices ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
   const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
   const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
   const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
@@ -176,7 +202,16 @@ function answerText(question) {
 
 $("question-form").addEventListener("submit", (event) => {
   event.preventDefault();
-  reveal();
+  const field = $("prediction").querySelector(".field");
+  asksForNumber = Boolean(field) && !Number.isFinite(readNumber(field.value));
+  if (!asksForNumber) reveal();
+  drawQuestion();
+  if (asksForNumber) field.focus();
+  else ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
 });
-$("previous").addEventListener("click", () => openQuestion(state.question - 1));
-$("next").addEventListener("click", () => openQuestion(state.question + 1));
+for (const [id, aside] of [["previous", -1], ["next", 1]]) {
+  $(id).addEventListener("click", () => {
+    openQuestion(state.question + aside);
+    $("ask").focus();
+  });
+}

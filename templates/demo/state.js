@@ -25,16 +25,28 @@ const state = { ...OPENING };
 
 const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
 
+let refusals = [];  // sentences that say which values were not allowed in the last change
+
 // Change values of the state to the nearest allowed ones. Another scene begins with its own L and z1.
 function change(values) {
   if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
   Object.assign(state, values);
-  for (const [name, range] of Object.entries(RANGES)) state[name] = clamped(state[name], range);
+  refusals = [];
+  const limited = (name, x, [least, most], why = "") => {
+    const kept = clamped(x, [least, most]);
+    if (kept !== x) refusals.push(`${name} is at ${x < least ? "least" : "most"} ${brief(kept)}${name === SYMBOL.alpha ? "°" : ""}${why}.`);
+    return kept;
+  };
+  for (const [name, range] of Object.entries(RANGES)) state[name] = limited(SYMBOL[name], state[name], range);
+  if (!Number.isInteger(state.prisms)) refusals.push("N is a whole number.");
   state.prisms = Math.round(state.prisms);
-  const chess = state.scene === "chess";
-  const least = chess ? [FLOOR + LEAST_PEDESTAL, FLOOR + 0.05] : [-ASIDE, -ASIDE];
-  const most = [chess ? FLOOR + 10 : ASIDE, ASIDE];  // a pedestal is at most 10 high
-  [state.L, state.E] = [state.L, state.E].map(([x, y], k) => [clamped(x, [-ASIDE, ASIDE]), clamped(y, [least[k], most[k]])]);
+  const { L, E } = state;
+  const aside = [-ASIDE, ASIDE];
+  // in the chess scene, a pedestal and the floor are below
+  const heights = state.scene === "chess" ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
+  const why = (y, [least]) => (state.scene === "chess" && y < least ? ": the floor is below" : "");
+  state.L = [limited("x of L", L[0], aside), limited("y of L", L[1], heights[0], why(L[1], heights[0]))];
+  state.E = [limited("x of E", E[0], aside), limited("y of E", E[1], heights[1], why(E[1], heights[1]))];
 }
 
 // ---- The scene ----
@@ -68,7 +80,8 @@ function moment() {
   now.P = equations.P(r, alpha);
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
-  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object in the window
+  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object's plane in the window
+  if (now.two && now.M > NEAR_POLE) now.shows = poleShows(now);
   return now;
 }
 const NEAR_POLE = 12;  // a larger M is near the pole
@@ -79,6 +92,19 @@ function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism);
   return equations.ideal(L, E, z1, z2, alpha);
+}
+
+// What is seen in the window near the pole, where only a small part of the object's plane is: "thing", "pedestal" or "".
+function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism }) {
+  const half = scene.aperture / 2;
+  const depths = sheet === "ideal" ? { slab_shift: 0, separation: 0 } : prism;
+  const places = [0, -0.9, -0.45, 0.45, 0.9].flatMap((x, _, all) => all.map((y) => [x * half, y * half]));
+  const points = places.map((place) => minus(equations.behind(place, E, z1, z2, alpha, depths), L));
+  if (state.scene === "spheres") return points.some((point) => abs(point) <= radii[objects.indexOf(z1)]) ? "thing" : "";
+  const lines = outlineOf(state.piece);
+  if (!lines.length || points.some((point) => within(point, lines))) return "thing";  // the outline may not be known yet
+  const wide = data.pedestals[state.piece];
+  return points.some(([x, y]) => Math.abs(x) <= wide && y <= 0 && y >= FLOOR - L[1]) ? "pedestal" : "";
 }
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
@@ -124,7 +150,8 @@ function toHash() {
   return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
 
-// Take the values from an address. What is missing or wrong there has the value that the page opens with.
+// Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
+// answer has not been revealed is shown as before its answer.
 function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const values = {};
@@ -136,7 +163,7 @@ function fromHash(hash) {
   }
   if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
   const question = Number(given.get("question")) - 1;
-  if (Number.isInteger(question) && question < QUESTIONS.length) values.question = question;
+  if (QUESTIONS[question]) Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
 }

@@ -1,8 +1,14 @@
 // Numbers and sentences, as the page prints them.
 
-const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂" };
+const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N" };
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
+
+// The number that someone has typed, with a decimal point or a decimal comma. NaN if it is none.
+function readNumber(text) {
+  const plain = text.trim().replace(",", ".").replace("−", "-");
+  return plain ? Number(plain) : NaN;
+}
 
 // The text of toFixed, toPrecision or toExponential with typographic signs. A number that rounds to 0 has no sign.
 function printed(text) {
@@ -17,6 +23,8 @@ const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3
 const rough = (x) => printed(String(Number(x.toPrecision(2))));
 const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
 const quantity = (name, x) => (name === "alpha" ? `${fixed(x, 1)}°` : `${size(x)} tiles`);
+
+const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
 
 // A complex number. Both parts have the same number of decimals, so that the larger has five digits at most.
 function point(a) {
@@ -50,15 +58,29 @@ function seen(now) {
   const large = `${timesText(M)} times as large as if it stood in the window`;
   if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
   if (sheet === "single") {
+    if (!Number.isFinite(height)) {
+      return `z₁ = z₂: one height fills the window from top to bottom, that of the eye. What is there is ${timesText(M)} times as wide as if it`
+        + " stood in the window.";
+    }
     const across = `${timesText(M)} times as wide and ${timesText(height)} times as high as if it stood in the window`;
     return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
-  if (!Number.isFinite(M)) return `The pole: one point fills the whole window, the point of the ${thing()}'s plane straight before the eye.`;
-  if (M > NEAR_POLE) return `Near the pole: a part of the ${thing()}'s plane that is only ${rough(now.seen)} tiles wide fills the window.`;
+  if (M > NEAR_POLE) return poleSentence(now);
   if (sheet === "detailed" && unsure(now)) return UNSURE;
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
+}
+
+function poleSentence({ M, seen, shows }) {
+  const exact = !Number.isFinite(M), name = thing();
+  const pole = exact ? "The pole" : "Near the pole";
+  const part = exact ? "one point, straight before the eye" : `a part that is only ${rough(seen)} tiles wide`;
+  if (!shows) return `${pole}: all light to the eye passes the ${name}’s plane in ${part}. The ${name} is not there, so nothing of it is seen.`;
+  if (shows === "pedestal") return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
+  return exact
+    ? `The pole: one point of the ${name} fills the whole window, the point straight before the eye.`
+    : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
 }
 
 function remarks(now) {
@@ -67,9 +89,12 @@ function remarks(now) {
   if (now.two && Math.abs(Math.abs(degrees) - 180) < 0.05 && z1 < z2 * 0.95) {
     found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
   }
-  if (state.z2 < z2 * 0.999 || (state.scene === "chess" && state.z1 < z1 * 0.999)) {
-    found.push(`The frame is ${brief(geometry.depth(scene))} tiles deep: z₁ and z₂ are larger than you asked for.`);
-  }
+  const depth = geometry.depth(scene);
+  const frame = depth > 1 ? `the frame, which is ${brief(depth)} tiles deep` : "the frame";
+  const limits = [...refusals];
+  if (state.scene === "chess" && state.z1 < z1 * 0.999) limits.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
+  if (state.z2 < z2 * 0.999) limits.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
+  if (limits.length) found.push(...limits);
   else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
     found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : "its foot"} is not seen.`);
   }
@@ -77,13 +102,16 @@ function remarks(now) {
   return found;
 }
 
+const placeText = (point) => point.map((x) => fixed(x, 2)).join(", ");
+
 // The description of the picture for those who do not see it.
 function describe(now) {
   const model = {
-    none: "without sheets", single: `through one sheet of ${now.scene.prisms} prisms`, ideal: "through the ideal sheet",
-    detailed: `through two sheets of ${now.scene.prisms} prisms`,
+    none: "without sheets", single: `through one sheet of ${prismsText(now.scene.prisms)}`, ideal: "through the ideal sheet",
+    detailed: `through two sheets of ${prismsText(now.scene.prisms)}`,
   }[now.sheet];
-  return `A ${thing()} seen ${model}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles. ${explanation(now)}`;
+  return `A ${thing()} seen ${model}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
+    + ` The object L is at ${placeText(now.L)}, the eye E at ${placeText(now.E)}. ${explanation(now)}`;
 }
 
 // The caption on the picture.

@@ -81,6 +81,7 @@ def page(shared):
           player.pause();
           player.preset = data.presets[0];
           state.question = -1;
+          lastQuestion = 0;
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;
@@ -432,13 +433,51 @@ def test_numbers_are_typed_and_sliders_moved(page):
     assert page.evaluate("state.alpha") == -360
 
 
+def test_what_is_changed_is_said(page):
+    show(page, sheet="detailed")
+    for name, typed, value, said in (
+        ("alpha", "400", 360, "α is at most 360°."),
+        ("z1", "0.1", 0.1, "z₁ is at least 0.581: the piece would touch the frame."),
+        ("z1", "2,5", 2.5, ""),
+        ("prisms", "10.4", 10, "N is a whole number."),
+        ("alpha", "12 or so", 360, "“12 or so” is not a number."),
+        ("Ex", "−0,3", -0.3, ""),
+        ("Ey", "-5", None, "y of E is at least −1.6: the floor is below."),
+    ):
+        field = page.locator(f"#number-{name}")
+        field.fill(typed)
+        field.blur()
+        page.evaluate("draw()")
+        text = page.locator("#sentence").text_content()
+        assert said in text if said else not re.search("at least|at most|number", text), text
+        if value is not None:
+            assert page.evaluate("({ ...state, Ex: state.E[0] })")[name] == value
+    page.locator("#number-alpha").press("ArrowDown")
+    assert page.evaluate("state.alpha") == 359
+
+
+def test_arrow_keys_choose_the_next_sphere(page):
+    show(page, scene="spheres")
+    distances = sorted(page.evaluate("moment().objects"))
+    before = distances.index(page.evaluate("moment().z1"))
+    page.locator("#slider-z1").focus()
+    for key, aside in (("ArrowLeft", -1), ("ArrowRight", 0), ("ArrowUp", 1)):
+        page.keyboard.press(key)
+        assert page.evaluate("moment().z1") == distances[before + aside]
+    page.locator("#number-z1").fill("1e4")
+    page.evaluate("draw()")
+    expect(page.locator("#sentence")).to_contain_text("No sphere is at z₁")
+
+
 def test_few_large_prisms_push_eye_and_object_away(page):
     show(page, sheet="detailed", prisms=1)
     scene = scene_of(page)
     assert scene.z2 > scene.depth / 2 > 10 and scene.z1 > scene.depth / 2
-    assert "deep: z₁ and z₂ are larger" in page.locator("#sentence").text_content()
+    for reason in ("z₁ is at least", "z₂ is at least"):
+        expect(page.locator("#sentence")).to_contain_text(reason)
     show(page, prisms=100)
     assert page.evaluate("[moment().z1, moment().z2]") == [2, 6]
+    expect(page.locator("#about-nu")).to_have_text("for 100 prisms; the equation gives 15.0°")
 
 
 @pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed"])
@@ -605,15 +644,22 @@ def test_the_pole_is_said_in_words_view_and_diagram(page):
     for values, words, seen in (
         ({"alpha": 180, "z1": 6}, "The pole: one point", "one point of the knight fills the window"),
         ({"alpha": 180, "z1": 5.8}, "Near the pole", "0.1 tiles of the knight fill the window"),
+        ({"alpha": 180, "z1": 6, "E": [1.5, 0.5]}, "The knight is not there", "nothing of the knight is seen"),
+        ({"E": [0, -1.4]}, "of the pedestal, one point", "one point of the pedestal fills the window"),
+        ({"scene": "spheres", "alpha": 180, "z1": 6}, "The sphere is not there", "nothing of the sphere is seen"),
+        ({"L": [0, -1.4]}, "The pole: one point of the sphere", "one point of the sphere fills the window"),
     ):
         show(page, **values)
         expect(page.locator("#sentence")).to_contain_text(words)
         expect(page.locator("#overlay .say")).to_have_text(seen)
-    show(page, z1=6)
+    page.evaluate("fromHash('#alpha=180&z1=6')")
+    show(page)
     expect(page.locator("#diagram")).to_contain_text("P is infinitely far away")
     expect(page.locator("#value-nu")).to_have_text("undefined")
     show(page, z1=3)
     expect(page.locator("#overlay .say")).to_have_count(0)
+    show(page, sheet="single", z1=6)
+    expect(page.locator("#sentence")).to_contain_text("one height fills the window from top to bottom")
 
 
 @pytest.mark.parametrize("name", ["alpha", "z1", "z2", "L", "E", "r", "P", "nu", "M"])
@@ -638,6 +684,10 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     show(page, alpha=90)
     show(page, alpha=100)
     expect(spoken).to_contain_text("A knight seen through the ideal sheet. α = 100.0°")
+    page.locator("#eye-picture").press("ArrowRight")
+    expect(spoken).to_contain_text("the eye E at 0.05, 0.00.")
+    names = page.evaluate("['slider-alpha', 'number-alpha', 'slider-z1'].map((id) => $(id).getAttribute('aria-label'))")
+    assert len(set(names)) == 3 and all("alpha" in name or "z1" in name for name in names)
     expect(page.locator("#view")).to_have_attribute("aria-label", spoken.text_content())
     assert spoken.get_attribute("role") == "status"
 
@@ -668,8 +718,13 @@ def test_questions_are_predicted_and_revealed(page):
         if choices.count():
             choices.nth((right + wrong) % choices.count()).check()
         else:
-            page.locator("#prediction input").fill(str(right * (1 + wrong)))
+            for nonsense in ("", "six"):
+                page.locator("#prediction input").fill(nonsense)
+                page.get_by_role("button", name="Reveal").click()
+                expect(page.locator("#answer")).to_have_text("Type a number first.")
+            page.locator("#prediction input").fill(str(right * (1 + 0.08 * wrong)).replace(".", ","))
         page.get_by_role("button", name="Reveal").click()
+        assert page.evaluate("document.activeElement.id") == ("next" if n + 1 < count else "previous")
         expect(page.locator("#answer")).to_contain_text("No: " if wrong else "Yes: ")
         for name, value in page.evaluate(
             f"(() => {{ const {{ after }} = QUESTIONS[{n}]; return after.call ? after() : after; }})()"
@@ -677,8 +732,45 @@ def test_questions_are_predicted_and_revealed(page):
             assert page.evaluate(f"state.{name}") == value
         if n + 1 < count:
             page.get_by_role("button", name="Next").click()
+            assert page.evaluate("document.activeElement.id") == "ask"
     page.get_by_role("tab", name="Explore").click()
     expect(page.locator("#diagram")).to_be_visible()
+
+
+def test_an_input_ends_the_movement_to_the_answer(page):
+    page.evaluate("openQuestion(6); reveal()")  # the eye moves
+    page.locator("#number-z1").fill("3")
+    assert page.evaluate("[state.z1, ...state.E, gliding]") == [3, 0.8, 0, None]
+
+
+def test_what_was_explored_comes_back_after_the_questions(page):
+    show(page, scene="spheres", alpha=12, z2=7, E=[0.3, 0.1])
+    before = page.evaluate("({ ...state })")
+    page.get_by_role("tab", name="Questions").click()
+    assert page.evaluate("[state.scene, state.sheet, state.alpha]") == ["chess", "none", 0]
+    page.get_by_role("tab", name="Explore").click()
+    assert page.evaluate("({ ...state })") == before
+
+
+def test_a_link_to_a_question_does_not_show_its_answer(page):
+    page.evaluate("revealed.clear(); fromHash('#question=2&alpha=66')")
+    assert page.evaluate("[state.question, state.alpha]") == [1, 0]
+    show(page)
+    expect(page.locator("#answer")).to_be_empty()
+
+
+def test_play_and_reset(page):
+    show(page, scene="spheres", sheet="none")
+    page.evaluate("draw(); LiveView.RAYS = 0")
+    page.get_by_role("button", name="Play").click()
+    assert page.evaluate("[state.sheet, player.playing]") == ["ideal", True]
+    page.keyboard.press("2")
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("[state.scene, state.alpha, player.preset.name]") == ["chess", 66, "vary-alpha"]
+    show(page, scene="spheres", alpha=3)
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("[state.scene, state.alpha, player.preset.scene]") == ["spheres", 66, "spheres"]
+    page.evaluate("LiveView.RAYS = 1")
 
 
 def test_full_screen(page):
@@ -696,7 +788,7 @@ def test_a_link_reopens_what_one_sees(page):
         """() => {
           change({ scene: "spheres", sheet: "detailed", alpha: -33.25, z2: 7.5, prisms: 250 });
           change({ L: [0.3, 0.1], E: [-0.2, 0.4] });
-          Object.assign(state, { circles: true, caption: true, diagram: "paper", question: 2 });
+          Object.assign(state, { circles: true, caption: true, diagram: "paper" });
         }"""
     )
     before, link = page.evaluate("[state, toHash()]")
@@ -815,6 +907,10 @@ def test_nothing_is_cut_off(page, size):
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         if size in ("laptop", "projector"):
             assert page.evaluate("document.documentElement.scrollHeight") <= height
+            if "question" in values:
+                page.set_viewport_size({"width": width, "height": 650})
+                expect(page.locator("#next")).to_be_in_viewport(ratio=1)
+                page.set_viewport_size({"width": width, "height": height})
             assert (
                 page.evaluate("((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector('.panel'))")
                 <= 1
