@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
+from povgen.rendering.light import encoded
 from povgen.rendering.volumes import page
 from povgen.scene import live
 from povgen.scene.models import Scene
@@ -97,9 +98,8 @@ class View:
         for _ in range(repeats):
             self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
         seconds = (self.cpu_seconds() - before) / repeats
-        light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / rays
-        encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
-        return seconds, np.round(255 * encoded).astype(np.uint8)
+        light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / np.float32(rays)
+        return seconds, np.rint(encoded(light)).astype(np.uint8)
 
     def cpu_seconds(self) -> float:
         """Return the CPU seconds that the browser's processes have used so far."""

@@ -9,7 +9,7 @@ import json
 from contextlib import suppress
 from hashlib import sha256
 
-from povgen.optics import prism, trace
+from povgen.optics import prism, series, trace
 from povgen.rendering import cache
 from povgen.scene import limits, prediction
 from povgen.scene.models import Scene
@@ -20,7 +20,7 @@ def load(scene: Scene, store: bool = False) -> None:
 
     With `store`, a survey from a ray trace is put into the cache, if povgen can write there.
     """
-    if not scene.sheets_depth:
+    if not scene.has_prisms:
         return
     rays = prediction.surveyed(scene)
     path = cache.path_for(f"{_code_of_trace()}\0{rays}", ".json")
@@ -47,5 +47,5 @@ def _text(survey: prediction.Survey) -> bytes:
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [inspect.getsource(module) for module in (limits, prediction, prism, trace)]
+    texts = [inspect.getsource(module) for module in (limits, prediction, prism, series, trace)]
     return sha256("\0".join(texts).encode()).hexdigest()

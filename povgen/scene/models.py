@@ -387,7 +387,7 @@ class Scene(Model):
     @property
     def tile(self) -> int:
         """POV-Ray's units per tile."""
-        return limits.units_per_tile(self.prism.pitch if self.sheets_depth else 1)
+        return limits.units_per_tile(self.prism.pitch if self.has_prisms else 1)
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:

@@ -121,7 +121,7 @@ def max_trace_level(scene: Scene) -> int:
     A probe (a scene for measuring) can set it with `trace_level`.
     """
     level: int | None = getattr(scene, "trace_level", None)
-    return level or (survey(scene).trace_level if scene.sheets_depth else 5)
+    return level or (survey(scene).trace_level if scene.has_prisms else 5)
 
 
 def camera_cells(scene: Scene) -> int:

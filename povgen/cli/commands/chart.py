@@ -20,7 +20,7 @@ def command(
         bool, typer.Option("--glass", help="only draw what real glass does: polarisation and diffraction, in seconds")
     ] = False,
 ) -> None:
-    """Measure CPU seconds against error, for every model of the sheets and every sampling, in about 20 minutes."""
+    """Measure CPU seconds against error, for every model of the sheets and every sampling. It takes about an hour."""
     from povgen.files import save
     from povgen.measure import charts, speed
     from povgen.measure.glass import save_charts
