@@ -77,7 +77,7 @@ class View:
 
     def readout(self, size: Size) -> dict[str, Floats]:
         """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
-        names = ("ray", "path", "place")
+        names = ("ray", "shown")
         script = f"([width, height]) => Object.values(view.readout(width, height)).map({ENCODE})"
         found = self.page.evaluate(script, list(size))
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}

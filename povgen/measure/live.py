@@ -3,8 +3,7 @@
 The view runs in a Chromium that draws without a GPU. Chromium's and POV-Ray's CPU seconds are measured in one run.
 """
 
-from collections.abc import Iterator
-from math import radians
+from collections.abc import Iterator, Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +12,9 @@ from numpy.typing import NDArray
 
 from povgen.measure import probes
 from povgen.measure.browser import View, chromium
-from povgen.measure.probes import Directions, Mask, Size
+from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import CONVERGED, cpu_seconds, flip, picture_error
-from povgen.measure.verify import NOT_FOUND, SMALL, Measured, px, targets
-from povgen.optics import rotation
+from povgen.measure.verify import NOT_FOUND, SMALL, Measured, other_targets, px, series_targets, targets
 from povgen.optics.trace import End
 from povgen.scene import prediction
 from povgen.scene.models import Chess, Scene, Spheres
@@ -41,6 +39,8 @@ WINDOWS: tuple[dict[str, Any], ...] = (
     {"alpha": 66, "index": 1.7, "base_angle": 40},
     {"alpha": 66, "gap": 0.1, "aspect": 0.9},
     {"sheet": "single", "prisms": 1, "z2": 9},
+    {"alpha": 120, "window": "alpha=120,z=2", "z2": 8},
+    {"alpha": 60, "window": ("alpha=-35,z=1", "alpha=100,z=2.5"), "prisms": 400, "eye": (0.3, 0.2)},
 )
 SCENES: tuple[Scene, ...] = (
     Chess(),
@@ -48,6 +48,12 @@ SCENES: tuple[Scene, ...] = (
     Chess(alpha=25, piece=("rook", "king"), x=(-0.5, 0.5), z1=(1.5, 3), color=("#e7b56f", "#5a3a22")),
     Spheres(),
     Spheres(alpha=110, z1=(2, 6)),
+    Chess(alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1)),
+)
+OTHER = (
+    Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
+    Chess(sheet="refraction", ratio=0.3, alpha=40, z2=4, eye=(0.5, 0.2)),
+    Chess(sheet="mirror", alpha=70),
 )
 
 
@@ -57,7 +63,8 @@ def checks() -> Iterator[Measured]:
         yield from directions(View(browser, Directions(sheet="detailed")))
         yield from positions(View(browser, Directions(sheet="ideal")))
         for sheet in ("none", "ideal", "detailed"):
-            yield from pictures(browser, sheet)
+            yield from pictures(browser, sheet, [scene.replace(sheet=sheet) for scene in SCENES])
+        yield from pictures(browser, "other ideal sheets", OTHER)
         yield cost(View(browser, Chess()))
 
 
@@ -84,40 +91,47 @@ def directions(view: View, windows: tuple[dict[str, Any], ...] = WINDOWS, size: 
 
 
 def positions(view: View, count: int = 20, size: Size = SMALL) -> Iterator[Measured]:
-    """Compare where the view's ideal sheet shows points with eq. 7."""
-    scenes = [*targets("ideal", count // 2, seed=7, E=0j), *targets("ideal", count // 2, seed=8, E=0.3 - 0.4j)]
-    off = []
-    for scene in scenes:
-        view.set(Directions(sheet="ideal", alpha=scene.alpha, z2=scene.z2, eye=scene.eye))
-        ray = view.readout(size)["ray"].astype(float)
-        # where each pixel's ray crosses the plane of the point, relative to the point
-        slope = (ray[..., 0] + 1j * ray[..., 1]) / ray[..., 2]
-        shown = probes.pixels(scene, size) + slope * scene.z1 - scene.L
-        inside, _ = probes.rays(scene, size)
-        seen = probes.locate(probes.pixels(scene, size)[inside], shown[inside], scene.extent) or NOT_FOUND
-        predicted = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-        off.append(px(abs(seen.position - predicted)))
-    yield Measured(
-        "live", f"ideal: apparent position against eq. 7, {len(scenes)} points, worst", np.max(off), 0.3, "px"
-    )
+    """Compare where the view's ideal sheets show points with eq. 7, or what takes its place."""
+    half = count // 2
+    one = [*targets("ideal", half, seed=7, E=0j), *targets("ideal", half, seed=8, E=0.3 - 0.4j)]
+    several = [scene for n in (2, 3) for scene in series_targets("ideal", n, half, seed=9, E=0.3 - 0.2j)]
+    for what, scenes in (
+        ("ideal: apparent position against eq. 7", one),
+        ("2 and 3 ideal windows: apparent position against the complex depth", several),
+        ("other ideal sheets: apparent position", [scene for several in other_targets().values() for scene in several]),
+    ):
+        off = [px(abs(_seen(view, scene, size) - scene.apparent_position(scene.L, scene.z1))) for scene in scenes]
+        yield Measured("live", f"{what}, {len(scenes)} points, worst", np.max(off), 0.3, "px")
 
 
-def pictures(browser: "Browser", sheet: str, scenes: tuple[Scene, ...] = SCENES) -> Iterator[Measured]:
+def _seen(view: View, scene: Positions, size: Size) -> complex:
+    """Return where the view shows the point L of a scene. NaN if too little around it is seen."""
+    view.set(Directions(**scene.model_dump(include=set(Directions.model_fields))))
+    read = {name: numbers.astype(float) for name, numbers in view.readout(size).items()}
+    ray, origin = read["ray"], read["shown"][..., 1:]
+    # where each pixel's ray crosses the plane of the point, relative to the point
+    slope = (ray[..., 0] + 1j * ray[..., 1]) / ray[..., 2]
+    last = scene.places[-1]
+    shown = origin[..., 0] + 1j * origin[..., 1] + slope * (last + scene.z1 - origin[..., 2]) - scene.L
+    inside = probes.rays(scene, size)[0] & (abs(origin[..., 2] - last) < 1e-3)  # through all windows
+    pixels = probes.pixels(scene, size)[inside]
+    return (probes.locate(pixels, shown[inside], scene.extent) or NOT_FOUND).position
+
+
+def pictures(browser: "Browser", kind: str, scenes: Sequence[Scene]) -> Iterator[Measured]:
     """Compare the view's pictures with POV-Ray's: what each pixel shows, and how the converged pictures look."""
     same, difference = [], []
+    detailed = kind == "detailed"
     for scene in scenes:
-        shown = scene.replace(sheet=sheet)
-        view = View(browser, shown)
-        same.append(100 * shows_the_same(view, shown).mean())
-        converged, picture = rendered(shown, PICTURE, CONVERGED).astype(np.uint8), view.picture(PICTURE, RAYS)
-        within = sheet == "detailed"
-        difference.append(picture_error(picture, converged, shown)[1] if within else flip(picture, converged).mean())
+        view = View(browser, scene)
+        same.append(100 * shows_the_same(view, scene).mean())
+        converged, picture = rendered(scene, PICTURE, CONVERGED).astype(np.uint8), view.picture(PICTURE, RAYS)
+        difference.append(picture_error(picture, converged, scene)[1] if detailed else flip(picture, converged).mean())
         view.page.close()
-    kind = f"{sheet}, worst of {len(scenes)} scenes"
-    least, most = (97, 0.07) if sheet == "detailed" else (99.5, 0.05)
-    yield Measured("live", f"pixels that show the same as POV-Ray's: {kind}", np.min(same), least, "%", least=True)
-    where = "in the window, " if sheet == "detailed" else ""
-    yield Measured("live", f"mean FLIP against POV-Ray's converged picture: {where}{kind}", np.max(difference), most)
+    what, least, most = f"{kind}, worst of {len(scenes)} scenes", 97 if detailed else 99.5, 0.07 if detailed else 0.05
+    yield Measured("live", f"pixels that show the same as POV-Ray's: {what}", np.min(same), least, "%", least=True)
+    where = "in the window, " if detailed else ""
+    yield Measured("live", f"mean FLIP against POV-Ray's converged picture: {where}{what}", np.max(difference), most)
 
 
 def shows_the_same(view: View, scene: Scene) -> Mask:
@@ -128,7 +142,7 @@ def shows_the_same(view: View, scene: Scene) -> Mask:
     """
     plain = rendered(scene, SMALL)
     found = view.picture(SMALL, SHADOW_RAYS, part=0)
-    read = view.readout(SMALL)["path"][..., 0]
+    read = view.readout(SMALL)["shown"][..., 0]
     white, black = (rendered(scene.replace(background=background), SMALL) for background in ("white", "black"))
     povray_shows, view_shows = {SKY: abs(white - black)}, {SKY: read == SKY}
     if isinstance(scene, Chess):

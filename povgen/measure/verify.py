@@ -356,18 +356,24 @@ OTHER: dict[str, tuple[dict[str, object], ...]] = {
 
 def other_sheets(size: Size = HD) -> Iterator[Measured]:
     """Compare the apparent positions of objects behind other ideal sheets with `ideal.apparent_position`."""
-    for sheet, several in OTHER.items():
-        scenes = []
-        for values in several:
-            for E in (0j, 0.3 - 0.2j):
-                scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
-                view = np.array([0.2 - E.real, 0.3 - E.imag, scene.z2])  # an object that appears at 0.2 + 0.3i
-                x, y, z = scene.bend(view)
-                scenes.append(scene.replace(L=0.2 + 0.3j + 2 * complex(x, y) / z))
+    for sheet, scenes in other_targets().items():
         off = [px(abs(seen.position - scene.apparent_position(scene.L, 2))) for scene, seen in located(scenes, size)]
         yield Measured(
             "ideal", f"sheet {sheet}: apparent position, {len(scenes)} scenes, worst", np.max(off), 0.1, "px"
         )
+
+
+def other_targets() -> dict[str, list[Positions]]:
+    """Return squares that appear at 0.2 + 0.3i behind each of the other ideal sheets."""
+    found: dict[str, list[Positions]] = {}
+    for sheet, several in OTHER.items():
+        found[sheet] = []
+        for values in several:
+            for E in (0j, 0.3 - 0.2j):
+                scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
+                x, y, z = scene.bend(np.array([0.2 - E.real, 0.3 - E.imag, scene.z2]))
+                found[sheet].append(scene.replace(L=0.2 + 0.3j + 2 * complex(x, y) / z))
+    return found
 
 
 def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:

@@ -20,20 +20,30 @@ const geometry = (() => {
     };
   }
 
-  // The sheets, those near the eye first: the angle about z, radians, and z of the middle plane. povgen/optics/trace.py
-  function sheets(scene) {
-    const aside = prism(scene).separation / 2;
-    if (scene.sheet === "single") return [{ angle: 0, centre: 0 }];
-    if (scene.sheet !== "detailed") return [];
-    return [{ angle: radians(scene.alpha) / 2, centre: -aside }, { angle: 0, centre: aside }];
+  // The windows, the nearest to the eye first: the model of their sheets, alpha in degrees, and z.
+  function windows(scene) {
+    const further = scene.window.map(({ sheet, alpha, z }) => ({ sheet: scene.sheet === "none" ? "none" : sheet ?? scene.sheet, alpha, z }));
+    return [{ sheet: scene.sheet, alpha: scene.alpha, z: 0 }, ...further];
   }
 
-  // Extent of the window frame along z.
+  // The sheets of prisms in a window, those near the eye first: the angle about z, radians, and z of the middle plane, from
+  // the middle of the window. povgen/optics/trace.py
+  function sheets(scene, sheet, alpha) {
+    const aside = prism(scene).separation / 2;
+    if (sheet === "single") return [{ angle: 0, centre: 0 }];
+    if (sheet !== "detailed") return [];
+    return [{ angle: radians(alpha) / 2, centre: -aside }, { angle: 0, centre: aside }];
+  }
+
+  // Extent of a window frame along z.
   function depth(scene) {
     const { length, separation } = prism(scene);
-    const thickness = { detailed: length + separation, single: length }[scene.sheet] ?? 0;
-    return Math.max(scene.aperture / 10, 1.02 * thickness);
+    const thickness = { detailed: length + separation, single: length };
+    return Math.max(scene.aperture / 10, ...windows(scene).map(({ sheet }) => 1.02 * (thickness[sheet] ?? 0)));
   }
+
+  // z of the last window, from which the objects' z1 counts.
+  const lastZ = (scene) => windows(scene).at(-1).z;
 
   // The window frame's cross-section, from the opening's front to its back: distance from the opening, and z. The lip's
   // width. templates/frame.pov.j2
@@ -59,14 +69,15 @@ const geometry = (() => {
     if (scene.name !== "chess") return [];
     const [piece, x, z1, color] = listed([scene.piece, scene.x, scene.z1, scene.color].map((values) => [values].flat()));
     const y = floorY(scene) + scene.pedestal;
-    return piece.map((name, k) => ({ name, foot: [x[k], y, z1[k]], color: color[k], half: scene.pedestal_halves[name] }));
+    return piece.map((name, k) => ({ name, foot: [x[k], y, lastZ(scene) + z1[k]], color: color[k], half: scene.pedestal_halves[name] }));
   }
 
   const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 6);
 
   // POV-Ray's units per tile. povgen/scene/limits.py
   function tile(scene) {
-    return Math.max(1000, sheets(scene).length ? Math.round(1.2 / prism(scene).pitch) : 0);
+    const hasPrisms = windows(scene).some(({ sheet }) => sheet === "detailed" || sheet === "single");
+    return Math.max(1000, hasPrisms ? Math.round(1.2 / prism(scene).pitch) : 0);
   }
 
   const horizon = (scene) => 1e7 / tile(scene);  // POV-Ray does not show what is farther away
@@ -74,7 +85,7 @@ const geometry = (() => {
   // z1 of every sphere: if none is given, 2^n z2.
   function distances(scene) {
     if (scene.z1) return [scene.z1].flat();
-    const most = 5e6 / tile(scene), back = depth(scene) / 2;
+    const most = 5e6 / tile(scene) - lastZ(scene), back = depth(scene) / 2;
     let nearest = back;
     for (let n = 0; n < 30; n++) nearest = back + radius(nearest, scene.z2);
     return Array.from({ length: 11 }, (_, n) => 2 ** (n - 5) * scene.z2).filter((z1) => z1 > nearest && z1 <= most);
@@ -82,8 +93,8 @@ const geometry = (() => {
 
   function spheres(scene) {
     if (scene.name !== "spheres") return [];
-    return distances(scene).map((z1) => ({ centre: [...scene.line, z1], radius: radius(z1, scene.z2) }));
+    return distances(scene).map((z1) => ({ centre: [...scene.line, lastZ(scene) + z1], radius: radius(z1, scene.z2) }));
   }
 
-  return { radians, prism, sheets, tile, horizon, depth, frameSection, frameLip, floorY, pieces, distances, spheres };
+  return { radians, prism, windows, sheets, lastZ, tile, horizon, depth, frameSection, frameLip, floorY, pieces, distances, spheres };
 })();

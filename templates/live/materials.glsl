@@ -48,10 +48,12 @@ Finish FrameTexture(vec3 p) {
   // each side's texture is that of the upper side, turned
   vec2 q = abs(p.x) > abs(p.y) ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
   float beyond = q.y - window / 2.0;
-  if (beyond > 0.0 && beyond < frameLip && p.z < 1e-4 - frameDepth / 2.0) {
+  float z = p.z - windowZ[0];  // from the middle of the nearest window
+  for (int w = 1; w < WINDOWS; w++) if (abs(p.z - windowZ[w]) < abs(z)) z = p.z - windowZ[w];
+  if (beyond > 0.0 && beyond < frameLip && z < 1e-4 - frameDepth / 2.0) {
     return Finish(vec3(0.85, 0.58, 0.22), 0.2, 0.55, 0.8, 0.04, true);  // LipTexture
   }
-  float fibre = 0.5 + 0.5 * sin(60.0 * q.y + 40.0 * p.z + 1.5 * sin(2.1 * q.x + 3.0 * q.y) + 0.7 * sin(5.3 * q.x));
+  float fibre = 0.5 + 0.5 * sin(60.0 * q.y + 40.0 * z + 1.5 * sin(2.1 * q.x + 3.0 * q.y) + 0.7 * sin(5.3 * q.x));
   return Finish(mix(vec3(0.080, 0.032, 0.015), vec3(0.160, 0.066, 0.028), fibre), 0.12, 0.8, 0.5, 0.02, false);
 }
 

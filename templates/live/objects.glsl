@@ -8,8 +8,9 @@ const int FLOOR = 1;
 const int WINDOW_FRAME = 2;
 const int OBJECT = 3;  // the first piece or sphere; the next is 4, and so on; the pieces' pedestals follow
 
-uniform float window;                  // side of the square window
-uniform float frameDepth;              // extent of the window frame along z
+uniform float window;                  // side of the square windows
+uniform float windowZ[WINDOWS];        // z of the middle of each window, the nearest to the eye first
+uniform float frameDepth;              // extent of a window frame along z
 uniform vec2 frameSection[CORNERS];    // corners of its cross-section: distance from the opening, and z
 uniform float frameLip;                // width of the metal lip at the opening's front
 uniform bool hasFloor;
@@ -61,6 +62,7 @@ void meetFrameFace(vec3 o, vec3 d, vec2 a, vec2 b, inout Hit hit) {
   }
 }
 
+// The frame of a window in the plane z = 0.
 void meetFrame(vec3 o, vec3 d, inout Hit hit) {
   // A ray that comes through the opening can only meet the opening's four inner faces.
   float half_ = window / 2.0;
@@ -81,6 +83,10 @@ void meetFrame(vec3 o, vec3 d, inout Hit hit) {
   if (reach.x > reach.y || reach.y < 0.0 || reach.x > hit.t) return;
   vec2 centre = vec2(half_, 0);
   for (int k = 1; k < CORNERS; k++) meetFrameFace(o, d, centre + frameSection[k - 1], centre + frameSection[k], hit);
+}
+
+void meetFrames(vec3 o, vec3 d, inout Hit hit) {
+  for (int w = 0; w < WINDOWS; w++) meetFrame(o - vec3(0, 0, windowZ[w]), d, hit);
 }
 
 #if PIECES > 0
@@ -162,7 +168,7 @@ Hit meet(vec3 o, vec3 d) {
   Hit hit = Hit(1e30, SKY, vec3(0));
   float below = (floorY - o.y) / d.y;
   if (hasFloor && d.y < 0.0 && below > 0.0 && below < horizon) hit = Hit(below, FLOOR, vec3(0, 1, 0));
-  meetFrame(o, d, hit);
+  meetFrames(o, d, hit);
 #if PIECES > 0
   for (int k = 0; k < PIECES; k++) {
     meetPedestal(k, o, d, hit);
@@ -185,7 +191,7 @@ Hit meet(vec3 o, vec3 d) {
 // Whether something stands between a point and a light in this direction. The floor never does, nor does glass.
 bool shadowed(vec3 o, vec3 d) {
   Hit hit = Hit(1e30, SKY, vec3(0));
-  meetFrame(o, d, hit);
+  meetFrames(o, d, hit);
 #if PIECES > 0
   for (int k = 0; k < PIECES; k++) meetPedestal(k, o, d, hit);
 #endif

@@ -3,20 +3,23 @@
 // A ray is kept in the coordinates of the prism that it is at: the number `cell` of the prism, and the height u above
 // its base, in units of the pitch. So 32-bit numbers are precise enough for any number of prisms.
 
-const int THROUGH = 0;     // leaves on the side that it did not come from
-const int BACK = 1;        // leaves on the side that it came from
+const int THROUGH = 0;     // leaves the sheets away from the eye
+const int BACK = 1;        // leaves them towards the eye
 const int FRAME = 2;       // meets the window frame
 const int UNFINISHED = 3;  // has met the greatest allowed number of faces
 
-uniform int sheets;             // how many: 1 or 2
-uniform vec2 sheetTurn[2];      // cosine and sine of each sheet's angle
-uniform float sheetCentre[2];   // z of each sheet's middle plane, tiles
+const int BLACKENED = 4;   // has met a blackened top
+
+uniform int sheets;             // how many sheets of prisms a window has: 1 or 2; 0: none
+uniform vec2 sheetTurn[2 * WINDOWS];  // cosine and sine of each sheet's angle
+uniform float sheetCentre[2];   // z of the sheets' middle planes, from the middle of their window, tiles
 uniform float pitch;            // from one prism to the next, tiles
 uniform float firstBase;        // y of the base of prism 0, in pitches
 uniform float prismHeight;      // from base to top, in pitches
 uniform float prismHalf;        // half of the length along z, in pitches
 uniform vec2 slant;             // cosine and sine of the base angle
 uniform float glassIndex;
+uniform bool blackTops;
 uniform int maxFaces;           // as POV-Ray's max_trace_level: a ray that meets as many is dark
 
 struct Passage {
@@ -24,27 +27,25 @@ struct Passage {
   vec3 direction;  // unit vector
   int end;
   int faces;       // how many faces it has met
-  float path;      // the first nine faces, each a digit to the base 5: 1 base, 2 top, 3 near, 4 far
 };
 
-// Follow a ray that comes to the sheets from outside. `origin` is any point of its line. The direction is a unit vector.
-Passage passage(vec3 origin, vec3 direction) {
+// Follow a ray through the sheets of a window. It comes from outside. `ray.position` is any point of its line.
+Passage passage(Passage ray, int number) {
   const float FAR = 1e30;
   float halfWindow = window / 2.0 / pitch;
-  bool forward = direction.z > 0.0;
-  int at = forward ? 0 : sheets - 1;
-  vec3 p = origin / pitch;  // in the scene's axes while the ray is between sheets; in the sheet's, with u for y, inside
-  vec3 d = direction;
+  vec3 middle = vec3(0, 0, windowZ[number]);
+  vec3 p = (ray.position - middle) / pitch;  // the window's axes while the ray is between sheets; in a sheet its own, with u for y
+  vec3 d = ray.direction;
+  int at = d.z > 0.0 ? 0 : sheets - 1;
   float cell = 0.0;
   vec2 turn = vec2(1, 0);
   bool between = true, glass = false;
-  float digit = 1.0;
-  Passage ray = Passage(origin, direction, UNFINISHED, 0, 0.0);
+  ray.end = UNFINISHED;
 
   for (int step = 0; step < 400; step++) {  // maxFaces ends it earlier
     if (between) {
       if (at < 0 || at >= sheets) {
-        ray.end = ((at > 0) == forward) ? THROUGH : BACK;
+        ray.end = d.z > 0.0 ? THROUGH : BACK;
         break;
       }
       float surface = d.z > 0.0 ? -prismHalf : prismHalf;
@@ -53,7 +54,7 @@ Passage passage(vec3 origin, vec3 direction) {
         ray.end = FRAME;
         break;
       }
-      turn = sheetTurn[at];
+      turn = sheetTurn[2 * number + at];
       float v = turn.x * p.y - turn.y * p.x - firstBase;
       cell = floor(v);
       p = vec3(turn.x * p.x + turn.y * p.y, v - cell, surface);
@@ -109,6 +110,12 @@ Passage passage(vec3 origin, vec3 direction) {
       continue;
     }
 
+    ray.faces++;
+    if (face == 2 && blackTops) {
+      ray.end = BLACKENED;
+      break;
+    }
+
     // Refract the ray, or reflect it totally. `cosine` is positive for a ray that leaves the prism.
     vec2 normal = face == 1 ? vec2(-1, 0) : face == 2 ? vec2(1, 0) : vec2(slant.x, face == 3 ? -slant.y : slant.y);
     float eta = glass ? glassIndex : 1.0 / glassIndex;
@@ -125,14 +132,9 @@ Passage passage(vec3 origin, vec3 direction) {
       }
       glass = !glass;
     }
-    ray.faces++;
-    if (ray.faces <= 9) {
-      ray.path += digit * float(face);
-      digit *= 5.0;
-    }
-    if (ray.faces == maxFaces) break;
+    if (ray.faces >= maxFaces) break;
   }
-  ray.position = p * pitch;
+  ray.position = p * pitch + middle;
   ray.direction = normalize(d);
   return ray;
 }

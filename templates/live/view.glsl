@@ -1,7 +1,11 @@
 // What the eye sees in a pixel: one ray from the eye through the sheets to what stands behind them, and its colour.
 
-uniform int model;           // of the sheets: 0 none, 1 ideal, 2 prisms
-uniform vec2 alpha;          // cosine and sine of the ray-rotation angle
+const int ROTATION = 0, AXIS = 1, REFRACTION = 2, LENSLETS = 3, MIRROR = 4;
+uniform int ideal;           // one of these: the map of directions of the ideal sheets
+uniform int simulated;       // how many windows are ideal sheets: the first ones
+uniform vec2 turn[WINDOWS];  // cosine and sine of each window's alpha
+uniform float ratio;
+uniform vec3 axis;           // unit vector
 uniform vec3 eye;
 uniform float viewHeight;    // height of the picture in the plane z = 0, tiles
 uniform vec2 size;           // of the picture, pixels
@@ -19,41 +23,95 @@ vec3 placeOf(vec2 pixel) {
   return vec3((pixel + jitter - size / 2.0) / size.y * viewHeight, 0);
 }
 
-// Whether the ray passes the window frame's front opening, and then the window at z, within the frame.
-bool entersWindow(vec3 place, vec3 d, float z) {
-  vec2 front = abs(place.xy - d.xy / d.z * frameDepth / 2.0), at = abs(place.xy + d.xy / d.z * z);
-  return max(max(front.x, front.y), max(at.x, at.y)) < window / 2.0;
+bool isInWindow(vec2 place) {
+  return max(abs(place.x), abs(place.y)) < window / 2.0;
 }
 
-// What the eye sees at a place in the plane z = 0. Rays to the sheets start there, not at the eye: a far eye's distance,
+// Whether a ray that crosses the middle plane of a window there passes the frame's front opening, and then the opening at z,
+// within the frame.
+bool entersWindow(vec2 place, vec3 d, float z) {
+  vec2 slope = d.xy / d.z;
+  return isInWindow(place - slope * frameDepth / 2.0) && isInWindow(place + slope * z);
+}
+
+// A vector of a plane z = constant, turned by minus the angle with this cosine and sine. A camera's ray runs against the light.
+vec2 turnedBack(vec2 v, vec2 angle) {
+  return vec2(angle.x * v.x + angle.y * v.y, angle.x * v.y - angle.y * v.x);
+}
+
+// The direction of an eye's ray behind an ideal sheet: povgen/optics/ideal.py. Where no light passes, its z is not positive.
+vec3 bent(vec3 d, int number) {
+  vec2 angle = turn[number];
+  if (ideal == AXIS) return angle.x * d - angle.y * cross(axis, d) + (1.0 - angle.x) * dot(axis, d) * axis;
+  if (ideal == REFRACTION) {
+    vec2 sine = turnedBack(d.xy, angle) / ratio;
+    return vec3(sine, sqrt(max(1.0 - dot(sine, sine), 0.0)));
+  }
+  if (ideal == LENSLETS) return normalize(vec3(turnedBack(d.xy, angle) / ratio, d.z));
+  return vec3(turnedBack(ideal == MIRROR ? vec2(d.x, -d.y) : d.xy, ideal == MIRROR ? vec2(angle.x, -angle.y) : angle), d.z);
+}
+
+// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets.
+void passIdealSheets(inout Seen seen) {
+  seen.direction = bent(seen.direction, 0);
+  seen.lost = seen.direction.z < 1e-6;
+  for (int w = 1; w < simulated; w++) {
+    vec3 d = seen.direction;
+    vec2 place = seen.origin.xy + d.xy / d.z * (windowZ[w] - windowZ[w - 1]);
+    if (!isInWindow(seen.origin.xy + d.xy / d.z * frameDepth / 2.0) || !entersWindow(place, d, 0.0)) return;
+    seen.origin = vec3(place, windowZ[w]);
+    seen.direction = bent(d, w);
+  }
+}
+
+// The window of prisms that a ray meets before anything else; -1: none.
+int windowMet(vec3 o, vec3 d, float before) {
+  int met = -1;
+  float half_ = prismHalf * pitch - sheetCentre[0];  // of the sheets' extent along z
+  for (int w = simulated; w < WINDOWS; w++) {
+    float t = (windowZ[w] - sign(d.z) * half_ - o.z) / d.z;
+    if (t > 0.0 && t < before && isInWindow(o.xy + t * d.xy)) {
+      met = w;
+      before = t;
+    }
+  }
+  return met;
+}
+
+// What the eye sees at a place in the plane z = 0. Rays to the first window start there, not at the eye: a far eye's distance,
 // in pitches, would have too many digits.
 Seen see(vec3 place) {
   Seen seen;
   vec3 d = normalize(place - eye);
-  seen.origin = eye;
+  bool enters = sheets + simulated > 0 && entersWindow(place.xy, d, simulated > 0 ? 0.0 : sheetCentre[0] - prismHalf * pitch);
+  seen.origin = enters ? place : eye;
   seen.direction = d;
   seen.lost = false;
-  seen.passage = Passage(eye, d, THROUGH, 0, 0.0);
-  float front = model == 2 ? (sheetCentre[0] - prismHalf * pitch) : 0.0;
-  if (model > 0 && entersWindow(place, d, front)) {
-    if (model == 1) {
-      seen.origin = place;
-      // A camera's ray runs against the light: it is turned by -alpha.
-      seen.direction = vec3(alpha.x * d.x + alpha.y * d.y, alpha.x * d.y - alpha.y * d.x, d.z);
-    } else {
-      seen.passage = passage(place, d);
+  seen.passage = Passage(eye, d, THROUGH, 0);
+  int met = enters && simulated == 0 ? 0 : -1;
+  if (enters && simulated > 0) passIdealSheets(seen);
+  for (int k = 0; k < 20; k++) {  // light can be reflected between windows
+    if (met >= 0) {
+      seen.passage.position = seen.origin;
+      seen.passage.direction = seen.direction;
+      seen.passage = passage(seen.passage, met);
       seen.origin = seen.passage.position;
       seen.direction = seen.passage.direction;
-      seen.lost = seen.passage.end == UNFINISHED;
+      seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
       if (seen.passage.end == FRAME) {
         vec2 inwards = abs(seen.origin.x) > abs(seen.origin.y) ? vec2(-sign(seen.origin.x), 0) : vec2(0, -sign(seen.origin.y));
         seen.hit = Hit(0.0, WINDOW_FRAME, vec3(inwards, 0));
         return seen;
       }
     }
+    if (seen.lost) {
+      seen.hit = Hit(0.0, SKY, vec3(0));
+      return seen;
+    }
+    seen.hit = meet(seen.origin, seen.direction);
+    met = WINDOWS > 1 && sheets > 0 ? windowMet(seen.origin, seen.direction, seen.hit.t) : -1;
+    if (met < 0) return seen;
   }
-  if (seen.lost) seen.hit = Hit(0.0, SKY, vec3(0));
-  else seen.hit = meet(seen.origin, seen.direction);
   return seen;
 }
 

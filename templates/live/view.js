@@ -9,7 +9,7 @@
 
 class LiveView {
   static RAYS = 64;
-  static MODELS = { none: 0, ideal: 1, detailed: 2, single: 2 };
+  static IDEAL = { ideal: 0, axis: 1, refraction: 2, lenslets: 3, mirror: 4 };
   static BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
   static MOVING = 150;     // ms without a change until the picture is at rest
   static SLOW = 25;        // ms: if drawing takes longer, fewer pixels are drawn at once
@@ -117,6 +117,7 @@ class LiveView {
   program(name) {
     const { gl } = this;
     const kinds = {
+      WINDOWS: geometry.windows(this.scene).length,
       PIECES: geometry.pieces(this.scene).length,
       SPHERES: this.scene.name === "spheres" ? Math.max(11, geometry.spheres(this.scene).length) : 0,
       VOLUMES: this.names.length,
@@ -198,31 +199,39 @@ class LiveView {
   // The shaders' uniforms.
   values() {
     const { scene } = this;
-    const prism = geometry.prism(scene), sheets = geometry.sheets(scene), spheres = geometry.spheres(scene);
-    const pieces = geometry.pieces(scene), base = geometry.radians(scene.base_angle), alpha = geometry.radians(scene.alpha);
+    const windows = geometry.windows(scene), prism = geometry.prism(scene), spheres = geometry.spheres(scene);
+    const pieces = geometry.pieces(scene), base = geometry.radians(scene.base_angle);
+    const sheets = windows.map(({ sheet, alpha }) => geometry.sheets(scene, sheet, alpha));
+    const turned = (angle) => [Math.cos(angle), Math.sin(angle)];
+    const centres = sheets.find((pair) => pair.length)?.map(({ centre }) => centre) ?? [];
     const most = Math.max(11, spheres.length);
     return {
-      model: LiveView.MODELS[scene.sheet],
-      alpha: [Math.cos(alpha), Math.sin(alpha)],
+      ideal: LiveView.IDEAL[scene.sheet] ?? 0,
+      simulated: windows.filter(({ sheet }) => sheet in LiveView.IDEAL).length,
+      turn: windows.map(({ alpha }) => turned(geometry.radians(alpha))),
+      ratio: scene.ratio,
+      axis: scene.axis.map((part) => part / Math.hypot(...scene.axis)),
       eye: [...scene.eye, -scene.z2],
       viewHeight: scene.view,
       background: LiveView.BACKGROUNDS[scene.background],
       window: scene.aperture,
+      windowZ: windows.map(({ z }) => z),
       frameDepth: geometry.depth(scene),
       frameSection: geometry.frameSection(scene),
       frameLip: geometry.frameLip(scene),
       hasFloor: scene.name === "chess",
       floorY: geometry.floorY(scene),
       horizon: geometry.horizon(scene),
-      sheets: sheets.length,
-      sheetTurn: [0, 1].map((k) => (sheets[k] ? [Math.cos(sheets[k].angle), Math.sin(sheets[k].angle)] : [1, 0])),
-      sheetCentre: [0, 1].map((k) => sheets[k]?.centre ?? 0),
+      sheets: centres.length,
+      sheetTurn: sheets.flatMap((pair) => [0, 1].map((k) => turned(pair[k]?.angle ?? 0))),
+      sheetCentre: [0, 1].map((k) => centres[k] ?? 0),
       pitch: prism.pitch,
       firstBase: -scene.prisms / 2 + scene.gap / 2,
       prismHeight: prism.height / prism.pitch,
       prismHalf: prism.length / prism.pitch / 2,
       slant: [Math.cos(base), Math.sin(base)],
       glassIndex: scene.index,
+      blackTops: scene.tops === "black",
       maxFaces: scene.faces,
       volumes: 1,
       pieceFoot: pieces.map((piece) => piece.foot),
@@ -382,11 +391,11 @@ class LiveView {
 
   // ---- Numbers ----
 
-  // What the shader finds for every pixel of a picture of this size: { ray, path, place }, four numbers each, see
+  // What the shader finds for every pixel of a picture of this size: { ray, shown }, four numbers each, see
   // readout.glsl. The rows begin at the bottom.
   readout(width, height) {
     const { gl } = this;
-    const target = this.target("readout", width, height, 3);
+    const target = this.target("readout", width, height, 2);
     const size = [width, height];
     this.draw("readout", target, size, { size, jitter: [0, 0], rayNumber: 0 });
     const read = (k) => {
@@ -395,7 +404,7 @@ class LiveView {
       gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
       return numbers;
     };
-    return { ray: read(0), path: read(1), place: read(2) };
+    return { ray: read(0), shown: read(1) };
   }
 
   // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the

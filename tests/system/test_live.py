@@ -63,9 +63,9 @@ def test_directions_disagree_with_another_glass(prisms, monkeypatch):
     assert not any(figure.holds for figure in live.directions(prisms, ({},), SIZE))
 
 
-def test_positions_agree_with_eq_7(browser):
-    (figure,) = live.positions(View(browser, Directions(sheet="ideal")), 6, (320, 240))
-    assert figure.holds, figure
+def test_positions_agree_with_the_predictions(prisms):
+    figures = list(live.positions(prisms, 6, (320, 240)))
+    assert len(figures) == 3 and all(figure.holds for figure in figures), figures
 
 
 @pytest.mark.parametrize(
@@ -74,14 +74,17 @@ def test_positions_agree_with_eq_7(browser):
         Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
         Spheres(sheet="ideal", eye=(0.2, 0.1)),
         Chess(sheet="detailed", alpha=50),
+        Chess(sheet="detailed", tops="black"),
+        Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
+        Chess(sheet="ideal", alpha=50, window=("alpha=75,z=2", "alpha=20,z=4,sheet=detailed"), z2=8, eye=(0.6, 0.1)),
     ],
-    ids=lambda scene: scene.sheet,
+    ids=["none", "spheres", "detailed", "black tops", "axis", "ideal windows before prisms"],
 )
 def test_pictures_agree_with_povray(browser, monkeypatch, scene):
     monkeypatch.setattr(live, "SMALL", (320, 240))
     monkeypatch.setattr(live, "PICTURE", SIZE)
     monkeypatch.setattr(live, "CONVERGED", "1,0.001,6")
-    figures = list(live.pictures(browser, scene.sheet, (scene,)))
+    figures = list(live.pictures(browser, scene.sheet, [scene]))
     assert len(figures) == 2 and all(figure.holds for figure in figures), figures
 
 
@@ -91,7 +94,7 @@ def test_a_piece_of_ones_own(browser, tmp_path):
     scene = Chess(piece=str(file), sheet="none")
     view = View(browser, scene)
     # the ball, and no sky: 3 is OBJECT in objects.glsl
-    shown = view.readout(SIZE)["path"][..., 0] == 3
+    shown = view.readout(SIZE)["shown"][..., 0] == 3
     y, x = np.argwhere(shown).mean(0)
     across = 0.8 / 8 * 6 / scene.view * SIZE[1]  # seen from 6 tiles before the sheets, 2 behind them
     assert shown.sum() == pytest.approx(np.pi / 4 * across**2, rel=0.08)
@@ -107,22 +110,28 @@ def test_what_the_script_derives(prisms, scene):
         {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
         {"sheet": "single", "aspect": 1.2, "z2": 1},
         {"prisms": 3000, "aperture": 1, "z2": 150},
+        {"sheet": "ideal", "window": ("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), "prisms": 40},
     ):
         made = SCENES[scene](**{"z2": 12, **values})
-        names = ("prism", "tile", "depth", "distances", "spheres", "pieces")
+        names = ("prism", "windows", "tile", "depth", "distances", "spheres", "pieces")
         script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, tile, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, given.values(made)])
+        prism, windows, tile, depth, distances, spheres, pieces = prisms.page.evaluate(
+            script, [names, given.values(made)]
+        )
         for name in ("pitch", "height", "length", "separation", "slab_shift"):
             assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
+        assert [tuple(window.values()) for window in windows] == [
+            *zip(made.sheets, made.alphas, made.places, strict=True)
+        ]
         assert tile == made.tile
         assert depth == pytest.approx(made.depth, rel=1e-12)
         assert distances == pytest.approx(made.distances, rel=1e-12)
         if scene == "spheres":
-            assert [s["radius"] for s in spheres] == pytest.approx(
-                [made.radius(z1) for z1 in made.distances], rel=1e-12
-            )
+            expected = [(made.places[-1] + z1, made.radius(z1)) for z1 in made.distances]
+            assert [(s["centre"][2], s["radius"]) for s in spheres] == [pytest.approx(pair) for pair in expected]
         else:
-            assert [complex(*p["foot"][:2]) for p in pieces] == pytest.approx([L for L, _ in made.objects], rel=1e-12)
+            feet = [(L.real, L.imag, made.places[-1] + z1) for L, z1 in made.objects]
+            assert [p["foot"] for p in pieces] == [pytest.approx(foot) for foot in feet]
 
 
 # ---- The page ----

@@ -198,15 +198,6 @@ def test_one_window_is_the_scene_as_it_is():
         assert "Windows" not in to_pov(Chess(sheet=sheet)) and "Windows" in to_pov(Chess(sheet=sheet, **TWO))
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"window": [{"alpha": 120, "z": 2}]}, "^window: 2 windows: not in the live view; allowed: one$"),
-        ({"sheet": "axis"}, "^sheet = 'axis': not in the live view; allowed: 'detailed', "),
-        ({"fresnel": True}, "^fresnel = True: not in the live view"),
-        ({"tops": "black"}, "^tops = 'black': not in the live view"),
-    ],
-)
-def test_the_live_view_refuses_what_it_cannot_show(parameters, message):
-    with pytest.raises(InputError, match=message):
-        live(Chess(**parameters))
+def test_the_live_view_does_not_split_rays():
+    with pytest.raises(InputError, match="^fresnel = true: the live view follows one ray a pixel"):
+        live(Chess(fresnel=True))
