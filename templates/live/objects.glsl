@@ -86,7 +86,10 @@ void meetFrame(vec3 o, vec3 d, inout Hit hit) {
 }
 
 void meetFrames(vec3 o, vec3 d, inout Hit hit) {
-  for (int w = 0; w < WINDOWS; w++) meetFrame(o - vec3(0, 0, windowZ[w]), d, hit);
+  meetFrame(o, d, hit);
+#if WINDOWS > 1  // a loop without turns would take time
+  for (int w = 1; w < WINDOWS; w++) meetFrame(o - vec3(0, 0, windowZ[w]), d, hit);
+#endif
 }
 
 #if PIECES > 0

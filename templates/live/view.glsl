@@ -90,7 +90,11 @@ Seen see(vec3 place) {
   seen.passage = Passage(eye, d, THROUGH, 0);
   int met = enters && simulated == 0 ? 0 : -1;
   if (enters && simulated > 0) passIdealSheets(seen);
-  for (int k = 0; k < 20; k++) {  // light can be reflected between windows
+  seen.hit = Hit(0.0, SKY, vec3(0));
+#if WINDOWS > 1
+  for (int k = 0; k < 20; k++)  // light can be reflected between windows
+#endif
+  {
     if (met >= 0) {
       seen.passage.position = seen.origin;
       seen.passage.direction = seen.direction;
@@ -98,19 +102,17 @@ Seen see(vec3 place) {
       seen.origin = seen.passage.position;
       seen.direction = seen.passage.direction;
       seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
-      if (seen.passage.end == FRAME) {
-        vec2 inwards = abs(seen.origin.x) > abs(seen.origin.y) ? vec2(-sign(seen.origin.x), 0) : vec2(0, -sign(seen.origin.y));
-        seen.hit = Hit(0.0, WINDOW_FRAME, vec3(inwards, 0));
-        return seen;
-      }
     }
-    if (seen.lost) {
-      seen.hit = Hit(0.0, SKY, vec3(0));
-      return seen;
+    if (seen.passage.end == FRAME) {
+      vec2 inwards = abs(seen.origin.x) > abs(seen.origin.y) ? vec2(-sign(seen.origin.x), 0) : vec2(0, -sign(seen.origin.y));
+      seen.hit = Hit(0.0, WINDOW_FRAME, vec3(inwards, 0));
+    } else if (!seen.lost) {
+      seen.hit = meet(seen.origin, seen.direction);
     }
-    seen.hit = meet(seen.origin, seen.direction);
-    met = WINDOWS > 1 && sheets > 0 ? windowMet(seen.origin, seen.direction, seen.hit.t) : -1;
-    if (met < 0) return seen;
+#if WINDOWS > 1
+    met = seen.lost || seen.passage.end == FRAME || sheets == 0 ? -1 : windowMet(seen.origin, seen.direction, seen.hit.t);
+    if (met < 0) break;
+#endif
   }
   return seen;
 }
