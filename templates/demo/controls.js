@@ -4,6 +4,7 @@
 const SLIDERS = {
   alpha: { ends: [-180, 180] }, z1: { ends: [0.3, 300], log: true }, z2: { ends: [0.5, 150], log: true },
   prisms: { ends: [1, 400], log: true },
+  alpha2: { ends: [-180, 180] }, d: { ends: [0.4, 20], log: true }, ratio: { ends: [0.1, 10], log: true },
 };
 const STEPS = 1000;
 
@@ -27,8 +28,8 @@ for (const name of Object.keys(SLIDERS)) {
   slider.addEventListener("input", () => given({ [name]: fromSlider(name, slider.value) }));
   numberField($(`number-${name}`), 1, (x) => ({ [name]: x }));
 }
-for (const name of ["L", "E"]) {
-  ["x", "y"].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
+for (const [name, letters] of [["L", "xy"], ["E", "xy"], ["axis", "xyz"]]) {
+  [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
 }
 
 // Of the spheres, an arrow key on the slider of z1 chooses the next one.
@@ -76,6 +77,7 @@ function given(values) {
 
 for (const input of document.querySelectorAll(".choice input")) input.addEventListener("change", () => given({ [input.name]: input.value }));
 for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
+$("neighbour").addEventListener("change", () => given(NEIGHBOURS[$("neighbour").value]));
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
 for (const name of SWITCHES) {
   $(`show-${name}`).addEventListener("change", (event) => {
@@ -87,19 +89,25 @@ for (const name of SWITCHES) {
 // Show the state in all inputs, except in a field that someone is typing in.
 function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
-    const x = name === "prisms" ? state.prisms : name === "alpha" ? state.alpha : now[name];
+    const x = name === "z1" || name === "z2" || (name === "d" && now.d) ? now[name] : state[name];
     const slider = $(`slider-${name}`);
     if (document.activeElement !== slider || Math.abs(fromSlider(name, slider.value) - x) > 0.01 * Math.abs(x)) slider.value = toSlider(name, x);
     slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
     put(`number-${name}`, x);
   }
-  for (const name of ["L", "E"]) ["x", "y"].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
-  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = !now.two;
+  for (const [name, letters] of [["L", "xy"], ["E", "xy"], ["axis", "xyz"]]) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
+  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = now.sheet === "none" || now.sheet === "single";
+  $("row-prisms").hidden = now.beyond && now.sheet !== "detailed";
+  const beyond = neighbour();
+  $("neighbour").value = beyond;
+  for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").includes(beyond);
   for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = now.sheet !== "detailed" && now.sheet !== "single";
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
   $("piece").value = state.piece;
   $("piece-choice").hidden = state.scene !== "chess";
   for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
+  $("show-circles").disabled = !now.two;
+  $("show-image").disabled = !now.two && !now.beyond;
 }
 
 function put(id, x) {
@@ -109,15 +117,17 @@ function put(id, x) {
 // ---- Numbers ----
 
 function showNumbers(now) {
-  const some = now.two || now.sheet === "none";
+  const some = now.two || now.Z || now.sheet === "none";
   $("value-r").textContent = size(now.r);
-  $("value-P").textContent = some ? point(now.P) : "–";
+  $("value-Z").textContent = now.Z ? point(now.Z) : "–";
+  $("value-P").textContent = now.beyond ? point(now.place) : some ? point(now.P) : "–";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
   $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
-  const real = now.sheet === "detailed" && `for ${prismsText(now.scene.prisms)}; the equation gives `;
+  const real = now.sheet === "detailed" && now.two && `for ${prismsText(now.scene.prisms)}; the equation gives `;
   $("about-nu").textContent = real ? real + angle(equations.nu(now.r, now.alpha)) : "angle by which the object appears turned";
   $("about-M").textContent = real ? real + size(equations.M(now.r, now.alpha)) : "times as large as if it stood in the window";
-  $("of-prisms").hidden = now.sheet !== "detailed";
+  $("paper-diagram").textContent = now.Z ? "complex depth" : "as in the paper";
+  $("of-prisms").hidden = now.sheet !== "detailed" || !now.two;
   $("sentence").textContent = explanation(now);
 }
 

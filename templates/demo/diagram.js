@@ -3,6 +3,8 @@
 const diagram = $("diagram");
 let diagramMap = null;
 
+const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
+
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
 function mapOf(width, height, { L, E, P, two }) {
   const D = minus(E, L);
@@ -10,7 +12,7 @@ function mapOf(width, height, { L, E, P, two }) {
   // the middle is midway between L and E, and a little on P's side
   const middle = [0.5, finite(P) ? clamped(0.5 * P[1], [-0.25, 0.25]) : 0];
   const unit = Math.min(width / 2.2, height / (two ? 1.75 : 2.7));
-  if (state.diagram === "paper") {
+  if (orientation() === "paper") {
     const at = (p) => times([unit, 0], conj(minus(p, middle)));
     return { at, unit, turned: 0 };
   }
@@ -25,15 +27,20 @@ function drawDiagram(now) {
   const { width, height } = diagram.getBoundingClientRect();
   if (!width) return;
   const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
+  const box = { width, height };
+  if (now.Z && orientation() === "paper") {
+    diagramMap = null;
+    showDiagram(depthDiagram(now, box, rem), now);
+    return;
+  }
   const map = held?.map ?? mapOf(width, height, now);
   diagramMap = map;
-  const box = { width, height };
   const { at } = map;
   const [L, E] = [at([0, 0]), at([1, 0])];
   const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
   if (now.two) {
     parts.push(...family(map, box), ...curves(map, now));
-    if (state.diagram === "paper") parts.push(...scaleNames(at, now, rem));
+    if (orientation() === "paper") parts.push(...scaleNames(at, now, rem));
     if (finite(now.P)) {
       const P = at(scaled(Math.min(1, 1e4 / abs(now.P)), now.P));
       const same = abs(minus(L, E)) < 1;
@@ -48,12 +55,18 @@ function drawDiagram(now) {
     if (P && finite(P)) parts.push(...triangle(L, E, P, { alpha: 0, nu: 0 }, rem, box));
     parts.push(...corners(L, E, P && finite(P) ? P : null, rem, box));
   }
+  showDiagram(parts, now);
+}
+
+function showDiagram(parts, now) {
+  const { width, height } = diagram.getBoundingClientRect();
   diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
   diagram.replaceChildren(...parts);
   diagram.setAttribute("aria-label", diagramName(now));
 }
 
 function diagramName(now) {
+  if (now.Z && orientation() === "paper") return `The complex depth Z = ${point(now.Z)}, as the sum of three steps.`;
   if (!now.two) return "The points L and E, projected onto the window.";
   const P = finite(now.P) ? point(now.P) : "∞, infinitely far away";
   const nu = angle(equations.nu(now.r, now.alpha));

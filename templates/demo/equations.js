@@ -59,14 +59,26 @@ const equations = (() => {
   const M = (r, alpha) => abs(oneMinusP(r, alpha));
 
   // The point where light from L crosses an infinitely fine sheet on its way to E: eq. 7. L and E must differ.
-  function ideal(L, E, z1, z2, alpha) {
-    return plus(E, quotient(scaled(z2, minus(L, E)), sum(z2, z1, -alpha)));
+  function ideal(L, E, z1, z2, alpha, behind = []) {
+    return plus(E, quotient(scaled(z2, minus(L, E)), depth(z1, z2, alpha, behind)));
+  }
+
+  // The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
+  // first one: the distance from the window before, and the angle. povgen/optics/rotation.py
+  function depth(z1, z2, alpha, behind = []) {
+    if (!behind.length) return sum(z2, z1, -alpha);
+    let [Z, angle] = [[z2, 0], -alpha];
+    for (const [distance, next] of behind) {
+      Z = plus(Z, scaled(distance, turn(angle)));
+      angle -= next;
+    }
+    return plus(Z, scaled(z1, turn(angle)));
   }
 
   // The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
   // povgen/optics/prism.py: slab_shift and separation.
-  function prisms(L, E, z1, z2, alpha, prism) {
-    const { A, B } = depths(z1, z2, alpha, prism);
+  function prisms(L, E, z1, z2, alpha, prism, behind = []) {
+    const { A, B } = depths(z1, z2, alpha, prism, behind);
     const D = minus(L, E);
     const place = minus(times(conj(A), D), times(B, conj(D)));
     return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
@@ -81,15 +93,22 @@ const equations = (() => {
   }
 
   // The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
-  function turned(z1, z2, alpha, prism) {
-    const { A, B } = depths(z1, z2, alpha, prism);
+  function turned(z1, z2, alpha, prism, behind = []) {
+    const { A, B } = depths(z1, z2, alpha, prism, behind);
     const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
     return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
   }
 
-  function depths(z1, z2, alpha, prism) {
+  function depths(z1, z2, alpha, prism, behind = []) {
     const { b, h } = sheet(prism);
-    return { A: plus([z2 - h, 0], scaled(z1 - h, turn(-alpha))), B: scaled(b, turn(alpha)) };
+    let [B, total] = [turn(alpha), alpha];
+    for (const [, next] of behind) {
+      total += next;
+      B = plus(B, turn(total));
+    }
+    const shorter = behind.map(([distance, next]) => [distance - 2 * h, next]);
+    const A = behind.length ? depth(z1 - h, z2 - h, alpha, shorter) : plus([z2 - h, 0], scaled(z1 - h, turn(-alpha)));
+    return { A, B: scaled(b, B) };
   }
 
   function sheet({ slab_shift, separation }) {
@@ -118,7 +137,7 @@ const equations = (() => {
     return [-alpha, alpha];
   }
 
-  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, infiniteZ1, infiniteAlpha };
+  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, depth, infiniteZ1, infiniteAlpha };
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);

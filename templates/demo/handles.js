@@ -107,7 +107,7 @@ function placeHandles(now) {
   };
   put("eye-picture", onStage(now.E), stage);
   put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);
-  const turns = state.diagram === "picture";
+  const turns = orientation() === "picture";
   for (const id of ["eye-diagram", "object-diagram"]) $(id).hidden = !turns;
   if (!turns || !diagramMap) return;
   put("eye-diagram", diagramMap.at([1, 0]), $("diagram-box"));

@@ -33,12 +33,12 @@ const player = {
   // What a preset fixes.
   fixed(sheet) {
     const { scene, fixed } = this.preset;
-    return { alpha: OPENING.alpha, z2: OPENING.z2, ...START[scene], ...fixed, scene, sheet, prisms: OPENING.prisms, piece: OPENING.piece, E: [0, 0] };
+    return { alpha: OPENING.alpha, z2: OPENING.z2, ...START[scene], ...fixed, scene, sheet, windows: 1, prisms: OPENING.prisms, piece: OPENING.piece, E: [0, 0] };
   },
 
   play() {
     if (this.preset.scene !== state.scene) return;
-    if (this.preset.parameter === "alpha" && !moment().two) change({ sheet: "ideal" });  // alpha needs two sheets
+    if (this.preset.parameter === "alpha" && ["none", "single"].includes(state.sheet)) change({ sheet: "ideal" });  // alpha needs two sheets
     if (this.part() >= 1) this.seek(0);
     this.playing = true;
     this.since = performance.now();

@@ -1,6 +1,6 @@
 // Questions for a class: predict, then reveal. The page's equations compute every answer.
 
-const UP = { scene: "chess", sheet: "ideal", piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L };
+const UP = { scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L };
 const WAYS = ["counter-clockwise", "clockwise", "it does not turn"];
 const nuDegrees = (z1, z2, degrees) => equations.nu(z2 / z1, radians(degrees)) / radians(1);
 const way = (x) => (Math.abs(x) < 0.5 ? 2 : x > 0 ? 0 : 1);
@@ -87,6 +87,12 @@ const QUESTIONS = [
     before: { ...UP, alpha: 180 }, after: { z1: 6 }, choices: ["nothing: it is dark", "the whole knight, very small", "one point of the knight"],
     answer: () => (Number.isFinite(equations.M(1, Math.PI)) ? 1 : 2),
     why: () => "Its image lies in the eye. All light that reaches the eye passes through one point of the knight: the pole, where P is infinite.",
+  },
+  {
+    ask: "Two windows of 120° each stand 2 tiles apart. How far in front of the first window is the image of a knight 2 tiles behind the second one?",
+    before: { ...UP, ...NEIGHBOURS.series }, unit: "tiles", tolerance: 0.1, after: { E: [0.8, 0] },
+    answer: () => 8 - equations.depth(2, 8, radians(120), [[2, radians(120)]])[0],
+    why: () => "The steps d e⁻ⁱα and z₁ e⁻²ⁱα of the light add up to −2, which is real: light arrives as if it came from there. Your eye moves, and the image stays in the air.",
   },
 ];
 

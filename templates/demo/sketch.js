@@ -7,25 +7,39 @@ function drawSketch(now) {
   if (!width) return;
   const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
   const [left, right] = [2.2 * rem, width - 2.2 * rem];
-  const part = clamped(now.z2 / (now.z1 + now.z2), [0.14, 0.86]);
-  const x = left + part * (right - left);
+  const d = now.d ?? 0, all = now.z2 + d + now.z1;
+  const x = left + clamped(now.z2 / all, [0.14, d ? 0.6 : 0.86]) * (right - left);
+  const last = d ? clamped(x + (d / all) * (right - left), [x + 1.6 * rem, right - 2.5 * rem]) : x;  // the last window
   const [top, bottom] = [0.5 * rem, height - 1.9 * rem];
   const tile = (bottom - top) / now.scene.view;
   const y = (tiles) => clamped((top + bottom) / 2 - tile * tiles, [top, bottom]);
   const eye = [left, y(now.E[1])], object = [right, Math.max(y(now.L[1]), 1.7 * rem)];
   const half = (tile * now.scene.aperture) / 2, middle = (top + bottom) / 2;
   const parts = [];
-  if (finite(now.place)) parts.push(curve("ray", [object, [x, y(now.place[1])], eye]));
-  const panes = { none: [], single: [0], detailed: [-3, 3], ideal: [0] }[now.sheet];
-  parts.push(line("frame", [x, middle - half], [x, middle + half]));
-  for (const aside of panes) {
-    parts.push(svg("rect", { class: `pane ${now.sheet}`, x: x + aside - 2, y: middle - half, width: 4, height: 2 * half }));
+  if (finite(now.place)) {
+    const second = d ? [[last, y(atSecondWindow(now)[1])]] : [];
+    parts.push(curve("ray", [object, ...second, [x, y(now.place[1])], eye]));
+  }
+  const panes = { none: [], single: [0], detailed: [-3, 3] }[now.sheet] ?? [0];
+  for (const place of d ? [x, last] : [x]) {
+    parts.push(line("frame", [place, middle - half], [place, middle + half]));
+    for (const aside of panes) {
+      const kind = panes.length === 1 && now.sheet !== "single" ? "pane ideal" : "pane";
+      parts.push(svg("rect", { class: kind, x: place + aside - 2, y: middle - half, width: 4, height: 2 * half }));
+    }
   }
   parts.push(...eyeShape(eye, rem), ...objectShape(object, rem));
-  parts.push(...dimension("q q-z2", left, x, height - 0.9 * rem, "z₂", rem), ...dimension("q q-z1", x, right, height - 0.9 * rem, "z₁", rem));
+  parts.push(...dimension("q q-z2", left, x, height - 0.9 * rem, "z₂", rem), ...dimension("q q-z1", last, right, height - 0.9 * rem, "z₁", rem));
+  if (d) parts.push(...dimension("q q-d", x, last, height - 0.9 * rem, "d", rem));
   sketch.setAttribute("viewBox", `0 0 ${width} ${height}`);
   sketch.replaceChildren(...parts);
-  sketch.setAttribute("aria-label", `From the side: the eye E, the sheets ${brief(now.z2)} tiles behind it, the object L ${brief(now.z1)} tiles behind the sheets.`);
+  sketch.setAttribute("aria-label", `From the side: the eye E, the sheets ${brief(now.z2)} tiles behind it${d ? `, a second window ${brief(d)} tiles behind them` : ""}, the object L ${brief(now.z1)} tiles behind the sheets.`);
+}
+
+// Where the light from L to E crosses the second window.
+function atSecondWindow({ E, place, z2, d, alpha }) {
+  const slope = scaled(1 / z2, minus(place, E));
+  return plus(place, scaled(d, times(slope, turn(-alpha))));
 }
 
 function dimension(kind, from, to, y, name, rem) {

@@ -4,6 +4,7 @@ const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 
 const FLOOR = geometry.floorY(data.scenes.chess);
+const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
 const START = {
   chess: { L: [data.scenes.chess.x, FLOOR + data.scenes.chess.pedestal], z1: data.scenes.chess.z1 },
   spheres: { L: data.scenes.spheres.line, z1: data.scenes.spheres.z2 },
@@ -11,12 +12,16 @@ const START = {
 const OPENING = {
   scene: "chess", sheet: "ideal", alpha: data.scenes.chess.alpha, z2: data.scenes.chess.z2, prisms: data.scenes.chess.prisms,
   piece: data.scenes.chess.piece, E: [0, 0], ...START.chess,
+  windows: 1, alpha2: 120, d: 2, ratio: 0.7, axis: [0, 1, 0],    // beyond the paper: neighbours.js
   position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
   diagram: "picture", question: -1,                              // the diagram's orientation; the question, or -1
 };
-const RANGES = { alpha: [-360, 360], z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms] };
+const RANGES = {
+  alpha: [-360, 360], z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms],
+  windows: [1, 2], alpha2: [-360, 360], d: [0.01, 100], ratio: [0.1, 10],
+};
 const CHOICES = {
-  scene: ["chess", "spheres"], sheet: ["none", "single", "detailed", "ideal"], diagram: ["picture", "paper"],
+  scene: ["chess", "spheres"], sheet: ["none", "single", "detailed", "ideal", "axis", "refraction", "lenslets", "mirror"], diagram: ["picture", "paper"],
   piece: data.pieces,
 };
 const ASIDE = 10;           // |x| and |y| of L and E are at most this
@@ -34,18 +39,23 @@ function change(values) {
   refusals = [];
   const limited = (name, x, [least, most], why = "") => {
     const kept = clamped(x, [least, most]);
-    if (kept !== x) refusals.push(`${name} is at ${x < least ? "least" : "most"} ${brief(kept)}${name === SYMBOL.alpha ? "°" : ""}${why}.`);
+    if (kept !== x) refusals.push(`${name} is at ${x < least ? "least" : "most"} ${brief(kept)}${name === SYMBOL.alpha || name === SYMBOL.alpha2 ? "°" : ""}${why}.`);
     return kept;
   };
   for (const [name, range] of Object.entries(RANGES)) state[name] = limited(SYMBOL[name], state[name], range);
   if (!Number.isInteger(state.prisms)) refusals.push("N is a whole number.");
-  state.prisms = Math.round(state.prisms);
+  for (const name of ["prisms", "windows"]) state[name] = Math.round(state[name]);
   const { L, E } = state;
   const aside = [-ASIDE, ASIDE];
   // in the chess scene, a pedestal and the floor are below
   const heights = state.scene === "chess" ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
   const why = (y, [least]) => (state.scene === "chess" && y < least ? ": the floor is below" : "");
   state.L = [limited("x of L", L[0], aside), limited("y of L", L[1], heights[0], why(L[1], heights[0]))];
+  state.axis = state.axis.map((part, k) => limited(`${"xyz"[k]} of the axis`, part, [-1, 1]));
+  if (!state.axis.some(Boolean)) {
+    refusals.push("The axis needs a direction.");
+    state.axis = OPENING.axis;
+  }
   state.E = [limited("x of E", E[0], aside), limited("y of E", E[1], heights[1], why(E[1], heights[1]))];
 }
 
@@ -56,8 +66,9 @@ const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.0
 
 // The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
 function sceneValues() {
-  const { scene, sheet, alpha, prisms, piece, L, E } = state;
-  const values = { ...data.scenes[scene], sheet, alpha, prisms, eye: E, faces: data.faces };
+  const { scene, sheet, alpha, prisms, piece, L, E, ratio, axis, alpha2, d } = state;
+  const values = { ...data.scenes[scene], sheet, alpha, prisms, ratio, axis, eye: E, faces: data.faces };
+  if (inSeries()) values.window = [{ alpha: alpha2, z: Math.max(d, geometry.depth(values) + 0.011), sheet: null }];
   const back = geometry.depth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
   if (scene === "spheres") return { ...values, line: L };
@@ -76,7 +87,14 @@ function moment() {
   const r = z2 / z1;
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
   now.radii = geometry.spheres(scene).map(({ radius }) => radius);
-  now.two = sheet === "ideal" || sheet === "detailed";
+  now.behind = behindFirst(scene);
+  if (now.behind.length) {
+    [[now.d]] = now.behind;
+    now.Z = equations.depth(z1, z2, alpha, now.behind);
+  }
+  // the paper's window; or one of its neighbours
+  now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
+  now.beyond = Boolean(now.Z) || OTHER_SHEETS.includes(sheet);
   now.P = equations.P(r, alpha);
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
@@ -88,10 +106,11 @@ const NEAR_POLE = 12;  // a larger M is near the pole
 
 // The point of the plane z = 0 at which the sheets show a point, by default L.
 function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
-  const { E, prism } = now;
+  const { E, prism, behind } = now;
+  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.scene);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
-  if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism);
-  return equations.ideal(L, E, z1, z2, alpha);
+  if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
+  return equations.ideal(L, E, z1, z2, alpha, behind);
 }
 
 // What is seen in the window near the pole, where only a small part of the object's plane is: "thing", "pedestal" or "".
@@ -108,34 +127,46 @@ function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism })
 }
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
-// of the width; `height` is that of the height.
-function appearance({ sheet, z1, z2, alpha, prism }) {
+// of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.
+function appearance(now) {
+  const { sheet, z1, z2, alpha, prism, behind } = now;
+  if (OTHER_SHEETS.includes(sheet)) return { nu: NaN, M: Math.sqrt(Math.abs(determinant(shownSteps(now)))) };
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
-  if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism);
+  if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
+  if (behind.length) {
+    const Z = equations.depth(z1, z2, alpha, behind);
+    return { nu: abs(Z) === 0 ? NaN : -arg(Z), M: z2 / abs(Z) };
+  }
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
 }
 
+// How a short step of the object to the right, and one up, appears: for each tile of the step.
+const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
+const determinant = ([right, up]) => right[0] * up[1] - right[1] * up[0];
+
 // Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.
 function objectStep(now, step) {
-  const [right, up] = [[1, 0], [0, 1]].map((unit) => minus(apparentPosition(now, plus(now.E, unit)), now.E));
-  const determinant = right[0] * up[1] - right[1] * up[0];
-  if (!Number.isFinite(determinant) || Math.abs(determinant) > 50 || Math.abs(determinant) < 1e-6) return step;
-  return [(step[0] * up[1] - step[1] * up[0]) / determinant, (right[0] * step[1] - right[1] * step[0]) / determinant];
+  const [right, up] = shownSteps(now);
+  const area = determinant([right, up]);
+  if (!Number.isFinite(area) || Math.abs(area) > 50 || Math.abs(area) < 1e-6) return step;
+  return [(step[0] * up[1] - step[1] * up[0]) / area, (right[0] * step[1] - right[1] * step[0]) / area];
 }
 
 // Whether the prediction is wrong by pixels. The limits are in povgen/scene/limits.py.
 function unsure(now) {
-  if (now.sheet === "none") return false;
+  if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
   if (now.sheet === "ideal") return now.M > data.limits.condition;
   const moved = now.sheet === "single"
     ? (now.prism.pitch / 2) * Math.abs(now.z2 / (now.z2 - now.z1))
-    : abs(minus(now.place, equations.ideal(now.L, now.E, now.z1, now.z2, now.alpha)));
+    : abs(minus(now.place, equations.ideal(now.L, now.E, now.z1, now.z2, now.alpha, now.behind)));
   return !((moved / now.scene.view) * 960 <= data.limits.correction);  // NaN at the pole
 }
 
 // ---- The state in the page's address ----
 
 const short = (x) => String(Number(x.toPrecision(7)));
+// What only some of the scenes have.
+const OWN_VALUES = { none: [], series: ["windows", "alpha2", "d"], axis: ["axis"], refraction: ["ratio"], lenslets: ["ratio"], mirror: [] };
 const SWITCHES = ["position", "circles", "image", "caption"];
 
 function toHash() {
@@ -143,6 +174,7 @@ function toHash() {
   const parts = { scene, sheet };
   if (scene === "chess") parts.piece = piece;
   for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
+  for (const name of OWN_VALUES[neighbour()]) parts[name] = [state[name]].flat().map(short).join(",");
   for (const name of ["L", "E"]) parts[name] = state[name].map(short).join(",");
   parts.show = SWITCHES.filter((name) => state[name]).join(",");
   parts.diagram = state.diagram;
@@ -157,9 +189,9 @@ function fromHash(hash) {
   const values = {};
   for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(given.get(name))) values[name] = given.get(name);
   for (const name of Object.keys(RANGES)) if (isNumber(given.get(name))) values[name] = Number(given.get(name));
-  for (const name of ["L", "E"]) {
+  for (const [name, count] of [["L", 2], ["E", 2], ["axis", 3]]) {
     const parts = (given.get(name) ?? "").split(",");
-    if (parts.length === 2 && parts.every(isNumber)) values[name] = parts.map(Number);
+    if (parts.length === count && parts.every(isNumber)) values[name] = parts.map(Number);
   }
   if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
   const question = Number(given.get("question")) - 1;

@@ -1,6 +1,6 @@
 // Numbers and sentences, as the page prints them.
 
-const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N" };
+const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d", ratio: "|η|" };
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
@@ -22,7 +22,7 @@ const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x
 const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
 const rough = (x) => printed(String(Number(x.toPrecision(2))));
 const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
-const quantity = (name, x) => (name === "alpha" ? `${fixed(x, 1)}°` : `${size(x)} tiles`);
+const quantity = (name, x) => (name.startsWith("alpha") ? `${fixed(x, 1)}°` : name === "ratio" ? size(x) : `${size(x)} tiles`);
 
 const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
 
@@ -54,6 +54,7 @@ function explanation(now) {
 const UNSURE = "Here the prediction is wrong by pixels: the prisms are large, or the pole is near.";
 
 function seen(now) {
+  if (now.beyond) return seenThrough(now);
   const { sheet, M, nu, height, z1, z2 } = now;
   const large = `${timesText(M)} times as large as if it stood in the window`;
   if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
@@ -93,7 +94,9 @@ function remarks(now) {
   const frame = depth > 1 ? `the frame, which is ${brief(depth)} tiles deep` : "the frame";
   const limits = [...refusals];
   if (state.scene === "chess" && state.z1 < z1 * 0.999) limits.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
+  if (now.d && state.d < now.d * 0.999) limits.push(`d is at least ${brief(now.d)}: the windows would touch.`);
   if (state.z2 < z2 * 0.999) limits.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
+  if (OTHER_SHEETS.includes(sheet) && !finite(now.place)) limits.push("No path of light from L to the eye was found.");
   if (limits.length) found.push(...limits);
   else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
     found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : "its foot"} is not seen.`);
@@ -106,20 +109,26 @@ const placeText = (point) => point.map((x) => fixed(x, 2)).join(", ");
 
 // The description of the picture for those who do not see it.
 function describe(now) {
+  const several = now.Z ? `, with a second window ${brief(now.d)} tiles behind the first one and α₂ = ${fixed(state.alpha2, 1)}°` : "";
   const model = {
     none: "without sheets", single: `through one sheet of ${prismsText(now.scene.prisms)}`, ideal: "through the ideal sheet",
     detailed: `through two sheets of ${prismsText(now.scene.prisms)}`,
-  }[now.sheet];
-  return `A ${thing()} seen ${model}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
+  }[now.sheet] ?? "through another ideal sheet";
+  return `A ${thing()} seen ${model}${several}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
     + ` The object L is at ${placeText(now.L)}, the eye E at ${placeText(now.E)}. ${explanation(now)}`;
 }
 
 // The caption on the picture.
 function caption(now) {
-  const sheets = { none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
+  const sheets = { axis: "axis", refraction: "refraction", lenslets: "lenslets", mirror: "mirror", none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
   const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
-  if (!now.two) return parts.join("\u2003");
+  if (!now.two && !now.beyond) return parts.join("\u2003");
   parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
+  if (now.Z) parts.splice(2, 0, `α₂ = ${fixed(state.alpha2, 1)}°`, `d = ${brief(now.d)}`);
+  if (OTHER_SHEETS.includes(now.sheet)) {
+    const own = { axis: `axis ${placeText(state.axis)}`, refraction: `|η| = ${brief(state.ratio)}`, lenslets: `|η| = ${brief(state.ratio)}` }[now.sheet];
+    return [...parts, ...(own ? [own] : [])].join("\u2003");
+  }
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
-  return [...parts, `r = ${brief(now.r)}`, `ν = ${nu}`, `M = ${brief(now.M)}`].join("\u2003");
+  return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`].join("\u2003");
 }

@@ -12,7 +12,7 @@ from playwright.sync_api import expect
 
 from povgen import Chess, InputError, Spheres
 from povgen.measure.browser import chromium
-from povgen.optics import paraxial, rotation
+from povgen.optics import paraxial, rotation, series
 from povgen.optics.prism import Prism
 from povgen.scene import prediction
 from povgen.scene.models import SCENES
@@ -224,6 +224,115 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
     )
 
 
+def test_equations_of_windows_in_series_are_those_of_rotation_and_paraxial(page):
+    rng = np.random.default_rng(4)
+    prism = Prism(2.4 / 100, index=1.7, base_angle=40)
+    lengths = {"slab_shift": prism.slab_shift, "separation": prism.separation}
+    for windows in (2, 3):
+        for _ in range(20):
+            z1, z2, *d = rng.uniform(0.5, 8, windows + 1)
+            alpha, *turns = rng.uniform(-3, 3, windows)
+            behind = [*zip(d, turns, strict=True)]
+            L, E = rng.uniform(-2, 2, (2, 2)).tolist()
+            Z, P, thick, turned = page.evaluate(
+                """([L, E, z1, z2, alpha, prism, behind]) => [
+                  equations.depth(z1, z2, alpha, behind), equations.ideal(L, E, z1, z2, alpha, behind),
+                  equations.prisms(L, E, z1, z2, alpha, prism, behind),
+                  equations.turned(z1, z2, alpha, prism, behind)]""",
+                [L, E, z1, z2, alpha, lengths, behind],
+            )
+            compare([Z], np.array([rotation.depth(z1, z2, alpha, behind)]))
+            L, E = complex(*L), complex(*E)
+            compare([P], np.array([rotation.apparent_position(L, E, z1, z2, alpha, behind)]))
+            compare([thick], np.array([paraxial.apparent_position(L, E, z1, z2, alpha, prism, behind)]))
+            nu, M = paraxial.nu_and_M(z1, z2, alpha, prism, behind)
+            assert [turned["nu"], turned["M"]] == pytest.approx([nu, M], rel=1e-12)
+
+
+NEIGHBOURS = [
+    {"sheet": "axis", "axis": [0.3, -1, 0.2], "alpha": 40},
+    {"sheet": "axis", "axis": [1, 0, 0], "alpha": -20, "E": [0.4, -0.3]},
+    {"sheet": "refraction", "ratio": 0.6, "alpha": -50, "E": [0.4, -0.3]},
+    {"sheet": "refraction", "ratio": 1.8, "alpha": 180},
+    {"sheet": "mirror", "alpha": 75, "E": [0.4, -0.3]},
+    {"scene": "spheres", "sheet": "mirror", "alpha": -10, "z1": 12},
+    {"windows": 2, "sheet": "ideal", "alpha": 50, "alpha2": 75, "d": 1.5, "E": [0.4, -0.3]},
+    {"windows": 2, "sheet": "detailed", "alpha": 50, "alpha2": -120, "d": 0.01, "prisms": 30},
+    {"windows": 2, "sheet": "none", "alpha": 50, "alpha2": 75, "d": 3},
+]
+
+
+@pytest.mark.parametrize("values", NEIGHBOURS, ids=lambda values: values["sheet"])
+def test_neighbours_of_the_papers_window_are_povgens(page, values):
+    """Positions, nu and M, the view's own reading of where the object appears, and the address."""
+    show(page, **values)
+    scene, z1 = scene_of(page), page.evaluate("moment().z1")
+    assert len(scene.sheets) == values.get("windows", 1)
+    place = complex(*page.evaluate("moment().place"))
+    assert place == pytest.approx(complex(scene.apparent_position(scene.L, z1)), rel=1e-9, abs=1e-9)
+    if values["sheet"] in ("ideal", "detailed"):
+        found = page.evaluate("(({ nu, M }) => [nu * 180 / Math.PI, M])(moment())")
+        assert [np.exp(1j * np.radians(found[0])), found[1]] == [
+            pytest.approx(np.exp(1j * np.radians(scene.nu_and_M(z1)[0])), abs=1e-9),
+            pytest.approx(scene.nu_and_M(z1)[1], rel=1e-9),
+        ]
+    link = page.evaluate("toHash()")
+    page.evaluate("fromHash('')")
+    page.evaluate("fromHash", link)
+    assert page.evaluate("toHash()") == link and complex(*page.evaluate("moment().place")) == pytest.approx(place)
+    text = page.evaluate("draw() || document.querySelector('main').outerHTML")
+    assert not re.search(r"NaN|Infinity|null|undefined(?!<| at E)|\[object", text)
+
+
+def test_light_that_passes_nowhere_is_said(page):
+    show(page, sheet="mirror", z1=6)
+    expect(page.locator("#sentence")).to_contain_text("No path of light from L to the eye was found.")
+
+
+def test_neighbours_are_chosen(page):
+    """Each choice shows its own controls, its scene and what the paper says of it."""
+    choose = page.get_by_label("Beyond the paper’s window")
+    for name, control, said in (
+        ("series", "#slider-d", "2 tiles in front of the first window"),
+        ("axis", "#number-axisz", "about the axis (0, 1, 0)"),
+        ("refraction", "#number-ratio", "by 0.7"),
+        ("lenslets", "#number-ratio", "f₁/f₂ = 2"),
+        ("mirror", "#slider-alpha", "45.0°"),
+    ):
+        choose.select_option(name)
+        expect(page.locator(control)).to_be_visible()
+        expect(page.locator("#sentence")).to_contain_text(said)
+        expect(page.locator("#row-prisms")).to_be_hidden()
+    choose.select_option("series")
+    page.locator("#number-alpha2").fill("20")
+    page.locator("#number-d").fill("0.1")
+    expect(page.locator("#sentence")).to_contain_text(
+        "they form no image. d is at least 0.311: the windows would touch."
+    )
+    expect(choose).to_have_value("series")
+    page.get_by_role("radio", name="two sheets").check(force=True)
+    expect(page.locator("#row-prisms")).to_be_visible()
+    page.get_by_role("radio", name="complex depth").check(force=True)
+    expect(page.locator("#diagram")).to_have_attribute("aria-label", re.compile("^The complex depth Z = "))
+    page.get_by_role("radio", name="one sheet").check(force=True)
+    expect(choose).to_have_value("none")
+    expect(page.locator("#slider-d")).to_be_hidden()
+    page.get_by_role("radio", name="ideal sheet").check(force=True)
+    expect(choose).to_have_value("series")
+    choose.select_option("none")
+    assert page.evaluate("[state.windows, state.sheet, state.alpha]") == [1, "ideal", 66]
+
+
+def test_the_complex_depth_is_drawn_to_scale(page):
+    show(page, windows=2, alpha=90, alpha2=0, d=2, z1=3, z2=4, diagram="paper")
+    z2, d, z1 = page.evaluate(
+        """["z2", "d", "z1"].map((name) => document.querySelector(`#diagram line.q-${name}`))
+           .map((line) => ["x1", "y1", "x2", "y2"].map((name) => Number(line.getAttribute(name))))"""
+    )
+    assert d[:2] == pytest.approx([z2[0] + (z1[1] - d[1]) * 2, z2[1]], abs=0.1)  # z2 = 2 d, along the real axis
+    assert d[2] == pytest.approx(d[0], abs=0.1) and z1[0] == pytest.approx(d[0], abs=0.1)  # both downwards
+
+
 def test_numbers_are_those_of_the_scene(page):
     """What the page shows is what Python computes for the same scene, in the corners as well."""
     cases = [
@@ -282,7 +391,7 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
         "The knight appears turned by 15.0° counter-clockwise, and 0.851 times as large as if it stood in the window."
     )
     # every point of the piece's predicted image is in the window, and there the picture shows the piece
-    shown = page.evaluate("[...view.readout(160, 120).path].filter((_, k) => k % 4 === 0)")
+    shown = page.evaluate("[...view.readout(160, 120).shown].filter((_, k) => k % 4 === 0)")
     piece = np.reshape(shown, (120, 160))[::-1] == 3  # OBJECT in objects.glsl
     inside = page.evaluate(
         """() => {
@@ -480,7 +589,7 @@ def test_few_large_prisms_push_eye_and_object_away(page):
     expect(page.locator("#about-nu")).to_have_text("for 100 prisms; the equation gives 15.0°")
 
 
-@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed"])
+@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", "refraction", "mirror"])
 def test_the_image_follows_the_pointer(page, sheet):
     show(page, sheet=sheet, alpha=120)
     start, step = centre(page, "#object-picture"), 0.4 + 0.2j
@@ -701,7 +810,8 @@ def test_questions_are_answered_by_the_equations(page):
     assert nu(12, 90) > nu(2, 90) and image[1] < image[0] and np.isinf(rotation.P(1, np.pi))
     numeric = [6, rotation.M(3, np.pi) / rotation.M(3, 0), angles[np.argmax(nu(2, angles))]]
     assert nu(6, 90) == pytest.approx(45)
-    assert right == pytest.approx([2, 0, 2, 0, numeric[0], numeric[1], 2, numeric[2], 2], abs=0.06)
+    _, W = series.imaged_plane(np.radians(120), [(2, np.radians(120))])
+    assert right == pytest.approx([2, 0, 2, 0, numeric[0], numeric[1], 2, numeric[2], 2, -W], abs=0.06)
 
 
 def test_questions_are_predicted_and_revealed(page):
@@ -879,6 +989,8 @@ def test_axe_finds_no_fault(page):
         "drawings": ("laptop", {"position": True, "circles": True, "image": True, "caption": True, "diagram": "paper"}),
         "question": ("phone", {"question": 3, "sheet": "none"}),
         "spheres": ("phone sideways", {"scene": "spheres", "sheet": "single"}),
+        "series": ("laptop", {"windows": 2, "position": True, "diagram": "paper"}),
+        "axis": ("phone", {"sheet": "axis"}),
     }.items():
         page.set_viewport_size(dict(zip(("width", "height"), SIZES[size], strict=True)))
         page.evaluate("fromHash('')")
@@ -900,6 +1012,8 @@ def test_nothing_is_cut_off(page, size):
         {"scene": "spheres"},
         {"sheet": "single"},
         {"alpha": 180, "z1": 6},
+        {"windows": 2, "diagram": "paper"},
+        {"sheet": "axis"},
         {"question": 6},
     ):
         page.evaluate("fromHash('')")
