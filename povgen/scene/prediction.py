@@ -128,8 +128,8 @@ def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the part of
-    it that shows a second window is no rectangle.
+    `grid`. See camera/ideal.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the
+    part of it that shows a second window is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
