@@ -350,6 +350,7 @@ OTHER: dict[str, tuple[dict[str, object], ...]] = {
         {"alpha": 60, "axis": (1, 0, -1)},
     ),
     "refraction": ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6}),
+    "lenslets": ({"alpha": 180, "ratio": 1.5}, {"alpha": 180, "ratio": 0.8}, {"alpha": 50, "ratio": 0.8}),
     "mirror": ({"alpha": 0}, {"alpha": 60}, {"alpha": -100}),
 }
 

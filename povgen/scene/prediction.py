@@ -163,7 +163,8 @@ def _cells_of_other_sheet(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
     The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. For an
-    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, mirror).
+    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, lenslets, mirror),
+    because it leaves the directions at the window's four corners equally long.
     """
     import numpy as np
 
