@@ -20,6 +20,8 @@ MAX_LOST_FRACTION = 0.05
 MAX_FACES = 180
 # (e) At least this fraction of the window's rays should take the prisms' designed path.
 MIN_DESIGNED_FRACTION = 0.25
+# With partial reflection (--fresnel), rays that carry less than this share of the light are not followed.
+LEAST_LIGHT = 0.01
 # (f) The error, in pixels of 1280x960, that the ideal sheet's camera may have for an eye off the axis; and the greatest
 # number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse so many.
 MAX_CAMERA_ERROR = 0.03
