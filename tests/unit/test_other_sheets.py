@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, Spheres
+from povgen import Chess, InputError, MovieSpec, Spheres
 from povgen.optics import ideal, rotation
 from povgen.scene import prediction
 from povgen.settings import Rendering
@@ -36,6 +36,18 @@ def test_one_prism_sheet_of_fine_prisms_is_a_mirror():
     prisms = Chess(sheet="single", prisms=3000)
     mirror = Chess(sheet="mirror", alpha=0)
     assert mirror.apparent_position(0.3 + 0.2j, 2) == pytest.approx(prisms.apparent_position(0.3 + 0.2j, 2), abs=0.001)
+
+
+def test_lenslets_form_an_image_of_every_point():
+    """The focal length on the eye's side over that on the object's scales its depth. The movie moves this image."""
+    for eye in ((0, 0), (0.4, -0.3)):
+        scene = Chess(sheet="lenslets", alpha=180, ratio=0.8, eye=eye)
+        L, z1 = np.array([0.1, 0.5j]), np.array([2.0, 3])
+        seen_before_window = scene.E + (L - scene.E) * 6 / (6 - z1 / 0.8)  # an object there, without lenslets
+        np.testing.assert_allclose(scene.apparent_position(L, z1), seen_before_window, rtol=1e-12)
+    movie = MovieSpec.load("lenslets").scenes("standard")
+    distances = [scene.z1 / scene.ratio for scene in movie]
+    assert {scene.alpha for scene in movie} == {180} and (max(distances), min(distances)) == pytest.approx((4, 1))
 
 
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
