@@ -7,7 +7,7 @@ OPTIONS ?=
 VENV := .venv
 POVGEN := $(VENV)/bin/povgen
 # those beyond the paper
-BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 mirror.mp4)
+BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
 GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
   pieces imaging refraction black-tops))

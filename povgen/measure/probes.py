@@ -92,6 +92,13 @@ class Light(Positions):
     subject: ClassVar[str] = "a white square, for the share of its light that comes through the window"
 
 
+class White(_Probe):
+    """White surroundings, infinitely far away, for the share of their light that reaches the eye through the window."""
+
+    name: ClassVar[str] = "probes/white"
+    subject: ClassVar[str] = "white surroundings, for the share of their light that comes through the window"
+
+
 class PiecePositions(Chess):
     """A chess piece alone. Its colours encode the position relative to the centre of its foot."""
 
@@ -102,8 +109,8 @@ class PiecePositions(Chess):
     piece: str = "knight"
 
 
-def brightness(scene: Light, size: Size) -> Floats:
-    """Render a probe, and return how bright its pixels are, (height, width): 1 for the light of the square."""
+def brightness(scene: Light | White, size: Size) -> Floats:
+    """Render a probe, and return how bright its pixels are, (height, width): 1 for white."""
     with temporary_folder() as folder:
         colours = _read(povray.Runner().run(to_pov(scene), LinearRendering(size), folder))
     return np.asarray(colours[..., 0])
@@ -166,16 +173,22 @@ def window(scene: Scene, size: Size) -> tuple[slice, slice]:
     return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
 
 
-def traced(scene: Scene, direction: Floats, max_faces: int = 60, origin: Floats | None = None) -> trace.Rays:
+def traced(
+    scene: Scene,
+    direction: Floats,
+    max_faces: int = 60,
+    origin: Floats | None = None,
+    partial: np.random.Generator | None = None,
+) -> trace.Rays:
     """Trace rays exactly through a scene of prisms, each through at most `max_faces` faces.
 
     `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets a window
-    frame behind the sheets ends there.
+    frame behind the sheets ends there. `partial` as for `trace.trace`.
     """
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
     sheets = prediction.prism_sheets(scene)
-    return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth)
+    return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth, partial)
 
 
 def _reach(position: Complexes) -> Floats:

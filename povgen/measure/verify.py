@@ -22,12 +22,13 @@ from povgen.measure.probes import (
     PiecePositions,
     Positions,
     Size,
+    White,
 )
 from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation, series
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.trace import End, Face
-from povgen.scene import prediction
+from povgen.scene import limits, prediction
 from povgen.scene.models import Scene, Window
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
@@ -79,6 +80,7 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from series_prediction()
         yield from black_tops()
         yield from partial_reflection()
+        yield from reflected_light()
         yield from hyperbola()
         yield from designed_fraction()
 
@@ -350,6 +352,7 @@ OTHER: dict[str, tuple[dict[str, object], ...]] = {
         {"alpha": 60, "axis": (1, 0, -1)},
     ),
     "refraction": ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6}),
+    "lenslets": ({"alpha": 180, "ratio": 1.5}, {"alpha": 180, "ratio": 0.8}, {"alpha": 50, "ratio": 0.8}),
     "mirror": ({"alpha": 0}, {"alpha": 60}, {"alpha": -100}),
 }
 
@@ -499,6 +502,22 @@ def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
     both = transmission(jones(light[clear], angles, prism)).mean()
     what = f"--fresnel: its mean against that of polarised light ({both:.3f})"
     yield Measured("detailed", what, abs(seen.mean() - both), 0.02)
+
+
+def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
+    """Compare how bright the whole window is before white surroundings, with partial reflection, with the ray trace.
+
+    The ray trace also says what share of this light at least one partial reflection has sent to the eye.
+    """
+    scene = White(sheet="detailed", fresnel=True)
+    inside, direction = probes.rays(scene, size)
+    seen = probes.brightness(scene, size)[inside].mean()
+    directions = np.tile(direction, (200_000 // len(direction) + 1, 1))
+    found = probes.traced(scene, directions, prediction.max_trace_level(scene), partial=np.random.default_rng(1))
+    followed = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
+    share = 100 * found.reflected[followed].mean()
+    what = f"--fresnel: brightness of the window ({seen:.3f}, {share:.1f} % of it by reflections) against the ray trace"
+    yield Measured("detailed", what, abs(seen - followed.mean()), 0.005)
 
 
 def hyperbola(size: Size = SMALL) -> Iterator[Measured]:

@@ -1,9 +1,9 @@
 """Exact ray trace of Dove-prism sheets, on numpy arrays. Each ray is followed until it leaves the sheets.
 
 The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
-in the unit of the window's side. Rays may run either way. Glass neither absorbs light nor reflects a part of it. A ray
-that meets the frame of a window from inside ends there, and so does a ray that misses the first window on its way. A
-ray also ends where it misses a later window.
+in the unit of the window's side. Rays may run either way. Glass absorbs no light, and reflects a part of it only if
+`trace` is asked for that. A ray that meets the frame of a window from inside ends there, and so does a ray that misses
+the first window on its way. A ray also ends where it misses a later window.
 
 Each sheet has its own coordinate system, in which its prisms' ridges lie along x. Each of its prisms has a cell, one
 pitch high: the prism and the air above it. There u is the height above the prism's base.
@@ -16,6 +16,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
@@ -63,6 +64,8 @@ class Rays:
     end: NDArray[np.uint8]  # `End`, (n,)
     faces: NDArray[np.uint8]  # the faces that the ray has met, in order, `Face`, (n, most)
     count: Indices  # how many faces the ray has met, (n,)
+    light: Floats  # with partial reflection: the part of the light on this path, 0 to 1, (n,)
+    reflected: Booleans  # with partial reflection: a face that also refracts light has reflected this ray, (n,)
     designed: Booleans  # took the designed path: entry facet, base and exit facet in every sheet, (n,)
 
 
@@ -143,12 +146,16 @@ def trace(
     prism: Prism,
     most: int = 60,
     frame: float = 0.0,
+    partial: np.random.Generator | None = None,
 ) -> Rays:
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
     eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z,
     if it is greater than that of the sheets: light from the sheets can meet it. A ray ends after `most` faces.
+    With `partial`, which makes random numbers, a face that refracts light also reflects a part of it: the ray is
+    reflected with a probability that is this part, by the Fresnel equations for unpolarised light. So each ray stands
+    for an equal share of the light, and light is unpolarised again after every face.
     Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
     """
     glass = _Glass(window, prism)
@@ -164,16 +171,19 @@ def trace(
         np.empty(n, np.uint8),
         np.zeros((n, most), np.uint8),
         np.zeros(n, int),
+        np.ones(n),
+        np.zeros(n, bool),
         np.zeros(n, bool),
     )
     for start in range(0, n, CHUNK):
         chunk = Rays(*(getattr(rays, field.name)[start : start + CHUNK] for field in fields(Rays)))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(chunk, sheets, glass, frame).run()
+            _Trace(chunk, sheets, glass, frame, partial).run()
     path = np.array([Face.NEAR, Face.BASE, Face.FAR] * len(sheets))
     steps = len(path)
     path = np.where(forward, path, path[::-1])
     rays.designed = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
+    rays.designed &= ~rays.reflected
     return rays
 
 
@@ -201,9 +211,11 @@ class _Trace:
     the sine of that sheet's angle.
     """
 
-    def __init__(self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass, frame: float) -> None:
+    def __init__(
+        self, rays: Rays, sheets: tuple[Sheet, ...], glass: _Glass, frame: float, partial: np.random.Generator | None
+    ) -> None:
         n, self.most = rays.faces.shape
-        self.rays, self.glass, self.sheets = rays, glass, len(sheets)
+        self.rays, self.glass, self.sheets, self.partial = rays, glass, len(sheets), partial
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
         self.centre = np.array([sheet.centre for sheet in sheets])
@@ -220,9 +232,9 @@ class _Trace:
         air = self.enter(np.arange(len(self.x)))
         glass = air[:0]
         while len(air) or len(glass):
-            entering, leaving = self.cross_air(air)
+            entering, reflected, leaving = self.cross_air(air)
             glass = np.concatenate((glass, entering))
-            air = self.change_sheet(leaving)
+            air = np.concatenate((reflected, self.change_sheet(leaving)))
             leaving, glass = self.cross_glass(glass)
             air = np.concatenate((air, leaving))
 
@@ -273,16 +285,19 @@ class _Trace:
         """End the rays that have met the greatest number of faces. Return the others."""
         return self.without_ended(i, self.rays.count[i] == self.most, End.UNFINISHED)
 
-    def cross_air(self, i: Indices) -> tuple[Indices, Indices]:
-        """Take rays from the air to the next face. Return those that enter a prism and those that leave the sheet."""
+    def cross_air(self, i: Indices) -> tuple[Indices, Indices, Indices]:
+        """Take rays from the air to the next face.
+
+        Return those that enter a prism, those that are reflected, and those that leave the sheet.
+        """
         i, face = self.advance(i, *self.glass.way_in(self.u[i], self.z[i], self.dy[i], self.dz[i]))
-        enters = face != Face.NONE
-        entering, leaving, face = i[enters], i[~enters], face[enters]
-        above = entering[face == Face.BASE]
+        meets = face != Face.NONE
+        i, leaving, face = i[meets], i[~meets], face[meets]
+        reflected = self.bend(i, face, 1 / self.glass.index)
+        above = i[~reflected & (face == Face.BASE)]
         self.cell[above] += 1
         self.u[above] = 0
-        self.bend(entering, face, 1 / self.glass.index)
-        return self.without_unfinished(entering), leaving
+        return self.without_unfinished(i[~reflected]), self.without_unfinished(i[reflected]), leaving
 
     def change_sheet(self, i: Indices) -> Indices:
         """Take rays that leave a sheet to the next one, if there is one. Return those that reach it."""
@@ -328,7 +343,7 @@ class _Trace:
         return self.without_ended(i, blocked, End.FRAME), face[~blocked]
 
     def bend(self, i: Indices, face: Indices, eta: float) -> Booleans:
-        """Refract or totally reflect rays at a face. Return which of the rays are reflected.
+        """Refract or reflect rays at a face. Return which of the rays are reflected.
 
         eta is the refractive index before the face, divided by the index behind the face.
         """
@@ -339,10 +354,17 @@ class _Trace:
         dy, dz = self.dy[i], self.dz[i]
         along = nu * dy + nz * dz  # positive for a ray that leaves the prism
         square = 1 - eta**2 * (1 - along**2)
-        total = square < 0
-        change = np.where(total, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
-        scale = np.where(total, 1, eta)
+        reflected = square < 0  # totally
+        if self.partial:
+            r_s, r_p = reflection(eta, 1, np.abs(along))
+            part = (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2
+            partly = ~reflected & (self.partial.uniform(size=len(i)) < part)
+            self.rays.light[i] *= np.where(reflected | partly, part, 1 - part)
+            self.rays.reflected[i[partly]] = True
+            reflected |= partly
+        change = np.where(reflected, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
+        scale = np.where(reflected, 1, eta)
         self.dx[i] *= scale
         self.dy[i] = scale * dy + change * nu
         self.dz[i] = scale * dz + change * nz
-        return total
+        return np.asarray(reflected)

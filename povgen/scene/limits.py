@@ -6,7 +6,9 @@ refuses scenes that exceed them, or warns.
 
 # (a) Up to this condition number of the apparent position, eq. 7 is right to 1 pixel of 1280x960.
 MAX_CONDITION = 150
-# Up to this difference from eq. 7, in pixels of 1280x960, the paraxial prediction is right to 3 pixels.
+# Up to this difference from eq. 7, in pixels of 1280x960, the paraxial prediction is right to 3 pixels. For several
+# windows it is the sum of the differences that each window's prisms alone make: together they can cancel, and their
+# errors remain.
 MAX_CORRECTION = 8
 # (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
@@ -20,6 +22,8 @@ MAX_LOST_FRACTION = 0.05
 MAX_FACES = 180
 # (e) At least this fraction of the window's rays should take the prisms' designed path.
 MIN_DESIGNED_FRACTION = 0.25
+# With partial reflection (--fresnel), rays that carry less than this share of the light are not followed.
+LEAST_LIGHT = 0.01
 # (f) The error, in pixels of 1280x960, that the ideal sheet's camera may have for an eye off the axis; and the greatest
 # number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse so many.
 MAX_CAMERA_ERROR = 0.03

@@ -30,8 +30,8 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.rotation import Booleans, Complexes, Floats
 
 T = TypeVar("T")
-SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "mirror"]
-OTHER_SHEETS = ("axis", "refraction", "mirror")  # ideal sheets that do not rotate light about their normal
+SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror"]
+OTHER_SHEETS = ("axis", "refraction", "lenslets", "mirror")  # ideal sheets that do not rotate light about their normal
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
@@ -165,6 +165,7 @@ class Scene(Model):
         "detailed",
         description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet), none, "
         "or another ideal sheet: axis (rotation by alpha about --axis), refraction (by --ratio times exp(i alpha)), "
+        "lenslets (confocal arrays: light's slope times --ratio times exp(i alpha), for real ones alpha = 180), "
         "mirror (about a line at alpha/2)",
     )
     axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
@@ -172,7 +173,9 @@ class Scene(Model):
         description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, not 0,0,0",
     )
     ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
-        1, description="ratio of refractive indices of --sheet refraction, the object's side over the eye's, 0.1 to 10"
+        1,
+        description="ratio of refractive indices of --sheet refraction, or of focal lengths of --sheet lenslets, "
+        "the object's side over the eye's, 0.1 to 10",
     )
     window: Windows = Field((), description=WINDOW)
     prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
@@ -304,6 +307,8 @@ class Scene(Model):
                 return ideal.rotate_about(direction, self.axis, alpha)
             case "refraction":
                 return ideal.refract(direction, rect(self.ratio, alpha))
+            case "lenslets":
+                return ideal.scale_slope(direction, rect(self.ratio, alpha))
             case _:
                 return rotation.mirror(direction, alpha / 2)
 

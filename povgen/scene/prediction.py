@@ -27,6 +27,7 @@ from povgen.settings import Rendering
 
 if TYPE_CHECKING:
     from povgen.optics import trace
+    from povgen.optics.rotation import Complexes, Floats
 
 
 class Survey(NamedTuple):
@@ -128,8 +129,8 @@ def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheet's camera interpolates view directions.
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the part of
-    it that shows a second window is no rectangle.
+    `grid`. See camera/ideal.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the
+    part of it that shows a second window is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
@@ -163,7 +164,8 @@ def _cells_of_other_sheet(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
     The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. For an
-    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, mirror).
+    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, lenslets, mirror),
+    because it leaves the directions at the window's four corners equally long.
     """
     import numpy as np
 
@@ -232,6 +234,16 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
             yield "prisms", f"{text} without antialiasing, the picture is noise"
 
 
+def _through_one_by_one(scene: Scene, L: "Complexes", z1: "Floats") -> Iterator["Complexes"]:
+    """Yield, for each window of prisms, the apparent positions if the prisms of all other windows had no size."""
+    from povgen.optics import paraxial
+
+    for k, prism in enumerate(scene.prisms_by_window):
+        prisms = [prism if i == k else Prism(0.0) for i in range(len(scene.sheets))]
+        if prism.pitch:
+            yield paraxial.apparent_position(L, scene.E, z1, scene.z2, radians(scene.alpha), prisms, scene.behind)
+
+
 def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
     two = scene.sheet in ("detailed", "ideal")
@@ -260,16 +272,17 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
             thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha, scene.behind)
             # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
             moved = (
-                scene.apparent_position(L, z1) - thin
+                sum(abs(place - thin) for place in _through_one_by_one(scene, L, z1))
                 if two
-                else scene.prism.pitch / 2 * np.divide(scene.z2, scene.z2 - z1)
+                else scene.prism.pitch / 2 * abs(np.divide(scene.z2, scene.z2 - z1))
             )
-            found = np.nan_to_num(abs(moved), nan=np.inf) / scene.view * 960
+            found = np.nan_to_num(moved, nan=np.inf) / scene.view * 960
             limit = np.full(len(found), MAX_CORRECTION)
             what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
+            size += ", summed over the windows" if scene.window else ""
     worst = np.argmax(found / limit)
     if found[worst] > limit[worst]:
         where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
         much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
         text = f"{', '.join(names)}: at {where} {what} {much}; above {limit[worst]:.3g}"
-        yield names[0], f"{text} its prediction is wrong by pixels"
+        yield names[0], f"{text} its prediction can be wrong by pixels"

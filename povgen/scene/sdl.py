@@ -11,7 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import __version__
 from povgen.errors import InputError
-from povgen.scene import prediction
+from povgen.scene import limits, prediction
 from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Chess, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
@@ -84,6 +84,7 @@ def to_pov(
             supersampling=sampling.supersampling,
             cells=prediction.camera_cells(scene) if scene.sheet in ("ideal", *OTHER_SHEETS) else None,
             trace_level=prediction.max_trace_level(scene),
+            least_light=limits.LEAST_LIGHT,
             other=scene.sheet in OTHER_SHEETS,
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )

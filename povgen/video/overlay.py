@@ -72,7 +72,7 @@ def facts(scene: Scene) -> dict[str, str]:
         alphas = ", ".join(f"{alpha + 0:.1f}°" for alpha in scene.alphas)
         texts = {"alpha": alphas, **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
     if scene.sheet in OTHER_SHEETS:
-        own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet == "refraction" else {}
+        own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet in ("refraction", "lenslets") else {}
         texts = {"alpha": f"{scene.alpha + 0:.1f}°", **own, **texts}
     return texts
 

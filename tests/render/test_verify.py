@@ -115,7 +115,7 @@ def test_bounds_hold_for_exact_probes_and_fail_for_other_scenes(name, monkeypatc
     assert not all(figure.holds for figure in REDUCED[name](size))
 
 
-@pytest.mark.parametrize("check", [verify.black_tops, verify.partial_reflection])
+@pytest.mark.parametrize("check", [verify.black_tops, verify.partial_reflection, verify.reflected_light])
 def test_what_real_glass_does(check, monkeypatch):
     assert all(figure.holds for figure in check(SIZE))
     # other prisms than those of the reference

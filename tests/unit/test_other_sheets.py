@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, Spheres
+from povgen import Chess, InputError, MovieSpec, Spheres
 from povgen.optics import ideal, rotation
 from povgen.scene import prediction
 from povgen.settings import Rendering
@@ -12,6 +12,7 @@ from povgen.video import overlay
 SHEETS = [
     {"sheet": "axis", "alpha": 30, "axis": (0.2, 0.4, 1)},
     {"sheet": "refraction", "alpha": 40, "ratio": 0.7},
+    {"sheet": "lenslets", "alpha": 180, "ratio": 1.4},
     {"sheet": "mirror", "alpha": 70},
 ]
 
@@ -21,11 +22,13 @@ def test_they_contain_the_rotating_sheet_and_no_sheet():
     for scene in (
         Chess(sheet="axis", axis="0,0,0.5", alpha=50),
         Chess(sheet="refraction", ratio=1, alpha=50),
+        Chess(sheet="lenslets", ratio=1, alpha=50),
     ):
         assert scene.apparent_position(scene.L, 2) == pytest.approx(right.apparent_position(right.L, 2))
         assert overlay.facts(scene)["alpha"] == "50.0°"
     none = Chess(sheet="none")
-    for scene in (Chess(sheet="axis", alpha=0), Chess(sheet="refraction", alpha=0)):
+    for sheet in ("axis", "refraction", "lenslets"):
+        scene = Chess(sheet=sheet, alpha=0)
         assert scene.apparent_position(scene.L, 2) == pytest.approx(none.apparent_position(none.L, 2))
 
 
@@ -33,6 +36,18 @@ def test_one_prism_sheet_of_fine_prisms_is_a_mirror():
     prisms = Chess(sheet="single", prisms=3000)
     mirror = Chess(sheet="mirror", alpha=0)
     assert mirror.apparent_position(0.3 + 0.2j, 2) == pytest.approx(prisms.apparent_position(0.3 + 0.2j, 2), abs=0.001)
+
+
+def test_lenslets_form_an_image_of_every_point():
+    """The focal length on the eye's side over that on the object's scales its depth. The movie moves this image."""
+    for eye in ((0, 0), (0.4, -0.3)):
+        scene = Chess(sheet="lenslets", alpha=180, ratio=0.8, eye=eye)
+        L, z1 = np.array([0.1, 0.5j]), np.array([2.0, 3])
+        seen_before_window = scene.E + (L - scene.E) * 6 / (6 - z1 / 0.8)  # an object there, without lenslets
+        np.testing.assert_allclose(scene.apparent_position(L, z1), seen_before_window, rtol=1e-12)
+    movie = MovieSpec.load("lenslets").scenes("standard")
+    distances = [scene.z1 / scene.ratio for scene in movie]
+    assert {scene.alpha for scene in movie} == {180} and (max(distances), min(distances)) == pytest.approx((4, 1))
 
 
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
@@ -60,7 +75,7 @@ def test_overlays_are_drawn(values):
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
     assert overlay.key(scene, Rendering(overlay=True))[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
-    assert ("ratio" in overlay.facts(scene)) == (scene.sheet == "refraction")
+    assert ("ratio" in overlay.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
     assert not [*prediction.warnings(scene, Rendering(overlay=True, caption=True))]
 
 
@@ -107,7 +122,8 @@ def test_sheets_that_cannot_be_are_refused(values, words):
 def test_the_maps_are_those_of_the_mathematics(rng):
     d = rng.normal(size=(20, 3))
     alpha = np.radians(30)
-    axis, refraction, mirror = (Chess(**{**values, "alpha": 30}).bend(d) for values in SHEETS)
+    axis, refraction, lenslets, mirror = (Chess(**{**values, "alpha": 30}).bend(d) for values in SHEETS)
     np.testing.assert_array_equal(axis, ideal.rotate_about(d, (0.2, 0.4, 1), alpha))
     np.testing.assert_array_equal(refraction, ideal.refract(d, 0.7 * np.exp(1j * alpha)))
+    np.testing.assert_array_equal(lenslets, ideal.scale_slope(d, 1.4 * np.exp(1j * alpha)))
     np.testing.assert_array_equal(mirror, rotation.mirror(d, alpha / 2))

@@ -63,7 +63,7 @@ def test_the_trace_level_leaves_few_pixels_black():
 def told_aside(scene):
     """Pixels of 1280x960 by which POV-Ray's interpolation between unit vectors shows an object aside, and should not.
 
-    Computed for the triangles of camera.pov.j2: at the middle of each side and of each triangle.
+    Computed for the triangles of camera/ideal.pov.j2: at the middle of each side and of each triangle.
     """
     n, half = prediction.camera_cells(scene), scene.aperture / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half

@@ -10,7 +10,7 @@ from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
-SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "mirror")
+SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror")
 
 
 def scenes():

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from povgen.optics import rotation
+from povgen.optics.polarisation import mean_transmission, reflection
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, Face, Sheet, pair, trace
 
@@ -154,3 +156,45 @@ def test_a_ray_that_does_not_run_towards_the_sheets_is_refused(origin, direction
 def test_a_ray_nearly_parallel_to_the_sheets_meets_the_frame():
     rays = trace([[0, 0, -6]], [[1, 0, 1e-9], [1, 0, 1e-300]], pair(0.7, COARSE), WINDOW, COARSE)
     assert (rays.end == End.FRAME).all() and np.isfinite(rays.position).all()
+
+
+# ---- partial reflection
+
+
+class Drawn:
+    """Random numbers that are all the same: with 0 every face reflects, with 1 no face does."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def uniform(self, size):
+        return np.full(size, self.value)
+
+
+def test_a_ray_that_every_face_reflects():
+    """By hand: up from the slanted facet (45 deg) to the base of the prism above, down again, and back."""
+    prism = Prism(WINDOW / 10)
+    y = prism.pitch * 2.5
+    rays = trace([[0.1, y, -3]], [[0, 0, 1]], pair(0.0, prism), WINDOW, prism, partial=Drawn(0.0))
+    assert list(rays.faces[0, :4]) == [Face.NEAR, Face.BASE, Face.NEAR, Face.NONE]
+    assert rays.end[0] == End.BACK and rays.reflected[0] and not rays.designed[0]
+    np.testing.assert_allclose(rays.direction[0], [0, 0, -1], atol=1e-14)
+    np.testing.assert_allclose(rays.position[0, :2], [0.1, y], atol=1e-14)
+    part = [(np.abs(reflection(1, 1.5, np.cos(angle))) ** 2).mean() for angle in (pi / 4, 0, pi / 4)]
+    assert rays.light[0] == pytest.approx(np.prod(part))
+
+
+def test_light_on_the_designed_path_with_partial_reflection():
+    """Each ray's part of the light is the product of what its faces let pass; so many of the rays take the path."""
+    alpha, prism = np.radians(66), Prism(WINDOW / 100)
+    origin, direction = fan(60000)
+    window = pair(alpha, prism), WINDOW, prism
+    all_light = trace(origin, direction, *window)
+    passing = trace(origin, direction, *window, partial=Drawn(1.0))
+    assert not passing.reflected.any() and (passing.faces == all_light.faces).all() and (all_light.light == 1).all()
+    expected = mean_transmission(-rotation.rotate(direction, alpha), [0, alpha / 2], prism)[all_light.designed]
+    np.testing.assert_allclose(passing.light[all_light.designed], expected, rtol=1e-12)
+    drawn = trace(origin, direction, *window, partial=np.random.default_rng(3))
+    taken = drawn.designed[all_light.designed]
+    assert taken.mean() == pytest.approx(expected.mean(), abs=4 * np.sqrt(0.2 * 0.8 / len(taken)))
+    assert not (drawn.designed & ~all_light.designed).any()
