@@ -53,6 +53,7 @@ SCENES: tuple[Scene, ...] = (
 OTHER = (
     Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
     Chess(sheet="refraction", ratio=0.3, alpha=40, z2=4, eye=(0.5, 0.2)),
+    Chess(sheet="lenslets", ratio=1.5, alpha=180, eye=(0.2, 0.3)),
     Chess(sheet="mirror", alpha=70),
 )
 

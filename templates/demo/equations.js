@@ -99,16 +99,18 @@ const equations = (() => {
     return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
   }
 
+  // `prism` is the shape of the prisms in all windows, or a list with that of each.
   function depths(z1, z2, alpha, prism, behind = []) {
-    const { b, h } = sheet(prism);
-    let [B, total] = [turn(alpha), alpha];
-    for (const [, next] of behind) {
+    const shapes = (Array.isArray(prism) ? prism : [alpha, ...behind].map(() => prism)).map(sheet);
+    let [B, total] = [scaled(shapes[0].b, turn(alpha)), alpha];
+    behind.forEach(([, next], k) => {
       total += next;
-      B = plus(B, turn(total));
-    }
-    const shorter = behind.map(([distance, next]) => [distance - 2 * h, next]);
-    const A = behind.length ? depth(z1 - h, z2 - h, alpha, shorter) : plus([z2 - h, 0], scaled(z1 - h, turn(-alpha)));
-    return { A, B: scaled(b, B) };
+      B = plus(B, scaled(shapes[k + 1].b, turn(total)));
+    });
+    const [near, far] = [z2 - shapes[0].h, z1 - shapes.at(-1).h];
+    if (!behind.length) return { A: plus([near, 0], scaled(far, turn(-alpha))), B };
+    const shorter = behind.map(([distance, next], k) => [distance - shapes[k].h - shapes[k + 1].h, next]);
+    return { A: depth(far, near, alpha, shorter), B };
   }
 
   function sheet({ slab_shift, separation }) {

@@ -152,14 +152,20 @@ function objectStep(now, step) {
   return [(step[0] * up[1] - step[1] * up[0]) / area, (right[0] * step[1] - right[1] * step[0]) / area];
 }
 
-// Whether the prediction is wrong by pixels. The limits are in povgen/scene/limits.py.
+// Whether the prediction can be wrong by pixels. The limits are in povgen/scene/limits.py.
 function unsure(now) {
   if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
   if (now.sheet === "ideal") return now.M > data.limits.condition;
   const moved = now.sheet === "single"
     ? (now.prism.pitch / 2) * Math.abs(now.z2 / (now.z2 - now.z1))
-    : abs(minus(now.place, equations.ideal(now.L, now.E, now.z1, now.z2, now.alpha, now.behind)));
+    : [0, ...now.behind].reduce((sum, _, k) => sum + correction(now, k), 0);
   return !((moved / now.scene.view) * 960 <= data.limits.correction);  // NaN at the pole
+}
+
+// How far the prisms of window number k alone move the object's apparent position, tiles.
+function correction({ L, E, z1, z2, alpha, prism, behind }, k) {
+  const prisms = [0, ...behind].map((_, n) => (n === k ? prism : { slab_shift: 0, separation: 0 }));
+  return abs(minus(equations.prisms(L, E, z1, z2, alpha, prisms, behind), equations.ideal(L, E, z1, z2, alpha, behind)));
 }
 
 // ---- The state in the page's address ----

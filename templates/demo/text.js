@@ -51,7 +51,7 @@ function explanation(now) {
   return [seen(now), ...remarks(now)].join(" ");
 }
 
-const UNSURE = "Here the prediction is wrong by pixels: the prisms are large, or the pole is near.";
+const UNSURE = "Here the prediction can be wrong by pixels: the prisms are large, or the pole is near.";
 
 function seen(now) {
   if (now.beyond) return seenThrough(now);
