@@ -10,7 +10,7 @@ POVGEN := $(VENV)/bin/povgen
 BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
 GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
-  pieces imaging refraction black-tops))
+  pieces imaging refraction black-tops page))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
 # This file says that make created the environment. Only then may make remove it.
@@ -82,9 +82,11 @@ docs/gallery/black-tops.png: ARGUMENTS = frame chess --quality high --tops black
 docs/gallery/pieces.png: ARGUMENTS = frame chess --size 1280x720 --antialias 3x --sheet none --aperture 7.5 --view 1.8 --eye 0,0.25 \
   --pedestal 2 --z1 8 --piece king --piece queen --piece bishop --piece knight --piece rook --piece pawn \
   --x -3 --x -1.8 --x -0.6 --x 0.6 --x 1.8 --x 3
-$(GALLERY): $(SOURCES) | $(READY)
+$(filter-out docs/gallery/page.png,$(GALLERY)): $(SOURCES) | $(READY)
 	@mkdir -p docs/gallery
 	$(POVGEN) $(ARGUMENTS) -o $@
+docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
+	$(VENV)/bin/python docs/page_picture.py -o $@
 
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py

@@ -1,0 +1,27 @@
+"""Take a picture of the page to teach with: `python docs/page_picture.py -o FILE.png`.
+
+Needs povgen[live] and a Chromium.
+"""
+
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from povgen.measure.browser import chromium
+from povgen.teach.page import demo
+
+ADDRESS = "#sheet=ideal&alpha=66&show=position,circles,image"
+
+
+def main() -> None:
+    """Draw the page as it opens, with the predictions, 1280x720."""
+    with TemporaryDirectory() as folder, chromium() as browser:
+        made = demo(Path(folder) / "demo.html", progress=False)
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.goto(made.as_uri() + ADDRESS)
+        page.wait_for_function("view.converged()", timeout=300_000)
+        page.screenshot(path=sys.argv[-1])
+
+
+if __name__ == "__main__":
+    main()
