@@ -125,6 +125,28 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
         save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
+def save_neighbours(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
+    """Write neighbours.csv and a chart of error against CPU seconds, for windows in series and other ideal sheets."""
+    _save_table(folder / "neighbours.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
+    with style():
+        figure, labels = Figure(figsize=(8, 4.6), layout="constrained"), []
+        ax = figure.subplots()
+        for kind in dict.fromkeys(row[0] for row in rows):
+            names, cpu, error = zip(*(row[1:] for row in rows if row[0] == kind), strict=True)
+            (line,) = ax.plot(cpu, error, "o" if "other" in kind else "o-", label=kind)
+            colour = str(line.get_color())
+            labels += [
+                Label(x, y, f"{name} windows" if name in "23" else "1 window" if name == "1" else name, colour)
+                for name, x, y in zip(names, cpu, error, strict=True)
+            ]
+        ax.set(xscale="log", yscale="log", xlabel="CPU seconds a frame", ylabel="position error (px)")
+        ax.margins(0.15)
+        ax.grid(alpha=0.25, which="both")
+        ax.legend(loc="center")
+        _draw_labels(figure, [(ax, labels)])
+        save_drawing(figure, folder / "neighbours.png", folder / "neighbours.svg")
+
+
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
     """Write flicker.csv."""
     _save_table(folder / "flicker.csv", ("antialias", "flicker"), [(name, f"{value:.3g}") for name, value in rows])

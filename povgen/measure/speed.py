@@ -30,8 +30,8 @@ from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure import probes
 from povgen.measure.browser import View, chromium
-from povgen.measure.verify import SMALL, located, px, rms, targets
-from povgen.optics import rotation
+from povgen.measure.probes import Positions
+from povgen.measure.verify import OTHER, SMALL, located, other_targets, px, rms, series_targets, targets
 from povgen.rendering import parallel, povray
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear
@@ -57,6 +57,7 @@ CONVERGED = "1,0.001,9"  # 81 rays a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
+WINDOWS = ("alpha=120,z=2", "alpha=40,z=4")  # behind the first one, which has alpha = 120
 WORKER_COUNTS = (1, 2, 4, 8, 16)
 MOVIE: MovieSpec | str = "vary-alpha"
 ROUNDS = 5
@@ -235,16 +236,36 @@ def measure_prism_counts(done: Callable[[str], object]) -> Iterator[tuple[str, i
     texts = [to_pov(Chess(sheet=sheet, prisms=count)) for sheet, count in cases]
     seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
     for (sheet, count), times in zip(cases, zip(*seconds, strict=True), strict=True):
-        yield sheet, count, median(times), position_error(sheet, count)
+        yield sheet, count, median(times), position_error(targets(sheet, 6, seed=3, E=0j, prisms=count))
         done(f"{sheet}, {count} prisms")
 
 
-def position_error(sheet: str, prisms: int) -> float:
-    """Return the RMS distance of apparent positions from eq. 7, in pixels of 1280x960."""
+def measure_neighbours(done: Callable[[str], object]) -> Iterator[tuple[str, str, float, float]]:
+    """Yield a kind of sheet, how many windows or which sheet, CPU seconds, and position error in pixels of 1280x960.
+
+    These are one to three windows in series, and the other ideal sheets. The CPU seconds are for 640x480 pixels without
+    antialiasing. The error is the distance from the formula for infinitely fine sheets.
+    """
+    rendering = Rendering(size=SMALL, antialias="off")
+    cases: list[tuple[str, str, Scene, list[Positions]]] = []
+    for sheet, count in product(("ideal", "detailed"), range(1, 4)):
+        shown = Chess(sheet=sheet, alpha=120, window=WINDOWS[: count - 1], z2=8)
+        cases.append((sheet, str(count), shown, series_targets(sheet, count, 6, seed=3, E=0j)))
+    for sheet, measured in other_targets().items():
+        cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet][0]), measured))
+    texts = [to_pov(shown) for _, _, shown, _ in cases]
+    seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
+    for (kind, name, _, measured), times in zip(cases, zip(*seconds, strict=True), strict=True):
+        yield kind, name, median(times), position_error(measured)
+        done(f"{kind}: {name}")
+
+
+def position_error(scenes: list[Positions]) -> float:
+    """Return the RMS distance of apparent positions from the formula for fine sheets, in pixels of 1280x960."""
     off = []
-    for scene, seen in located(targets(sheet, 6, seed=3, E=0j, prisms=prisms), SMALL):
-        predicted = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, np.radians(scene.alpha))
-        off.append(abs(seen.position - predicted))
+    for scene, seen in located(scenes, SMALL):
+        fine = scene.replace(sheet="ideal") if scene.has_prisms else scene
+        off.append(abs(seen.position - fine.apparent_position(scene.L, scene.z1)))
     return px(rms(off))
 
 

@@ -12,6 +12,7 @@ from povgen import Chess, MovieSpec, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
+from povgen.scene.models import OTHER_SHEETS
 
 BASELINES = PROJECT / "benchmarks"
 
@@ -37,10 +38,10 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         monkeypatch.setattr(speed, name, value)
     done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--baselines", str(BASELINES)])
     assert done.exit_code == 0, done.output
-    charts = ("frames-64x48", "frames-80x60", "prisms", "workers")
+    charts = ("frames-64x48", "frames-80x60", "prisms", "neighbours", "workers")
     files = {f"{name}.{kind}" for name in charts for kind in ("png", "svg")}
     assert {path.name for path in tmp_path.iterdir()} == files | {
-        *("frames.csv", "flicker.csv", "prisms.csv", "workers.csv", "machine.txt"),
+        *("frames.csv", "flicker.csv", "prisms.csv", "neighbours.csv", "workers.csv", "machine.txt"),
         *("polarisation.png", "diffraction.png"),
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
@@ -58,6 +59,12 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     (ideal, few, many) = csv.DictReader((tmp_path / "prisms.csv").open())
     assert float(ideal["position error (px)"]) < 0.05 < float(many["position error (px)"])
     assert float(few["position error (px)"]) == pytest.approx(4 * float(many["position error (px)"]), rel=0.2)
+    rows = list(csv.DictReader((tmp_path / "neighbours.csv").open()))
+    off = {(row["kind"], row["windows or sheet"]): float(row["position error (px)"]) for row in rows}
+    assert {name for kind, name in off if kind == "other ideal sheets"} == {*OTHER_SHEETS}
+    for (kind, _), error in off.items():
+        assert 0.1 < error < 12 if kind == "detailed" else error < 0.1
+    assert all(float(row["CPU s"]) > 0 for row in rows)
     (movie,) = csv.DictReader((tmp_path / "workers.csv").open())
     assert 0 < float(movie["fraction of cores busy"]) < 1.2
 
