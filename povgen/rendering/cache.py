@@ -1,10 +1,11 @@
 """The cache: a marked folder of finished frames, ray traces and distance fields.
 
-A file is named after what it was made from. `frame_path` makes a frame's key. A ray trace's key is made in
-surveys.py, a distance field's in volumes.py.
+A file is named after its key: a text that states what the file was made from. `frame_path` makes a frame's key. A ray
+trace's key is made in surveys.py, a distance field's in volumes.py.
 """
 
 import errno
+import json
 import os
 import re
 import stat
@@ -14,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 
@@ -23,6 +25,7 @@ from povgen.rendering import povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
+MAX_VALUES = 2**21  # bytes in a file of values
 # Backup programs leave out a folder that holds this file. povgen writes it only into an empty folder, and uses no
 # folder without it.
 TAG = "CACHEDIR.TAG"
@@ -44,7 +47,7 @@ def frame_path(source: str, rendering: Rendering) -> Path:
 
 
 def path_for(key: str, suffix: str) -> Path:
-    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .json."""
+    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .values."""
     name = sha256(key.encode()).hexdigest()
     return folder() / name[:2] / f"{name}{suffix}"
 
@@ -166,6 +169,25 @@ def store(made: Path, path: Path) -> bool:
     return False
 
 
+def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
+    """Return the values that `store_values` stored with this key. None if the file is missing, damaged or another."""
+    checksum, _, text = (read(path_for(key, ".values"), MAX_VALUES) or b"").partition(b"\n")
+    return json.loads(text) if checksum == _checksum(key, text) else None
+
+
+def store_values(key: str, values: object) -> None:
+    """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum."""
+    text = json.dumps(values).encode()
+    with suppress(OSError), work_folder() as work:
+        made = work / "values"
+        made.write_bytes(_checksum(key, text) + b"\n" + text)
+        store(made, path_for(key, ".values"))
+
+
+def _checksum(key: str, text: bytes) -> bytes:
+    return sha256(key.encode() + b"\0" + text).hexdigest().encode()
+
+
 def by_last_use() -> list[tuple[float, int, Path]]:
     """Return each file's time of last use, size in bytes and path. The least recently used comes first."""
     now = time.time()
@@ -178,7 +200,7 @@ def _stored() -> Iterator[tuple[float, int, Path]]:
     for subfolder in _entries(folder()):
         if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
             for entry in _entries(subfolder):
-                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|json)", entry.name)
+                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|values)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
                     if named and stat.S_ISREG(status.st_mode):
