@@ -140,7 +140,7 @@ def work_folder() -> AbstractContextManager[Path]:
 
 def read(path: Path, most: int) -> bytes | None:
     """Return a file's bytes and mark the file as used now. None if it is missing, unreadable or above `most` bytes."""
-    with suppress(OSError):
+    with suppress(OSError):  # as the docstring says
         return _read(path, most, used=True)
     return None
 
@@ -160,6 +160,7 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
 
 def store(made: Path, path: Path) -> bool:
     """Move a finished file to its path in the cache. Return False if something that is not povgen's is there."""
+    # each of these means that something else is there
     with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError):
         path.parent.mkdir(exist_ok=True)
         free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
@@ -178,7 +179,7 @@ def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
 def store_values(key: str, values: object) -> None:
     """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum."""
     text = json.dumps(values).encode()
-    with suppress(OSError), work_folder() as work:
+    with suppress(OSError), work_folder() as work:  # a full or read-only disk: they are computed again next time
         made = work / "values"
         made.write_bytes(_checksum(key, text) + b"\n" + text)
         store(made, path_for(key, ".values"))

@@ -2,11 +2,11 @@
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes
+from povgen.cli.options import Quiet, Tolerance, Values, Workers, auto_tolerance, chosen, split, takes
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.progress import bar
@@ -109,7 +109,7 @@ def command(
         print(f"wrote {output}")
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any], fixed: dict[str, Any]) -> "MovieSpec":
+def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> "MovieSpec":
     """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
 
     Raises InputError.
