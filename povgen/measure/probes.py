@@ -199,10 +199,6 @@ class ApparentObject:
         """Return the angle, radians, by which the object appears turned counter-clockwise."""
         return float(np.angle(self.a))
 
-    @property
-    def magnification(self) -> float:
-        return abs(self.a)
-
 
 def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:
     """Return where the point 0 of an object appears, or None if too little of the object is visible.

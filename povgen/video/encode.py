@@ -98,8 +98,3 @@ def check_gif(frames: int, rate: float) -> None:
 def png(picture: NDArray[np.uint8]) -> bytes:
     """Return a picture, (height, width, 3) bytes, as the bytes of a PNG file."""
     return iio.imwrite("<bytes>", picture, extension=".png")
-
-
-def webp(picture: NDArray[np.uint8]) -> bytes:
-    """Return a picture, (height, width, 3) bytes, as the bytes of a WebP file, which is smaller than a PNG file."""
-    return iio.imwrite("<bytes>", picture, plugin="pillow", extension=".webp", quality=90)
