@@ -23,12 +23,15 @@ LOCK_FILE = "lock"  # in each work folder; the process that uses the folder hold
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
-def checked_output(path: str | Path, suffixes: Iterable[str]) -> Path:
-    """Return the path if a file with one of these suffixes can be written there. Raises InputError if not."""
+def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "output") -> Path:
+    """Return the path if a file with one of these suffixes can be written there.
+
+    Raises InputError if not, which names the option that states the path.
+    """
     if not isinstance(path, (str, os.PathLike)):
-        raise InputError(f"output = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
+        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
     path = Path(path)
-    name = f"output = {str(path)!r}"
+    name = f"{option} = {str(path)!r}"
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     try:

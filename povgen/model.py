@@ -94,7 +94,8 @@ def _message(model: type[BaseModel], values: dict[str, object], fault: ErrorDeta
     message = _reason(fault) or message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
-        return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
+        where = f" in the scene {model.name}" if hasattr(model, "name") else ""  # another scene may have it
+        return f"{shown(name)}: unknown{where}; allowed: {', '.join(model.model_fields)}"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
@@ -119,4 +120,10 @@ def _reason(fault: ErrorDetails) -> str | None:
             return "should be a list"
         case "dict_type" | "model_type":
             return "should be a table"
+        case "float_parsing" | "float_type":
+            return "should be a number"
+        case "int_parsing" | "int_type" | "int_from_float":
+            return "should be a whole number"
+        case "bool_parsing" | "bool_type":
+            return "should be true or false"
     return None

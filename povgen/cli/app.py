@@ -18,7 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 from povgen import __version__, stopping
 from povgen.cli.options import with_options
 from povgen.cli.report import one_line
-from povgen.errors import InputError, PovrayError
+from povgen.errors import InputError, PovrayError, shown
 from povgen.progress import say
 
 COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
@@ -50,8 +50,10 @@ class _Commands(TyperGroup):
     def list_commands(self, context: object) -> list[str]:
         return list(COMMANDS)
 
-    def get_command(self, context: object, name: str) -> _Command | None:
-        return _command(name) if name in COMMANDS else None
+    def get_command(self, context: object, name: str) -> _Command:
+        if name not in COMMANDS:
+            raise InputError(f"command = {shown(name)}: unknown; allowed: {', '.join(COMMANDS)}")
+        return _command(name)
 
 
 app = typer.Typer(

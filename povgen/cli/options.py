@@ -69,7 +69,8 @@ def with_options(command: Command) -> Command:
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     called.__dict__["__signature__"] = inspect.Signature(parameters)
     called.__annotations__ = {p.name: p.annotation for p in parameters}
-    called.__doc__ = command.__doc__
+    # typer breaks lines as the terminal needs it, but also wherever the text has a line break
+    called.__doc__ = "\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\n"))
     return called
 
 

@@ -5,6 +5,7 @@ import zlib
 
 import numpy as np
 import pytest
+from conftest import run_povgen
 
 from povgen import InputError
 from povgen.rendering import cache, povray, volumes
@@ -74,6 +75,7 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
     pieces = {"own": PieceFile("own.inc", "#declare Piece = sphere { 0.3*y, 0.3 }\n")}
     made = volumes.volumes(pieces)
     ((_, _, kept),) = cache.by_last_use()
+    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
     whole = kept.read_bytes()
     kept.write_bytes(whole[:-9])
     assert volumes.volumes(pieces) == made and kept.read_bytes() == whole

@@ -1,4 +1,4 @@
-"""povgen chart."""
+"""The command povgen chart."""
 
 from pathlib import Path
 from typing import Annotated

@@ -24,7 +24,9 @@ def command(
     rendering = Rendering(quality=quality)
     for number in numbers:
         if number not in list("123456"):
-            raise InputError(f"number = {number!r}: the paper has no such figure; allowed: 1 to 6")
+            raise InputError(
+                f"number = {number!r}: the paper has no such figure; allowed: 1, 2, 3, 4, 5 or 6, with spaces between"
+            )
     folder = made_folder(output)
     from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import SceneName, scene_of, split, takes
-from povgen.cli.report import warn
+from povgen.cli.report import warn, warn_unused
 
 
 @takes("scenes", "sampling")
@@ -25,6 +25,7 @@ def command(
     values, options = split(values)
     made = scene_of(scene, values)
     text = to_pov(made, file="scene.pov" if output is None else output.name, **options)
+    warn_unused(values, [made])
     warn([made])
     if output is None:
         print(text, end="")

@@ -1,4 +1,4 @@
-"""povgen verify."""
+"""The command povgen verify."""
 
 import sys
 from pathlib import Path
@@ -47,7 +47,7 @@ def command(
 
     _check_options(sheet, stability, live, output)
     if json_file:
-        json_file = checked_output(json_file, [".json"])
+        json_file = checked_output(json_file, [".json"], "json")
     folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
