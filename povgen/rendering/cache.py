@@ -34,7 +34,7 @@ Signature: 8a477f597d28d172789f06886806bc55
 # This folder is povgen's. It keeps rendered frames here, and removes those that have not been used for longest.
 # What such a file is for: https://bford.info/cachedir/
 """
-HINT = "the folder for frames; POVGEN_CACHE names another"
+HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 
 
 def frame_path(source: str, rendering: Rendering) -> Path:
@@ -109,7 +109,7 @@ def check() -> None:
         mark = b""
     except OSError:
         mark = b"unreadable"
-    # Another povgen may be about to write the mark, or was killed before. It writes the mark before anything else.
+    # Another povgen may be about to write the mark, or was killed before it did. The mark is written before all else.
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
             f"POVGEN_CACHE = {str(path)!r}: a folder that holds other things and that povgen has not marked; "

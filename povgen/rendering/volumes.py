@@ -37,7 +37,9 @@ class Volume(NamedTuple):
     """A piece's distance field. `templates/live/volume.js` reads it."""
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
-    data: str  # a byte for each point, x fastest, as difference to the point before along z; compressed, in base 64
+    # A byte for each point: the difference from the point before it along z. x changes fastest, z slowest. All is
+    # compressed and written in base 64.
+    data: str
     most: float = MOST  # the distance, in voxels, that the byte 255 means
 
 

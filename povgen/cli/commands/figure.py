@@ -18,7 +18,7 @@ def command(
         str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, standard, high or hd")
     ] = "high",
 ) -> None:
-    """Make figures of the paper as PNG, line drawings also as SVG, and captions with the measured agreement."""
+    """Make figures of the paper (PNG, for drawings also SVG), with captions that say how well they agree with it."""
     from povgen.settings import Rendering
 
     rendering = Rendering(quality=quality)

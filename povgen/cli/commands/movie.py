@@ -32,7 +32,7 @@ def command(
         typer.Option(
             metavar="NAME=START:STOP",
             help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
-            "The spacing can be :linear, :log or :cosine. Once for each parameter",
+            "The spacing can be :linear, :log or :cosine. Give it once for each parameter",
         ),
     ] = None,
     frames: Annotated[

@@ -17,7 +17,7 @@ def command(
 ) -> None:
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
-    Its header has the command that makes the picture of povgen frame with the same options.
+    The source's header states a command, which makes the same picture as povgen frame with these options.
     """
     from povgen.files import checked_output, save
     from povgen.scene.sdl import to_pov
