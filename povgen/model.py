@@ -49,7 +49,7 @@ class Model(BaseModel):
         about = []
         for name, field in fields.items():
             text = field.description or ""
-            default = "" if field.is_required() or "default" in text else f" = {field.default!r}"
+            default = "" if field.is_required() or "(default" in text else f" = {field.default!r}"
             about.append(f"- `{name}{default}`: {text}")
         own = cleandoc(cls.__dict__.get("__doc__") or "")
         cls.__doc__ = "\n".join([own, "", "Parameters:", "", *about]) if about else own

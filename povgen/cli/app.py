@@ -90,11 +90,18 @@ def main() -> None:
             message = one_line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
         if isinstance(error, (PovrayError, OSError)):
-            _fail(f"povgen: {error}", 1)
+            _fail(f"povgen: {_said(error)}", 1)
         if isinstance(error, MemoryError) or str(error) == "can't start new thread":
             _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise
     sys.exit(status)
+
+
+def _said(error: Exception) -> str:
+    """Return an error's message. For a file it is the file's name and the reason, without the system's number."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return str(error)
 
 
 def _fail(message: str, status: int) -> None:

@@ -97,7 +97,7 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
 
     If the field differs between scenes, the help names the scenes.
     """
-    texts = {_about(field): owner for owner, field in owners}
+    texts = {described(field): owner for owner, field in owners}
     about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items()) + more
     flag = name.replace("_", "-")
     kind: Any  # a type that is composed here
@@ -117,7 +117,7 @@ def _takes_several(annotation: object) -> bool:
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
 
 
-def _about(field: "FieldInfo") -> str:
+def described(field: "FieldInfo") -> str:
     """Return a field's help: its description and its default."""
     from pydantic_core import PydanticUndefined
 
@@ -127,7 +127,7 @@ def _about(field: "FieldInfo") -> str:
     about = field.description or ""
     return (
         about
-        if default in (None, False, (), PydanticUndefined) or "default" in about
+        if default in (None, False, (), PydanticUndefined) or "(default" in about
         else f"{about} (default {default})"
     )
 

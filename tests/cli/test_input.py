@@ -194,6 +194,19 @@ def test_quiet_says_nothing_of_options_without_effect(command, tmp_path):
     assert not povgen([*line, "--quiet"], tmp_path)[2]
 
 
+def test_the_list_states_defaults(tmp_path):
+    listed = povgen(["list"], tmp_path)[1]
+    assert "--prisms           Dove prisms across the window, in each sheet, 1 to 3000 (default 100)\n" in listed
+    assert "the default spheres move with it (default 6)\n" in listed
+
+
+def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file/cache")
+    status, _, err = povgen(["frame", "chess", "--sheet=none"], tmp_path)
+    assert status == 1 and err.startswith(f"povgen: {tmp_path}/file/cache: Not a directory (povgen's cache; ")
+
+
 def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):
     text = run_povgen("cache", "--help", cwd=tmp_path, env={**os.environ, "COLUMNS": "80"}).stdout
     *full, _ = text[text.index("The cache keeps") : text.index("Arguments")].strip("\n \u256d\u2500").splitlines()
