@@ -289,7 +289,7 @@ def swept_numbers(scene: type[Scene]) -> dict[str, int]:
     return {name: count for name, count in counts.items() if count in (1, 2)}
 
 
-def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
+def _numbers(kind: object) -> int:
     """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
     if kind in (int, float):
         return 1
@@ -300,9 +300,9 @@ def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
     return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
 
 
-def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
-    """Return a value of a sweep as it is written on the command line."""
-    return ",".join(f"{x:.6g}" for x in np.atleast_1d(value))
+def _text(value: object) -> str:
+    """Return a value of a sweep, a number or a pair, as it is written on the command line."""
+    return ",".join(f"{x:.6g}" for x in (value if isinstance(value, tuple) else (value,)))
 
 
 def _sweep(table: dict[str, object]) -> Sweep:
