@@ -140,7 +140,7 @@ class MovieSpec(Model):
                 raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
             for value in sweep.values or sweep.ends:
                 if np.size(value) != numbers[name]:
-                    kind = "a number" if numbers[name] == 1 else "a pair [X, Y]"
+                    kind = "a number" if numbers[name] == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
         counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
@@ -190,6 +190,9 @@ class MovieSpec(Model):
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
+            for key in values:
+                if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
+                    raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values)
             own = {x: from_folder(value, folder) if x == "piece" else value for x, value in spec.fixed.items()}
             return spec.replace(fixed=own).with_fixed(fixed)
@@ -256,7 +259,9 @@ class MovieSpec(Model):
         for name, value in swept.items():
             number, field = WINDOW_NUMBERS[name]
             if number > len(windows) + 1:
-                raise InputError(f"{name}: swept, but there is no window {number}; allowed: with another [[window]]")
+                raise InputError(
+                    f"{name}: swept, but there is no window {number}; allowed: with --window or [[window]]"
+                )
             windows[number - 2] = windows[number - 2].replace(**{field: value})
         return windows
 

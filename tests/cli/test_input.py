@@ -108,6 +108,13 @@ def test_frame(options, words, tmp_path):
         ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
         ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
         ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
+        (
+            "frames = 5",
+            "frames = 5\nsheet = 'ideal'",
+            ["sheet: a parameter of the scene; allowed: in the table [fixed]"],
+        ),
+        ('parameter = "alpha"', 'parameter = "eye"', ["eye = 0.0: allowed: a pair, X,Y (in a TOML file [X, Y])"]),
+        ('parameter = "alpha"', 'parameter = "window2_z"', ["no window 2; allowed: with --window or [[window]]"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
         ("stop = 180", "stop = 1800", ["spec.toml: frame 5 of 5: alpha = 1800", "360"]),
         ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
