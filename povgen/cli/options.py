@@ -98,13 +98,14 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
     If the field differs between scenes, the help names the scenes.
     """
     texts = {described(field): owner for owner, field in owners}
-    about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items()) + more
+    about = "; ".join(f"{owner}: {text}" if len(texts) > 1 else text for text, owner in texts.items()) + more
     flag = name.replace("_", "-")
     kind: Any  # a type that is composed here
     if owners[0][1].annotation is bool:
         kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
         several = any(_takes_several(field.annotation) for _, field in owners)
+        about += "; can be repeated" * several
         kind, info = list[str] if several else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
     # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]

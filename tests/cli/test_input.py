@@ -207,6 +207,11 @@ def test_the_list_states_defaults(tmp_path):
     assert "the default spheres move with it (default 6)\n" in listed
 
 
+def test_the_help_says_which_options_can_be_repeated(tmp_path):
+    text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
+    assert text.count("; can be repeated") == 5  # z1, x, piece, color, window
+
+
 def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file/cache")
