@@ -100,7 +100,7 @@ def main() -> None:
 def _said(error: Exception) -> str:
     """Return an error's message. For a file it is the file's name and the reason, without the system's number."""
     if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        return f"{one_line(str(error.filename))}: {error.strerror}" if error.filename else error.strerror
     return str(error)
 
 

@@ -140,7 +140,7 @@ def work_folder() -> AbstractContextManager[Path]:
 
 def read(path: Path, most: int) -> bytes | None:
     """Return a file's bytes and mark the file as used now. None if it is missing, unreadable or above `most` bytes."""
-    with suppress(OSError):  # as the docstring says
+    with suppress(OSError):  # what `_read` raises
         return _read(path, most, used=True)
     return None
 

@@ -234,7 +234,7 @@ class MovieSpec(Model):
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
         """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed.
 
-        A swept value is a number or a pair; `model` says which, and not the type.
+        The type of a swept value is Any, because the scene's model says whether it is a number or a pair.
         """
         model = SCENES[self.scene]
         own = {name: x for name, x in swept.items() if name not in WINDOW_NUMBERS}
