@@ -73,7 +73,7 @@ def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
 
 
 def kept(text: str, what: object, make: Callable[[], Any]) -> Any:
-    """Return what `make` returns, or what it returned in an earlier run."""
+    """Return what `make` returns, which JSON can represent, or what it returned in an earlier run."""
     key = "\0".join([text, json.dumps(what), AUTO_SOURCE if what == "trial" else ""])
     path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
     if not path.is_file():

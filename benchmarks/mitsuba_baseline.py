@@ -13,7 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
-WINDOW, DEPTH, Z2, VIEW_HEIGHT, SIZE = 2.4, 0.24, 6.0, 3.85, (640, 480)
+WINDOW, Z2, VIEW_HEIGHT, SIZE = 2.4, 6.0, 3.85, (640, 480)
 
 
 def sheet(triangles: list) -> "mi.Mesh":

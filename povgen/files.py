@@ -23,12 +23,15 @@ LOCK_FILE = "lock"  # in each work folder; the process that uses the folder hold
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
-def checked_output(path: str | Path, suffixes: Iterable[str]) -> Path:
-    """Return the path if a file with one of these suffixes can be written there. Raises InputError if not."""
+def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "output") -> Path:
+    """Return the path if a file with one of these suffixes can be written there.
+
+    Raises InputError if not, which names the option that states the path.
+    """
     if not isinstance(path, (str, os.PathLike)):
-        raise InputError(f"output = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
+        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
     path = Path(path)
-    name = f"output = {str(path)!r}"
+    name = f"{option} = {str(path)!r}"
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     try:
@@ -92,7 +95,7 @@ def remove_leftovers(parent: Path) -> int:
     removed = sum(_remove_locked(folder, opened) for folder, opened in _leftovers(parent))
     # a process that was killed before it made the lock file left an empty folder: rmdir removes only empty folders
     for folder in parent.glob(f"{WORK_PREFIX}*"):
-        with suppress(OSError), _opened(folder) as opened:
+        with suppress(OSError), _opened(folder) as opened:  # another process removes it, or another user owns it
             if _is_new(folder, opened):
                 os.rmdir(folder)
     return removed
@@ -112,7 +115,7 @@ def _leftovers(parent: Path) -> Iterator[tuple[Path, int]]:
     Such a folder belongs to this user. Its lock file contains povgen's mark, and no process holds a lock on this file.
     """
     for folder in list(parent.glob(f"{WORK_PREFIX}*")):
-        with suppress(OSError), ExitStack() as stack:
+        with suppress(OSError), ExitStack() as stack:  # not a leftover: it is locked, or is no work folder of this user
             opened = stack.enter_context(_opened(folder))
             lock = os.open(LOCK_FILE, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK, dir_fd=opened)  # a FIFO would block
             stack.callback(os.close, lock)
@@ -167,7 +170,7 @@ def _remove_locked(folder: Path, opened: int) -> bool:
                     shutil.rmtree(entry.name, dir_fd=opened)
                 else:
                     os.unlink(entry.name, dir_fd=opened)
-        with suppress(FileNotFoundError):
+        with suppress(FileNotFoundError):  # its process was killed before it made one
             os.unlink(LOCK_FILE, dir_fd=opened)
         os.rmdir(folder)
         return True
@@ -197,10 +200,10 @@ def save(made: bytes | Path, output: Path) -> None:
 
 def _copy_permissions(part: Path, target: Path) -> None:
     """Give a new file the mode, owner and group of the file that it replaces."""
-    with suppress(FileNotFoundError, PermissionError):
+    with suppress(FileNotFoundError, PermissionError):  # there is no old file, or its folder cannot be searched
         before = target.stat()
         mode = stat.S_IMODE(before.st_mode)
-        with suppress(PermissionError):
+        with suppress(PermissionError):  # only root may change the owner
             os.chown(part, before.st_uid, -1)
         try:
             os.chown(part, -1, before.st_gid)

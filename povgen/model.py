@@ -1,11 +1,12 @@
 """The base of povgen's models: values are checked, errors have one line, and help() names each parameter."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from inspect import Parameter, Signature, cleandoc
 from typing import Any, Self, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
 
 from povgen.errors import InputError, shown
 
@@ -31,7 +32,7 @@ class Model(BaseModel):
         raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
 
     @classmethod
-    def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (pydantic's options)
+    def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (passed on to pydantic)
         """Return a model made from a dictionary. Raises InputError."""
         with _errors(cls, obj if isinstance(obj, dict) else {}):
             return super().model_validate(obj, **options)
@@ -48,7 +49,7 @@ class Model(BaseModel):
         about = []
         for name, field in fields.items():
             text = field.description or ""
-            default = "" if field.is_required() or "default" in text else f" = {field.default!r}"
+            default = "" if field.is_required() or "(default" in text else f" = {field.default!r}"
             about.append(f"- `{name}{default}`: {text}")
         own = cleandoc(cls.__dict__.get("__doc__") or "")
         cls.__doc__ = "\n".join([own, "", "Parameters:", "", *about]) if about else own
@@ -71,7 +72,7 @@ class Model(BaseModel):
 
 
 @contextmanager
-def _errors(model: type[BaseModel], values: dict[str, Any]) -> Iterator[None]:
+def _errors(model: type[BaseModel], values: dict[str, object]) -> Iterator[None]:
     """Raise InputError in place of pydantic's error, and for a Boolean in place of a number or a name."""
     for name, value in values.items():
         field = model.model_fields.get(name)
@@ -85,15 +86,16 @@ def _errors(model: type[BaseModel], values: dict[str, Any]) -> Iterator[None]:
         raise InputError(_message(model, values, error.errors()[0])) from None
 
 
-def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str, Any]) -> str:
+def _message(model: type[BaseModel], values: dict[str, object], fault: ErrorDetails) -> str:
     """Return the message for one of pydantic's errors."""
-    message = str(fault["msg"]).removeprefix("Value error, ").removeprefix("Input ")
+    message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     if not fault["loc"]:  # a check of several values together; its message names them
         return message
     message = _reason(fault) or message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
-        return f"{shown(name)}: unknown; allowed: {', '.join(model.model_fields)}"
+        where = f" in the scene {model.name}" if hasattr(model, "name") else ""  # another scene may have it
+        return f"{shown(name)}: unknown{where}; allowed: {', '.join(model.model_fields)}"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
@@ -105,7 +107,7 @@ def _message(model: type[BaseModel], values: dict[str, Any], fault: Mapping[str,
     return f"{name} = {shown(values[name])}: {message} ({about})"
 
 
-def _reason(fault: Mapping[str, Any]) -> str | None:
+def _reason(fault: ErrorDetails) -> str | None:
     """Return povgen's words for those of pydantic's errors whose own words are Python's."""
     match fault["type"]:
         case "missing":  # a part of the value is missing
@@ -118,4 +120,10 @@ def _reason(fault: Mapping[str, Any]) -> str | None:
             return "should be a list"
         case "dict_type" | "model_type":
             return "should be a table"
+        case "float_parsing" | "float_type":
+            return "should be a number"
+        case "int_parsing" | "int_type" | "int_from_float":
+            return "should be a whole number"
+        case "bool_parsing" | "bool_type":
+            return "should be true or false"
     return None

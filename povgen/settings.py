@@ -1,22 +1,35 @@
 """How a scene is rendered: the qualities, picture size, antialiasing, caption and overlay."""
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from povgen.model import Model
 
-# Each quality's picture size and antialiasing, the latter through prisms and without prisms: few pixels of a picture
-# without prisms need more rays. No other antialiasing is both faster and more accurate (docs/speed.md).
-# A movie's number of frames is a multiple of the number that its spec states. hd states frames a second instead,
-# because players and editors expect 30.
-QUALITIES: dict[str, dict[str, Any]] = {
-    "draft": {"size": (320, 240), "antialias": (None, None), "frames": 1 / 4},
-    "standard": {"size": (480, 360), "antialias": ("1.5x", (1, 0.1, 2)), "frames": 1},
-    "high": {"size": (960, 720), "antialias": ("2x", (1, 0.1, 3)), "frames": 3},
-    "hd": {"size": (1920, 1080), "antialias": ("2x", (1, 0.1, 3)), "frame_rate": 30},
+Factor = Literal["1.5x", "2x", "3x", "4x"]
+
+
+class Preset(NamedTuple):
+    """What a quality decides.
+
+    There are two antialiasings, one through prisms and one without prisms, because few pixels of a picture without
+    prisms need more rays. No other antialiasing is both faster and more accurate (docs/speed.md).
+    """
+
+    size: tuple[int, int]
+    antialias: tuple[Factor | tuple[int, float, int] | None, tuple[int, float, int] | None]
+    frames: float = 1  # a movie's number of frames, as a multiple of the number that its spec states
+    frame_rate: float | None = None  # of a movie, in place of `frames`
+
+
+QUALITIES = {
+    "draft": Preset((320, 240), (None, None), frames=1 / 4),
+    "standard": Preset((480, 360), ("1.5x", (1, 0.1, 2))),
+    "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frames=3),
+    "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),  # players and editors expect 30 frames a second
 }
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
+# pydantic takes the names from QUALITIES; mypy takes only names that are written out
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 
 
@@ -33,7 +46,11 @@ def _size(value: object) -> object:
 def _antialias(value: object) -> object:
     if value == "off":
         return None
-    return value.split(",") if isinstance(value, str) and not value.endswith("x") else value
+    if not isinstance(value, str) or value in get_args(Factor):
+        return value
+    if value.count(",") != 2:
+        raise ValueError("should be off, 1.5x, 2x, 3x, 4x or three numbers")
+    return value.split(",")
 
 
 Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
@@ -47,7 +64,7 @@ class Sampling(Model):
 
     quality: Quality = Field("standard", description="draft, standard, high or hd")
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
-        QUALITIES["standard"]["size"],
+        QUALITIES["standard"].size,
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680 (default: the quality's)",
     )
     antialias: Annotated[
@@ -56,21 +73,22 @@ class Sampling(Model):
             Annotated[float, Field(ge=0.001, lt=1)],
             Annotated[int, Field(ge=1, le=9)],
         ]
-        | Literal["1.5x", "2x", "3x", "4x"]
+        | Factor
         | None,
         BeforeValidator(_antialias),
     ] = Field(
-        QUALITIES["standard"]["antialias"][0],
-        description="off; 1.5x, 2x, 3x or 4x: POV-Ray's picture is so many times as wide and as high, and povgen "
+        QUALITIES["standard"].antialias[0],
+        description="off; 1.5x, 2x, 3x or 4x: POV-Ray's picture is that many times as wide and as high, and povgen "
         "averages its light; or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
         "(default: the quality's)",
     )
 
     @model_validator(mode="after")
     def _follow_quality(self) -> Self:
-        preset = {"size": QUALITIES[self.quality]["size"], "antialias": QUALITIES[self.quality]["antialias"][0]}
-        for name in preset.keys() - self.model_fields_set:
-            object.__setattr__(self, name, preset[name])  # the model is frozen
+        preset = QUALITIES[self.quality]
+        for name, value in (("size", preset.size), ("antialias", preset.antialias[0])):
+            if name not in self.model_fields_set:
+                object.__setattr__(self, name, value)  # the model is frozen
         return self
 
     @model_validator(mode="after")
@@ -87,7 +105,7 @@ class Sampling(Model):
         """Return the sampling for a picture through prisms, or for one without. A given antialiasing stays."""
         if "antialias" in self.model_fields_set:
             return self
-        return self.model_copy(update={"antialias": QUALITIES[self.quality]["antialias"][not prisms]})
+        return self.model_copy(update={"antialias": QUALITIES[self.quality].antialias[not prisms]})
 
     @property
     def supersampling(self) -> float:

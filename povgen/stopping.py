@@ -115,12 +115,13 @@ def _kill_children() -> None:
     Only Linux lists the children. Elsewhere the encoder ends by itself, at the end of its input.
     """
     for process in list(processes):
-        with suppress(OSError):
+        with suppress(OSError):  # whatever the system says, povgen ends
             process.kill()
     for thread in os.listdir("/proc/self/task") if os.path.isdir("/proc/self/task") else []:
+        # the thread has ended, or the kernel does not list children
         with suppress(OSError), open(f"/proc/self/task/{thread}/children") as children:
             for child in children.read().split():
-                with suppress(ProcessLookupError):
+                with suppress(ProcessLookupError):  # it has ended
                     os.kill(int(child), signal.SIGKILL)
 
 
@@ -137,7 +138,7 @@ def leave() -> None:
 
 def _end() -> None:
     # Write only if that cannot block. Without a stderr its number may belong to another file.
-    with suppress(OSError, ValueError, AttributeError):
+    with suppress(OSError, ValueError, AttributeError):  # closed or missing
         number = sys.stderr.fileno()
         if select.select([], [number], [], 0)[1]:
             os.write(number, MESSAGE)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from povgen.scene.models import Scene
 
 Command = Callable[..., None]
+Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, lists of texts, and Booleans of switches
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
 Workers = Annotated[
     str | None,
@@ -57,7 +58,7 @@ def with_options(command: Command) -> Command:
     fields = _fields(command.__dict__.get("models", ()))
 
     def called(**arguments: object) -> None:
-        given: dict[str, Any] = {name: arguments.pop(name) for name in fields}
+        given: Values = {name: arguments.pop(name) for name in fields}
         given = {name: value for name, value in given.items() if value not in (None, [])}
         given = {name: x[0] if isinstance(x, list) and len(x) == 1 else x for name, x in given.items()}
         command(**arguments, **given)
@@ -68,7 +69,8 @@ def with_options(command: Command) -> Command:
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     called.__dict__["__signature__"] = inspect.Signature(parameters)
     called.__annotations__ = {p.name: p.annotation for p in parameters}
-    called.__doc__ = command.__doc__
+    # typer breaks lines as the terminal needs it, but also wherever the text has a line break
+    called.__doc__ = "\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\n"))
     return called
 
 
@@ -95,14 +97,15 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
 
     If the field differs between scenes, the help names the scenes.
     """
-    texts = {_about(field): owner for owner, field in owners}
-    about = " ".join(f"{owner}: {text}." if len(texts) > 1 else text for text, owner in texts.items()) + more
+    texts = {described(field): owner for owner, field in owners}
+    about = "; ".join(f"{owner}: {text}" if len(texts) > 1 else text for text, owner in texts.items()) + more
     flag = name.replace("_", "-")
-    kind: Any
+    kind: Any  # a type that is composed here
     if owners[0][1].annotation is bool:
         kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
         several = any(_takes_several(field.annotation) for _, field in owners)
+        about += "; can be repeated" * several
         kind, info = list[str] if several else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
     # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]
@@ -115,7 +118,7 @@ def _takes_several(annotation: object) -> bool:
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
 
 
-def _about(field: "FieldInfo") -> str:
+def described(field: "FieldInfo") -> str:
     """Return a field's help: its description and its default."""
     from pydantic_core import PydanticUndefined
 
@@ -125,12 +128,12 @@ def _about(field: "FieldInfo") -> str:
     about = field.description or ""
     return (
         about
-        if default in (None, False, (), PydanticUndefined) or "default" in about
+        if default in (None, False, (), PydanticUndefined) or "(default" in about
         else f"{about} (default {default})"
     )
 
 
-def scene_of(name: str, values: dict[str, Any]) -> "Scene":
+def scene_of(name: str, values: Values) -> "Scene":
     """Return the scene of this name with these values. Values can be text. Raises InputError."""
     from povgen.scene.models import SCENES
 
@@ -139,7 +142,7 @@ def scene_of(name: str, values: dict[str, Any]) -> "Scene":
     return SCENES[name](**values)
 
 
-def split(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def split(values: Values) -> tuple[Values, Values]:
     """Divide values into a scene's values and a rendering's values. Raises InputError for a value without use."""
     from povgen.settings import Rendering
 
@@ -161,7 +164,7 @@ def made_folder(output: Path) -> Path:
     return checked_folder(output)
 
 
-def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolerance | None":
+def auto_tolerance(values: Values, tolerance: str | None) -> "AutoTolerance | None":
     """Return the tolerance of --sheet auto, or None for another sheet.
 
     Raises InputError if the tolerance is not valid, or if only one of --sheet auto and --tolerance is given.
@@ -175,7 +178,7 @@ def auto_tolerance(values: dict[str, Any], tolerance: str | None) -> "AutoTolera
     return Tolerance.parse(tolerance)
 
 
-def chosen(scenes: list["Scene"], options: dict[str, Any], tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
+def chosen(scenes: list["Scene"], options: Values, tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
     """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
     from povgen.measure import auto
     from povgen.rendering.views import views

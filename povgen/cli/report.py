@@ -5,8 +5,19 @@ from typing import TYPE_CHECKING
 from povgen.progress import say
 
 if TYPE_CHECKING:
+    from povgen.cli.options import Values
     from povgen.scene.models import Scene
     from povgen.settings import Rendering
+
+
+PRISMS = ("detailed", "single")
+# Options that change nothing unless a window has one of these models of the sheets.
+USED_BY = {
+    **dict.fromkeys(("prisms", "index", "base_angle", "gap", "aspect", "tops", "fresnel"), PRISMS),
+    "axis": ("axis",),
+    "ratio": ("refraction",),
+    "alpha": ("detailed", "ideal", "axis", "refraction", "mirror"),
+}
 
 
 def one_line(message: str) -> str:
@@ -34,3 +45,13 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     for texts in texts_by_limit.values():
         also = f" (in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
         say(f"povgen: warning: {texts[0]}{also}")
+
+
+def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
+    """Print a warning for each option that a user gave and that changes nothing in these scenes."""
+    sheets = {sheet for scene in scenes for sheet in scene.sheets}
+    for name, value in values.items():
+        if sheets and name in USED_BY and value is not False and not sheets & {*USED_BY[name]}:
+            shown = "true" if value is True else value
+            allowed = " or ".join(USED_BY[name])
+            say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")

@@ -1,8 +1,8 @@
 """The choice that `--sheet auto` makes: the cheapest model of the sheets and the cheapest sampling within a tolerance.
 
-A sampling is `Rendering.antialias`, as text. Errors of position are predicted, by eq. 7 and
-the paraxial prediction. Errors of the picture are measured: small blocks of the window are rendered with each
-candidate, and compared with the same blocks of the converged picture (81 rays a pixel) through the scene's prisms.
+A sampling is `Rendering.antialias`, as text. Errors of position are predicted, by eq. 7 and the paraxial prediction.
+Errors of the picture are measured: small blocks of the window are rendered with each candidate. They are compared with
+the same blocks of the converged picture (81 rays a pixel) through the scene's prisms.
 """
 
 import re
@@ -28,10 +28,10 @@ from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Rendering
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
-# Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. They are POV-Ray's own:
-# small blocks estimate the FLIP of these to a few percent, but that of 1.5x to 4x only to 10 to 20 %, because the
-# filter has no neighbours at a block's edge. The last one of the ideal sheet costs about as much as the first one of
-# the prisms.
+# Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
+# ideal sheet costs about as much as the first one of the prisms. All are POV-Ray's own: small blocks estimate their
+# FLIP to a few percent. Blocks estimate the FLIP of 1.5x to 4x only to 10 to 20 %, because the filter needs pixels
+# beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 CONVERGED = speed.CONVERGED
@@ -95,8 +95,8 @@ def choose(
 
     The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
     scenes. If `antialias` is given, no other sampling is tried.
-    Raises InputError for windows in series, or if no candidate meets the tolerance or flip-evaluator is missing;
-    PovrayError.
+    Raises InputError for windows in series, if no candidate meets the tolerance, and if flip-evaluator is missing.
+    Raises PovrayError if POV-Ray fails.
     """
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")

@@ -4,7 +4,7 @@ import base64
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +104,7 @@ class View:
     def cpu_seconds(self) -> float:
         """Return the CPU seconds that the browser's processes have used so far."""
         session = self.browser.new_browser_cdp_session()
-        processes: list[dict[str, Any]] = session.send("SystemInfo.getProcessInfo")["processInfo"]
+        processes = session.send("SystemInfo.getProcessInfo")["processInfo"]
         session.detach()
         return float(sum(process["cpuTime"] for process in processes))
 

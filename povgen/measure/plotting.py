@@ -25,7 +25,7 @@ except ImportError:
 # for the modules that draw
 __all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
-STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlelocation": "left",

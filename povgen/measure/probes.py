@@ -45,7 +45,7 @@ class LinearRendering(Rendering):
 class _Probe(Scene):
     """A window in front of something whose colours encode numbers. It allows values that other scenes refuse.
 
-    It is smaller than that of other scenes: where methods fail was measured with it.
+    The window is smaller than that of other scenes, because the limits of the methods were measured with this size.
     """
 
     rim: ClassVar[float] = 0.13
@@ -86,7 +86,7 @@ class Positions(_Probe):
 
 
 class Light(Positions):
-    """A white square parallel to the sheets, with its centre at L, before black."""
+    """A white square parallel to the sheets, with its centre at L, in front of black."""
 
     name: ClassVar[str] = "probes/light"
     subject: ClassVar[str] = "a white square, for the share of its light that comes through the window"
@@ -211,10 +211,6 @@ class ApparentObject:
     def rotation(self) -> float:
         """Return the angle, radians, by which the object appears turned counter-clockwise."""
         return float(np.angle(self.a))
-
-    @property
-    def magnification(self) -> float:
-        return abs(self.a)
 
 
 def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:

@@ -185,7 +185,7 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
 
 
 def live_points(scenes: Mapping[str, Scene], opened: ExitStack) -> list[Point]:
-    """Return points of the live view, which can be measured until `opened` is closed. Raises InputError without one."""
+    """Return the live view's points, to be measured before `opened` is closed. Raises InputError without a Chromium."""
     browser, points = opened.enter_context(chromium()), []
     for method, scene in scenes.items():
         view = View(browser, scene)
@@ -201,7 +201,8 @@ def measure_flicker(done: Callable[[str], object]) -> Iterator[tuple[str, float]
     """Yield each sampling and the flicker of a movie in which alpha grows.
 
     Flicker is the mean, over the window, of |change of light from a frame to the next, less the same change in
-    converged pictures|. Light is linear, 0 black to 1 white. What moves with the objects does not count.
+    converged pictures|. Light is linear, 0 black to 1 white. The change that belongs to the movement does not
+    count.
     """
     texts = [to_pov(Chess(alpha=alpha + step)) for alpha in FLICKER_ANGLES for step in (0, FLICKER_STEP)]
     window = probes.window(Chess(), MAIN_SIZE)

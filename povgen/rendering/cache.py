@@ -1,10 +1,11 @@
 """The cache: a marked folder of finished frames, ray traces and distance fields.
 
-A file is named after what it was made from. `frame_path` makes a frame's key. A ray trace's key is made in
-surveys.py, a distance field's in volumes.py.
+A file is named after its key: a text that states what the file was made from. `frame_path` makes a frame's key. A ray
+trace's key is made in surveys.py, a distance field's in volumes.py.
 """
 
 import errno
+import json
 import os
 import re
 import stat
@@ -14,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 
@@ -23,6 +25,7 @@ from povgen.rendering import povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
+MAX_VALUES = 2**21  # bytes in a file of values
 # Backup programs leave out a folder that holds this file. povgen writes it only into an empty folder, and uses no
 # folder without it.
 TAG = "CACHEDIR.TAG"
@@ -31,7 +34,7 @@ Signature: 8a477f597d28d172789f06886806bc55
 # This folder is povgen's. It keeps rendered frames here, and removes those that have not been used for longest.
 # What such a file is for: https://bford.info/cachedir/
 """
-HINT = "the folder for frames; POVGEN_CACHE names another"
+HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 
 
 def frame_path(source: str, rendering: Rendering) -> Path:
@@ -44,7 +47,7 @@ def frame_path(source: str, rendering: Rendering) -> Path:
 
 
 def path_for(key: str, suffix: str) -> Path:
-    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .json."""
+    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .values."""
     name = sha256(key.encode()).hexdigest()
     return folder() / name[:2] / f"{name}{suffix}"
 
@@ -106,7 +109,7 @@ def check() -> None:
         mark = b""
     except OSError:
         mark = b"unreadable"
-    # Another povgen may be about to write the mark, or was killed before. It writes the mark before anything else.
+    # Another povgen may be about to write the mark, or was killed before it did. The mark is written before all else.
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
             f"POVGEN_CACHE = {str(path)!r}: a folder that holds other things and that povgen has not marked; "
@@ -137,7 +140,7 @@ def work_folder() -> AbstractContextManager[Path]:
 
 def read(path: Path, most: int) -> bytes | None:
     """Return a file's bytes and mark the file as used now. None if it is missing, unreadable or above `most` bytes."""
-    with suppress(OSError):
+    with suppress(OSError):  # what `_read` raises
         return _read(path, most, used=True)
     return None
 
@@ -157,6 +160,7 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
 
 def store(made: Path, path: Path) -> bool:
     """Move a finished file to its path in the cache. Return False if something that is not povgen's is there."""
+    # each of these means that something else is there
     with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError):
         path.parent.mkdir(exist_ok=True)
         free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
@@ -164,6 +168,25 @@ def store(made: Path, path: Path) -> bool:
             os.replace(made, path)
             return True
     return False
+
+
+def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
+    """Return the values that `store_values` stored with this key. None if the file is missing, damaged or another."""
+    checksum, _, text = (read(path_for(key, ".values"), MAX_VALUES) or b"").partition(b"\n")
+    return json.loads(text) if checksum == _checksum(key, text) else None
+
+
+def store_values(key: str, values: object) -> None:
+    """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum."""
+    text = json.dumps(values).encode()
+    with suppress(OSError), work_folder() as work:  # a full or read-only disk: they are computed again next time
+        made = work / "values"
+        made.write_bytes(_checksum(key, text) + b"\n" + text)
+        store(made, path_for(key, ".values"))
+
+
+def _checksum(key: str, text: bytes) -> bytes:
+    return sha256(key.encode() + b"\0" + text).hexdigest().encode()
 
 
 def by_last_use() -> list[tuple[float, int, Path]]:
@@ -178,7 +201,7 @@ def _stored() -> Iterator[tuple[float, int, Path]]:
     for subfolder in _entries(folder()):
         if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
             for entry in _entries(subfolder):
-                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|json)", entry.name)
+                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|values)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
                     if named and stat.S_ISREG(status.st_mode):

@@ -67,6 +67,7 @@ class Cluster:
     def __exit__(self, *_: object) -> None:
         self.stop()
         self._watching.cancel()
+        # of any kind: the scheduler may have gone, and the frames are finished or given up
         with suppress(Exception), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             self._client.close(timeout=1)
@@ -108,7 +109,7 @@ class Cluster:
     def _result(self, coroutine: Coroutine[Any, Any, Result]) -> Result:
         """Return the coroutine's result. Raises PovrayError if `stop` or a lost connection comes first."""
         result = self._start(coroutine)
-        either: list[concurrent.futures.Future[Any]] = [result, self._ended]
+        either: list[concurrent.futures.Future[Any]] = [result, self._ended]  # their results have two types
         concurrent.futures.wait(either, return_when=concurrent.futures.FIRST_COMPLETED)
         if not result.done():
             raise PovrayError(self._ended.result())
@@ -144,7 +145,7 @@ class Cluster:
             await pause
 
     async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
-        """Return what the scheduler knows of its workers, by their addresses. Raises TimeoutError."""
+        """Return what the scheduler says of its workers (Dask's own names), by their addresses. Raises TimeoutError."""
         return dict((await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"])
 
     async def _dismiss(self, worker: str) -> None:

@@ -111,8 +111,8 @@ def missing_protection() -> list[str]:
 def _starter(timeout: float) -> tuple[list[str], list[str]]:
     """Return the start of a command line that sets limits, and the programs that it runs.
 
-    It also kills the command if its thread in povgen ends. The shell, which takes the place of util-linux if that is
-    not installed, cannot do so. It limits the CPU time, so that POV-Ray ends even then.
+    setpriv also kills the command if its thread in povgen ends. Without util-linux a shell sets the limits. It cannot
+    kill the command then, so it limits the CPU time as well.
     """
     if has_util_linux():
         programs = [binary("setpriv"), binary("prlimit")]

@@ -18,7 +18,7 @@ Result = TypeVar("Result")
 # From linux/landlock.h. The numbers of these system calls are the same on every architecture.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
-# The rights on files that exist in Landlock of at least this version.
+# All rights on files, by the version of Landlock that first knew them.
 RIGHTS = {
     1: (1 << 13) - 1,
     2: (1 << 14) - 1,

@@ -5,8 +5,6 @@ What a ray trace finds is a `prediction.Survey`.
 
 import functools
 import inspect
-import json
-from contextlib import suppress
 from hashlib import sha256
 
 from povgen.optics import prism, series, trace
@@ -23,25 +21,13 @@ def load(scene: Scene, store: bool = False) -> None:
     if not scene.has_prisms:
         return
     rays = prediction.surveyed(scene)
-    path = cache.path_for(f"{_code_of_trace()}\0{rays}", ".json")
-    data = cache.read(path, most=300)
-    with suppress(ValueError, TypeError, KeyError):  # missing or damaged
-        survey = prediction.Survey(**json.loads(data or b"")["survey"])
-        if data == _text(survey):
-            prediction.surveys[rays] = survey
-            return
+    key = f"{_code_of_trace()}\0{rays}"
+    if values := cache.load_values(key):
+        prediction.surveys[rays] = prediction.Survey(**values)
+        return
     survey = prediction.survey(scene)
     if store:
-        with suppress(OSError), cache.work_folder() as folder:
-            made = folder / "survey"
-            made.write_bytes(_text(survey))
-            cache.store(made, path)
-
-
-def _text(survey: prediction.Survey) -> bytes:
-    """Return a survey as JSON, with a checksum."""
-    values = survey._asdict()
-    return json.dumps({"survey": values, "sha256": sha256(repr(values).encode()).hexdigest()}).encode()
+        cache.store_values(key, survey._asdict())
 
 
 @functools.cache

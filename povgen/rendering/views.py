@@ -54,8 +54,8 @@ def _anaglyph(left: Picture, right: Picture) -> Picture:
 def _transparent(black: Picture, white: Picture) -> Picture:
     """Return a picture with alpha from its appearances in front of black and of white.
 
-    In linear light, white - black = 1 - alpha, and black = alpha times the colour. Alpha is the greatest of those of
-    the three colours.
+    In linear light, white - black = 1 - alpha, and black = alpha times the colour. Each colour gives an alpha;
+    the greatest of the three is taken.
     """
     darker, lighter = linear(black), linear(white)
     alpha = (1 - (lighter - darker).min(axis=2, keepdims=True)).clip(0, 1)

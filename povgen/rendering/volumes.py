@@ -7,13 +7,10 @@ is its own text. Finished fields are kept in the cache.
 import base64
 import functools
 import inspect
-import json
 import sys
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
-from hashlib import sha256
 from typing import NamedTuple
 
 import numpy as np
@@ -40,25 +37,20 @@ class Volume(NamedTuple):
     """A piece's distance field. `templates/live/volume.js` reads it."""
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
-    data: str  # a byte for each point, x fastest, as difference to the point before along z; compressed, in base 64
+    # A byte for each point: the difference from the point before it along z. x changes fastest, z slowest. All is
+    # compressed and written in base 64.
+    data: str
     most: float = MOST  # the distance, in voxels, that the byte 255 means
 
 
 def volume(piece: str | PieceFile) -> Volume:
     """Return a piece's distance field, from the cache or new. Raises PovrayError, and InputError for an empty piece."""
     source = to_crossings(piece, GRID, FILE_RADIUS, CROSSINGS)
-    cache.check()
-    path = cache.path_for("\0".join((povray.version(), _code(), source)), ".json")
-    with suppress(ValueError, TypeError, KeyError):  # missing or damaged
-        found = json.loads(cache.read(path, most=2**21) or b"")
-        if found.pop("sha256") == _digest(made := Volume(tuple(found["place"]), found["data"])):
-            return made
+    key = "\0".join((povray.version(), _code(), source))
+    if values := cache.load_values(key):
+        return Volume(tuple(values["place"]), values["data"])
     made = _volume(piece, source)
-    with suppress(OSError), cache.work_folder() as folder:
-        file = folder / "volume"
-        file.write_text(json.dumps({**made._asdict(), "sha256": _digest(made)}))
-        cache.store(file, path)
-    cache.trim(cache.max_bytes())
+    cache.store_values(key, made._asdict())
     return made
 
 
@@ -66,10 +58,6 @@ def volume(piece: str | PieceFile) -> Volume:
 def _code() -> str:
     """Return the text of this module. A field that other code made is not used."""
     return inspect.getsource(sys.modules[__name__])
-
-
-def _digest(made: Volume) -> str:
-    return sha256(repr(made).encode()).hexdigest()
 
 
 def _volume(piece: str | PieceFile, source: str) -> Volume:
@@ -141,12 +129,18 @@ class _Lines:
 
 
 def volumes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Volume]:
-    """Return the pieces' distance fields, by the same names. Raises what `volume` raises."""
+    """Return the pieces' distance fields, by the same names. Then trim the cache to its limit.
+
+    Raises what `volume` and `cache.check` raise.
+    """
+    cache.check()
     with ThreadPoolExecutor() as pool:  # POV-Ray sleeps during a part of this
-        return dict(zip(pieces, pool.map(volume, pieces.values()), strict=True))
+        made = dict(zip(pieces, pool.map(volume, pieces.values()), strict=True))
+    cache.trim(cache.max_bytes())
+    return made
 
 
 def page(scene: Scene) -> str:
-    """Return the page that shows a scene's live view. Raises what `volume` raises."""
+    """Return the page that shows a scene's live view. Raises what `volumes` raises."""
     fields = {name: shape._asdict() for name, shape in volumes(live.pieces(scene)).items()}
     return to_live({"scene": live.values(scene), "volumes": {"grid": GRID, "pieces": fields}})

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from shlex import quote
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
@@ -117,7 +117,7 @@ def to_html(page: Mapping[str, object]) -> str:
     return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
-def to_caption(number: int, data: dict[str, Any]) -> str:
+def to_caption(number: int, data: dict[str, object]) -> str:
     """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
     return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 

@@ -109,6 +109,7 @@ class MovieSpec(Model):
     title: Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")] = Field(
         description="the movie's title, one line of up to 200 characters"
     )
+    # pydantic takes the names from SCENES; mypy takes only names that are written out
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
     frame_rate: FrameRate = Field(10, description="frames a second at quality standard, 0.1 to 120")
     frames: Annotated[int, Field(ge=2, le=MAX_FRAMES)] | None = Field(
@@ -117,7 +118,7 @@ class MovieSpec(Model):
         "or as many as a sweep has values)",
     )
     loop: bool = Field(False, description="whether the movie goes there and back, so that it can be repeated")
-    fixed: dict[str, Any] = Field(
+    fixed: dict[str, object] = Field(
         {}, description="the scene's fixed parameters; windows behind the first one have a table [[window]] each"
     )
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
@@ -139,7 +140,7 @@ class MovieSpec(Model):
                 raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
             for value in sweep.values or sweep.ends:
                 if np.size(value) != numbers[name]:
-                    kind = "a number" if numbers[name] == 1 else "a pair [X, Y]"
+                    kind = "a number" if numbers[name] == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
         counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
@@ -148,7 +149,7 @@ class MovieSpec(Model):
         return self
 
     @classmethod
-    def load(cls, path: str | Path, fixed: Mapping[str, Any] = {}) -> Self:
+    def load(cls, path: str | Path, fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
         A piece's file is sought from the folder of the TOML file. The values in `fixed` replace the file's.
@@ -174,7 +175,7 @@ class MovieSpec(Model):
         return cls.parse(text, name, "" if stdin else file.parent, fixed)
 
     @classmethod
-    def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, Any] = {}) -> Self:
+    def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec from TOML text. Raises InputError, whose message begins with the name.
 
         A piece's file is sought from the folder. The values in `fixed` replace those of the text.
@@ -189,6 +190,9 @@ class MovieSpec(Model):
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
+            for key in values:
+                if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
+                    raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values)
             own = {x: from_folder(value, folder) if x == "piece" else value for x, value in spec.fixed.items()}
             return spec.replace(fixed=own).with_fixed(fixed)
@@ -196,14 +200,14 @@ class MovieSpec(Model):
             raise InputError(f"{name}: {error}") from None
 
     @classmethod
-    def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, Any]) -> Self:
+    def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, object]) -> Self:
         """Return the movie of a scene with sweeps such as alpha=0:180. The values may be text. Raises InputError."""
         sweeps = [Sweep.parse(text) for text in texts]
         parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
         title = f"{scene}, {', '.join(parts)}"[:200]
         return cls(title=title, scene=scene, sweep=sweeps, **values)
 
-    def with_fixed(self, values: Mapping[str, Any]) -> Self:
+    def with_fixed(self, values: Mapping[str, object]) -> Self:
         """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
         spec = self.model_copy(update={"fixed": {**self.fixed, **values}})
         scene = spec.scenes("standard")[0]
@@ -227,8 +231,11 @@ class MovieSpec(Model):
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
         return scenes + scenes[-2:0:-1] if self.loop else scenes
 
-    def _scene(self, swept: dict[str, Any], n: int, count: int) -> Scene:
-        """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed."""
+    def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
+        """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed.
+
+        The type of a swept value is Any, because the scene's model says whether it is a number or a pair.
+        """
         model = SCENES[self.scene]
         own = {name: x for name, x in swept.items() if name not in WINDOW_NUMBERS}
         # prisms are counted
@@ -252,7 +259,9 @@ class MovieSpec(Model):
         for name, value in swept.items():
             number, field = WINDOW_NUMBERS[name]
             if number > len(windows) + 1:
-                raise InputError(f"{name}: swept, but there is no window {number}; allowed: with another [[window]]")
+                raise InputError(
+                    f"{name}: swept, but there is no window {number}; allowed: with --window or [[window]]"
+                )
             windows[number - 2] = windows[number - 2].replace(**{field: value})
         return windows
 
@@ -262,7 +271,7 @@ class MovieSpec(Model):
             if sweep.values:
                 return len(sweep.values)
         preset, steps = QUALITIES[Sampling(quality=quality).quality], (self.frames or FRAMES) - 1
-        more: float = preset["frame_rate"] / self.frame_rate if "frame_rate" in preset else preset["frames"]
+        more = preset.frame_rate / self.frame_rate if preset.frame_rate else preset.frames
         return max(round(steps * more), 1) + 1
 
     def count(self, quality: str) -> int:
@@ -274,8 +283,7 @@ class MovieSpec(Model):
         """Return the frames a second. A movie lasts equally long at each quality."""
         if any(sweep.values for sweep in self.sweep):
             return self.frame_rate
-        if "frame_rate" in QUALITIES[quality]:
-            rate: float = QUALITIES[quality]["frame_rate"]
+        if rate := QUALITIES[quality].frame_rate:
             return rate
         return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
 
@@ -286,7 +294,7 @@ def swept_numbers(scene: type[Scene]) -> dict[str, int]:
     return {name: count for name, count in counts.items() if count in (1, 2)}
 
 
-def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
+def _numbers(kind: object) -> int:
     """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
     if kind in (int, float):
         return 1
@@ -297,12 +305,12 @@ def _numbers(kind: Any) -> int:  # noqa: ANN401  (an annotation)
     return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
 
 
-def _text(value: Any) -> str:  # noqa: ANN401  (a number or a pair)
-    """Return a value of a sweep as it is written on the command line."""
-    return ",".join(f"{x:.6g}" for x in np.atleast_1d(value))
+def _text(value: object) -> str:
+    """Return a value of a sweep, a number or a pair, as it is written on the command line."""
+    return ",".join(f"{x:.6g}" for x in (value if isinstance(value, tuple) else (value,)))
 
 
-def _sweep(table: dict[str, Any]) -> Sweep:
+def _sweep(table: dict[str, object]) -> Sweep:
     """Return the sweep of a TOML table. The message of an InputError begins with the table's name."""
     try:
         return Sweep(**table)

@@ -18,7 +18,7 @@ from povgen.optics.prism import Prism
 from povgen.scene.models import Chess, Scene, Spheres
 
 Reals = NDArray[np.float64]
-Complexes = NDArray[np.complexfloating[Any, Any]]
+Complexes = NDArray[np.complexfloating[Any, Any]]  # of any precision, as numpy's types say of products
 
 
 def power_of_ten(value: float) -> int:
@@ -194,7 +194,7 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
             extent=0.15 * (1 + z1 / scene.z2),
             aperture=scene.aperture,
             view=scene.view,
-        )  # fmt: skip
+        )
         for scene in scenes
         for z1 in scene.distances
         if scene.alpha

@@ -19,10 +19,10 @@ Point = Sequence[float] | Reals  # (x, y, z) in space
 # ---- In the drawing's own coordinates ----
 
 
-def write(ax: Axes, place: Iterable[float], text: str, **look: object) -> None:
+def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # noqa: ANN401  (passed on to matplotlib)
     """Write a text, centred on a place unless `look` says otherwise."""
     x, y = place
-    ax.text(x, y, text, **dict[str, Any]({"ha": "center", "va": "center"} | look))
+    ax.text(x, y, text, **{"ha": "center", "va": "center", **look})
 
 
 def arrow(ax: Axes, start: Place, end: Place, colour: str, width: float) -> None:
@@ -34,7 +34,7 @@ def arrow(ax: Axes, start: Place, end: Place, colour: str, width: float) -> None
 # ---- In the complex plane ----
 
 
-def xy(points: ArrayLike) -> tuple[Any, Any]:
+def xy(points: ArrayLike) -> tuple[Any, Any]:  # arrays, or numbers if `points` is one
     """Return the real and the imaginary parts of complex numbers."""
     return np.real(points), np.imag(points)
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import degrees, pi, radians
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -47,7 +46,7 @@ class Drawn:
     """A figure, the data for its caption, and whether it is a line drawing, which is also saved as SVG."""
 
     figure: Figure
-    data: dict[str, Any]
+    data: dict[str, object]
     lines: bool = False
 
 

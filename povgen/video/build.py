@@ -31,7 +31,7 @@ class _FrameRate(Model):
 
 @dataclass(frozen=True)
 class Movie:
-    """A movie's file. Jupyter plays it; functions that take a path take it."""
+    """A movie's file. Jupyter plays it. Functions that take a path accept it."""
 
     path: Path
 
@@ -106,7 +106,7 @@ def movie(
             workers = workers or cluster.frames
         done = opened.enter_context(bar(output.name, len(scenes), not progress))
         frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(cache.work_folder())  # counts towards the cache's size if povgen is killed
+        folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
         opened.enter_context(closing(frames))
         part = folder / f"movie{output.suffix.lower()}"
         pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import imageio.v2
 import imageio.v3 as iio
@@ -43,13 +42,11 @@ def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tag
     if output.suffix == ".gif":
         pictures = list(pictures)
         durations, comment = gif_durations(len(pictures), rate), " ".join(tags.values()).encode()
-        options: dict[str, Any] = {
-            "extension": ".gif",
-            "duration": durations if len(durations) > 1 else durations[0],
-            "loop": 0,
-            "comment": comment,
-        }
-        output.write_bytes(iio.imwrite("<bytes>", pictures, plugin="pillow", **options))
+        duration = durations if len(durations) > 1 else durations[0]
+        gif = iio.imwrite(
+            "<bytes>", pictures, plugin="pillow", extension=".gif", duration=duration, loop=0, comment=comment
+        )
+        output.write_bytes(gif)
         return
     codec, settings = FORMATS[output.suffix]
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
@@ -101,8 +98,3 @@ def check_gif(frames: int, rate: float) -> None:
 def png(picture: NDArray[np.uint8]) -> bytes:
     """Return a picture, (height, width, 3) bytes, as the bytes of a PNG file."""
     return iio.imwrite("<bytes>", picture, extension=".png")
-
-
-def webp(picture: NDArray[np.uint8]) -> bytes:
-    """Return a picture, (height, width, 3) bytes, as the bytes of a WebP file, which is smaller than a PNG file."""
-    return iio.imwrite("<bytes>", picture, plugin="pillow", extension=".webp", quality=90)

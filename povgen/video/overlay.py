@@ -24,7 +24,7 @@ TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂"}
 # Pillow's own font has neither Greek letters nor subscripts. Its v has the shape of ν. An α is drawn, as an ellipse and
-# a line beside it. Lengths are in units of the text's height, points of the line in units of the α's own.
+# a line beside it. Lengths are in units of the text's height. ALPHA_LINE is in units of the α's width and height.
 FONT_HAS = str.maketrans("ν₁₂", "v12")
 ALPHA_HEIGHT, ALPHA_WIDTH, STROKE = 0.53, 0.62, 0.085
 ALPHA_BOWL = 0.74  # width of the ellipse
@@ -59,8 +59,7 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
 def facts(scene: Scene) -> dict[str, str]:
     """Return what the caption says: alpha, z1, z2, r, nu and M, as text. For windows in series, their z replaces r.
 
-    For several objects a value is a range. nu and M are predictions for the size of the scene's prisms
-    (`Scene.nu_and_M`).
+    For several objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
     texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
@@ -115,7 +114,8 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
     """Darken a strip along an edge and write items there, in 1 to 3 lines.
 
-    The text has the same height, relative to the picture, in all pictures. It is less only if 3 lines are too narrow.
+    The text has the same height, relative to the picture, in all pictures. It is lower only if even 3 lines have too
+    little room.
     """
     height, width, _ = picture.shape
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
@@ -209,7 +209,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     tile = height / scene.view
     # thinner for several objects, which can be as small as their marks and as close as the line is wide
     thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
-    step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs: so close together they look like a smooth line
+    step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
     def pixels(points: Complexes) -> Complexes:
         return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))

@@ -1,9 +1,10 @@
 """A value that is not allowed is refused: exit status 2, one or two lines that name it, and no file is touched."""
 
+import os
 import re
 
 import pytest
-from conftest import povgen, refused
+from conftest import povgen, refused, run_povgen
 from PIL import Image
 
 from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
@@ -30,7 +31,7 @@ stop = 180
         (["--alpha", "nan"], ["alpha", "nan", "finite"]),
         (["--alpha", "inf"], ["alpha", "inf", "finite"]),
         (["--alpha", "361"], ["alpha", "361", "360"]),
-        (["--alpha", "six"], ["alpha", "six", "number"]),
+        (["--alpha", "six"], ["alpha = 'six': should be a number (ray-rotation"]),
         (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
         (["--z1", "0.4", "--piece", "king"], ["z1", "0.4", "king", "0.61"]),
         (["--prisms", "5"], ["z1", "2", "sheets"]),
@@ -41,7 +42,7 @@ stop = 180
         (["--z2", "-6"], ["z2", "-6", "greater than 0"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),
         (["--prisms", "0"], ["prisms", "0", "1"]),
-        (["--prisms", "2.5"], ["prisms", "2.5", "integer"]),
+        (["--prisms", "2.5"], ["prisms", "2.5", "should be a whole number"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
         (["--sheet", "glass"], ["sheet", "glass", "ideal"]),
         (["--eye", "1"], ["eye", "'1'", "X,Y"]),
@@ -49,7 +50,7 @@ stop = 180
         (["--eye", "0,-0.4", "--aperture", "0.5"], ["eye = 0,-0.4", "Y > -0.4"]),
         (["--eye", "11,0"], ["eye", "'11,0'", "-10 to 10"]),
         (["--offset", "1,-1"], ["No such option", "--offset"]),
-        (["--line", "0,0"], ["line", "unknown", "x", "eye"]),
+        (["--line", "0,0"], ["'line': unknown in the scene chess; allowed: ", "x", "eye"]),
         (["--pedestal", "-1"], ["pedestal = '-1'", "0 to 10"]),
         (["--x", "11"], ["x = '11'", "-10 to 10"]),
         (["--index", "1"], ["index = '1'", "1.1 to 4"]),
@@ -72,6 +73,8 @@ stop = 180
         (["--size", "big"], ["size", "big"]),
         (["--quality", "best"], ["quality", "best", "draft"]),
         (["--antialias", "3,0.3,2"], ["antialias", "3,0.3,2"]),
+        (["--antialias", "5x"], ["antialias = '5x': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
+        (["--antialias", "1"], ["antialias = '1': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
         (["--antialias", "1,1,2"], ["antialias", "1,1,2", "less than 1"]),
         (["--predicted-image", "--sheet", "single"], ["predicted_image", "single", "detailed"]),
         (["--predicted-image", "--z1", "6", "--alpha", "180"], ["predicted_image", "alpha = 180", "infinity"]),
@@ -105,6 +108,13 @@ def test_frame(options, words, tmp_path):
         ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
         ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
         ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
+        (
+            "frames = 5",
+            "frames = 5\nsheet = 'ideal'",
+            ["sheet: a parameter of the scene; allowed: in the table [fixed]"],
+        ),
+        ('parameter = "alpha"', 'parameter = "eye"', ["eye = 0.0: allowed: a pair, X,Y (in a TOML file [X, Y])"]),
+        ('parameter = "alpha"', 'parameter = "window2_z"', ["no window 2; allowed: with --window or [[window]]"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
         ("stop = 180", "stop = 1800", ["spec.toml: frame 5 of 5: alpha = 1800", "360"]),
         ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
@@ -143,6 +153,76 @@ def test_spec_with_scenes_own_words(tmp_path):
     assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
     assert "scene" in refused(["pov", "circus"], tmp_path)
     assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["frames", "chess"], ["command = 'frames': unknown; allowed: list, pov, frame, movie, "]),
+        (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
+        (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
+        (["cache", "empty"], ["'empty'", "info or clear"]),
+    ],
+)
+def test_other_commands(arguments, words, tmp_path):
+    message = refused(arguments, tmp_path)
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize(
+    ("options", "unused"),
+    [
+        (["--ratio", "2", "--prisms", "9"], ["ratio = 2: no effect with sheet = detailed; it is for refraction"]),
+        (
+            ["--sheet", "ideal", "--prisms", "9"],
+            ["prisms = 9: no effect with sheet = ideal; it is for detailed or single"],
+        ),
+        (["--sheet", "ideal", "--window", "alpha=9,z=2,sheet=detailed", "--prisms", "99"], []),
+        (["--sheet", "none", "--alpha", "9", "--tops", "black"], ["alpha = 9: no effect", "tops = black: no effect"]),
+        (["--sheet", "refraction", "--ratio", "2", "--alpha", "9"], []),
+        (["--sheet", "axis", "--axis", "1,0,0"], []),
+        (["--sheet", "ideal", "--fresnel"], ["fresnel = true: no effect"]),
+        (["--sheet", "ideal", "--no-fresnel"], []),
+    ],
+)
+def test_options_without_effect(options, unused, tmp_path):
+    status, _, err = povgen(["pov", "chess", *options], tmp_path)
+    said = [line for line in err.splitlines() if "no effect" in line]
+    assert status == 0 and len(said) == len(unused)
+    assert all(text in line for text, line in zip(unused, said, strict=True)), said
+
+
+@pytest.mark.parametrize(
+    "command", [["frame", "chess"], ["movie", "chess", "--sweep=z1=2:3", "--frames=2", "-o", "a.gif"]]
+)
+def test_quiet_says_nothing_of_options_without_effect(command, tmp_path):
+    line = [*command, "--sheet=none", "--tops=black", "--size=32x32", "--quality=draft"]
+    assert povgen(line, tmp_path)[2].count("no effect") == 1
+    assert not povgen([*line, "--quiet"], tmp_path)[2]
+
+
+def test_the_list_states_defaults(tmp_path):
+    listed = povgen(["list"], tmp_path)[1]
+    assert "--prisms           Dove prisms across the window, in each sheet, 1 to 3000 (default 100)\n" in listed
+    assert "the default spheres move with it (default 6)\n" in listed
+
+
+def test_the_help_says_which_options_can_be_repeated(tmp_path):
+    text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
+    assert text.count("; can be repeated") == 5  # z1, x, piece, color, window
+
+
+def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file/cache")
+    status, _, err = povgen(["frame", "chess", "--sheet=none"], tmp_path)
+    assert status == 1 and err.startswith(f"povgen: {tmp_path}/file/cache: Not a directory (povgen's cache; ")
+
+
+def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):
+    text = run_povgen("cache", "--help", cwd=tmp_path, env={**os.environ, "COLUMNS": "80"}).stdout
+    *full, _ = text[text.index("The cache keeps") : text.index("Arguments")].strip("\n \u256d\u2500").splitlines()
+    assert len(full) >= 4 and all(len(line.strip()) > 60 for line in full), full
 
 
 @pytest.mark.parametrize("title", ["<b>&\"'</b>", "{{ 7*7 }} %s \\ ; = # $HOME `id` title=x", "-α−é 😀", "x" * 200])

@@ -266,7 +266,7 @@ def test_rays_are_traced_once(monkeypatch):
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
     survey = prediction.survey(scene)
-    (kept,) = (path for _, _, path in cache.by_last_use() if path.suffix == ".json")
+    (kept,) = (path for _, _, path in cache.by_last_use() if path.suffix == ".values")
 
     def again():
         traced = []
@@ -280,19 +280,24 @@ def test_rays_are_traced_once(monkeypatch):
 
     assert again() == 0
     text = kept.read_text()
-    other = json.dumps({"survey": {"trace_level": 5, "designed": 0.1}, "sha256": json.loads(text)["sha256"]})
+    checksum, values = text.split("\n")
+    cache.store_values("another key", {"trace_level": 5, "designed": 0.1})
+    (another,) = (path for _, _, path in cache.by_last_use() if path.suffix == ".values" and path != kept)
     for damaged in (
         "",
         text[:20],
-        text.replace("e", "f", 1),
-        other,
-        "[" * 299,
-        "{}",
-        '{"survey": 1}',
-        text + " " * 500,
+        checksum,
+        values,
+        "[" * 99999,
+        f"{checksum}\n" + json.dumps({"trace_level": 5, "designed": 0.1}),
+        text + " ",
+        another.read_text(),
     ):
         kept.write_text(damaged)
         assert again() == 1 and kept.read_text() == text and again() == 0
+    with kept.open("a") as opened:
+        opened.truncate(2**40)
+    assert again() == 1 and kept.read_text() == text
     monkeypatch.setattr(surveys, "_code_of_trace", lambda: "another")
     assert again() == 1
 

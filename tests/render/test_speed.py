@@ -95,8 +95,8 @@ def test_picture_error():
 
 
 def test_the_pareto_front():
-    points = [speed.Point("m", name, (1, 1), tuple, [cpu], rms) for name, cpu, rms in
-              (("a", 1, 0.5), ("b", 2, 0.6), ("c", 3, 0.1), ("d", 0.5, 0.9), ("e", 3.5, 0.1))]  # fmt: skip
+    measured = ("a", 1, 0.5), ("b", 2, 0.6), ("c", 3, 0.1), ("d", 0.5, 0.9), ("e", 3.5, 0.1)
+    points = [speed.Point("m", name, (1, 1), tuple, [cpu], rms) for name, cpu, rms in measured]
     assert [point.sampling for point in speed.pareto_front(points, "rms")] == ["d", "a", "c"]
 
 

@@ -5,9 +5,10 @@ import zlib
 
 import numpy as np
 import pytest
+from conftest import run_povgen
 
 from povgen import InputError
-from povgen.rendering import povray, volumes
+from povgen.rendering import cache, povray, volumes
 from povgen.scene.pieces import PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
 
@@ -66,6 +67,24 @@ def test_a_field_is_kept_in_the_cache(monkeypatch):
     made = own("sphere { 0.3*y, 0.3 }")
     monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("POV-Ray ran again"))
     assert own("sphere { 0.3*y, 0.3 }") == made
+
+
+def test_the_cache_of_fields(monkeypatch, tmp_path):
+    """A damaged field is measured again. No field is kept above the cache's limit, or in a folder of another."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    pieces = {"own": PieceFile("own.inc", "#declare Piece = sphere { 0.3*y, 0.3 }\n")}
+    made = volumes.volumes(pieces)
+    ((_, _, kept),) = cache.by_last_use()
+    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
+    whole = kept.read_bytes()
+    kept.write_bytes(whole[:-9])
+    assert volumes.volumes(pieces) == made and kept.read_bytes() == whole
+    monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
+    assert volumes.volumes(pieces) == made and not kept.exists()
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
+    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("POV-Ray ran before the cache was checked"))
+    with pytest.raises(InputError, match="POVGEN_CACHE = "):
+        volumes.volumes(pieces)
 
 
 def test_an_empty_piece_is_refused():

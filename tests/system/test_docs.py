@@ -209,8 +209,11 @@ def test_adding_adds(tmp_path, environment):
         assert kind == "bash"
         done = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", smaller(block)],
-            cwd=tmp_path / "povgen", env=environment, capture_output=True, text=True,
-        )  # fmt: skip
+            cwd=tmp_path / "povgen",
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
         assert done.returncode == 0, done.stdout + done.stderr
     listed = subprocess.run(["povgen", "list"], env=environment, capture_output=True, text=True).stdout
     assert "obelisk" in listed and "arrow:" in listed and "near-and-far" in listed

@@ -444,7 +444,7 @@ def test_the_cache_keeps_to_its_size(place, monkeypatch):
     list(frames.render_all(scenes[:1], SMALL))
     kept = set(finished(place))
     assert set(first[:4]) <= kept and len(kept) <= 6 and sum(path.stat().st_size for path in kept) <= size
-    assert povgen(["cache", "info"], place)[1].startswith(f"{len(kept)} frames and 0 ray traces, 0.000 of ")
+    assert povgen(["cache", "info"], place)[1].startswith(f"{len(kept)} frames, 0 ray traces and pieces, 0.000 of ")
     assert povgen(["cache", "clear"], place)[1].startswith(f"removed {len(kept)} frames")
     assert not finished(place)
     monkeypatch.setenv("POVGEN_CACHE_SIZE", "much")

@@ -32,7 +32,7 @@ class Eviction(RuleBasedStateMachine):
             shutil.rmtree(self.folder)
 
     def path(self, key):
-        return cache.path_for(key, ".json" if key < "c" else ".png")
+        return cache.path_for(key, ".values" if key < "c" else ".png")
 
     @rule(key=KEYS, size=st.integers(0, 30))
     def store(self, key, size):

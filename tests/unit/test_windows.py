@@ -228,7 +228,7 @@ def test_the_numbers_of_a_window_are_swept():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "window2_z: swept, but there is no window 2; allowed: with another [[window]]"),
+        ("", "window2_z: swept, but there is no window 2; allowed: with --window or [[window]]"),
         ("[[window]]\nalpha = 1\n", "a.toml: window = [{'alpha': 1}]: z: missing"),
         ("[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n", "window = 3: should be a list"),
         ("window = 3\n", "window = 3: should be a list"),

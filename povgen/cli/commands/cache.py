@@ -1,4 +1,4 @@
-"""povgen cache."""
+"""The command povgen cache."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,11 +11,12 @@ from povgen.errors import InputError
 def command(
     what: Annotated[str, typer.Argument(metavar="info|clear", help="print what the cache holds, or empty it")],
 ) -> None:
-    """Print what the cache holds, or empty it. The cache keeps frames and ray traces for later runs.
+    """Print what the cache holds, or empty it.
 
-    The folder is POVGEN_CACHE. It takes up to POVGEN_CACHE_SIZE GiB (default 2): the least recently used files are
-    removed first. The command also counts, or removes, unfinished files that killed povgens left there and among
-    temporary files.
+    The cache keeps frames, ray traces and the live view's chess pieces for later runs. POVGEN_CACHE names its folder.
+    It holds up to POVGEN_CACHE_SIZE GiB (default 2). If it is full, the least recently used files are removed. The
+    command also counts or removes the unfinished files of povgens that were killed, in the cache and among temporary
+    files.
     """
     from povgen.rendering import cache
 
@@ -37,4 +38,4 @@ def command(
 
 def _counts(files: list[Path]) -> str:
     frames = sum(path.suffix == ".png" for path in files)
-    return f"{frames} frames and {len(files) - frames} ray traces"
+    return f"{frames} frames, {len(files) - frames} ray traces and pieces"

@@ -1,4 +1,4 @@
-"""povgen chart."""
+"""The command povgen chart."""
 
 from pathlib import Path
 from typing import Annotated
@@ -17,10 +17,11 @@ def command(
         Path | None, typer.Option(metavar="FOLDER", help="compare with the macros Sheet in this folder's .inc files")
     ] = None,
     glass: Annotated[
-        bool, typer.Option("--glass", help="only draw what real glass does: polarisation and diffraction, in seconds")
+        bool,
+        typer.Option("--glass", help="only draw what real glass does, polarisation and diffraction; takes seconds"),
     ] = False,
 ) -> None:
-    """Measure CPU seconds against error, for every model of the sheets and every sampling. It takes about an hour."""
+    """Measure the cost and the error of pictures, for every model of the sheets and every sampling. Takes an hour."""
     from povgen.files import save
     from povgen.measure import charts, speed
     from povgen.measure.glass import save_charts

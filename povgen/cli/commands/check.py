@@ -1,4 +1,4 @@
-"""povgen check."""
+"""The command povgen check."""
 
 import typer
 

@@ -18,13 +18,15 @@ def command(
         str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, standard, high or hd")
     ] = "high",
 ) -> None:
-    """Make figures of the paper as PNG, line drawings also as SVG, and captions with the measured agreement."""
+    """Make figures of the paper (PNG, for drawings also SVG), with captions that say how well they agree with it."""
     from povgen.settings import Rendering
 
     rendering = Rendering(quality=quality)
     for number in numbers:
         if number not in list("123456"):
-            raise InputError(f"number = {number!r}: the paper has no such figure; allowed: 1 to 6")
+            raise InputError(
+                f"number = {number!r}: the paper has no such figure; allowed: 1, 2, 3, 4, 5 or 6, with spaces between"
+            )
     folder = made_folder(output)
     from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
 

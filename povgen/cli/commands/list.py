@@ -3,6 +3,7 @@
 
 def command() -> None:
     """List the scenes with their parameters, the chess pieces, and povgen's own movies."""
+    from povgen.cli.options import described
     from povgen.scene.models import SCENES
     from povgen.scene.pieces import PIECES
     from povgen.scene.spec import MOVIES, MovieSpec
@@ -10,7 +11,7 @@ def command() -> None:
     for name, scene in SCENES.items():
         print(f"{name}: {scene.subject}")
         for field, info in scene.model_fields.items():
-            print(f"    --{field.replace('_', '-'):17}{info.description}")
+            print(f"    --{field.replace('_', '-'):17}{described(info)}")
     print(f"pieces: {', '.join(PIECES)}")
     for path in sorted(MOVIES.glob("*.toml")):
         print(f"movie {path.stem}: {MovieSpec.load(path).title}")

@@ -2,12 +2,12 @@
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Workers, auto_tolerance, chosen, split, takes
-from povgen.cli.report import warn
+from povgen.cli.options import Quiet, Tolerance, Values, Workers, auto_tolerance, chosen, split, takes
+from povgen.cli.report import warn, warn_unused
 from povgen.errors import InputError
 from povgen.progress import bar
 
@@ -32,7 +32,7 @@ def command(
         typer.Option(
             metavar="NAME=START:STOP",
             help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
-            "The spacing can be :linear, :log or :cosine. Once for each parameter",
+            "The spacing can be :linear, :log or :cosine. Give it once for each parameter",
         ),
     ] = None,
     frames: Annotated[
@@ -99,6 +99,8 @@ def command(
     check_views(scenes, rendering)
     cache.check()
     if not quiet:
+        if limit is None:  # --sheet auto compares with the prisms in any case
+            warn_unused(values, scenes)
         warn(scenes, rendering)
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
@@ -109,7 +111,7 @@ def command(
         print(f"wrote {output}")
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: dict[str, Any], fixed: dict[str, Any]) -> "MovieSpec":
+def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> "MovieSpec":
     """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
 
     Raises InputError.

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import SceneName, scene_of, split, takes
-from povgen.cli.report import warn
+from povgen.cli.report import warn, warn_unused
 
 
 @takes("scenes", "sampling")
@@ -17,7 +17,7 @@ def command(
 ) -> None:
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
-    Its header has the command that makes the picture of povgen frame with the same options.
+    The source's header states a command, which makes the same picture as povgen frame with these options.
     """
     from povgen.files import checked_output, save
     from povgen.scene.sdl import to_pov
@@ -25,6 +25,7 @@ def command(
     values, options = split(values)
     made = scene_of(scene, values)
     text = to_pov(made, file="scene.pov" if output is None else output.name, **options)
+    warn_unused(values, [made])
     warn([made])
     if output is None:
         print(text, end="")

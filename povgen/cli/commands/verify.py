@@ -1,4 +1,4 @@
-"""povgen verify."""
+"""The command povgen verify."""
 
 import sys
 from pathlib import Path
@@ -24,7 +24,7 @@ def command(
         Path | None, typer.Option("--json", metavar="FILE", help="also write the values to a .json file")
     ] = None,
     stability: Annotated[
-        bool, typer.Option("--stability", help="measure and draw where methods fail, as maps, and check the limits")
+        bool, typer.Option("--stability", help="measure where methods fail, draw it as maps, and check the limits")
     ] = False,
     live: Annotated[
         bool, typer.Option("--live", help="measure the live view instead, in a Chromium (needs playwright)")
@@ -33,7 +33,7 @@ def command(
         Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="folder for the maps (default stability)")
     ] = None,
 ) -> None:
-    """Measure what POV-Ray renders against the equations and the exact ray trace. Exit status 1 if a bound fails."""
+    """Compare what POV-Ray renders with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
     from dataclasses import asdict
     from json import dumps
     from math import isfinite
@@ -47,7 +47,7 @@ def command(
 
     _check_options(sheet, stability, live, output)
     if json_file:
-        json_file = checked_output(json_file, [".json"])
+        json_file = checked_output(json_file, [".json"], "json")
     folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
