@@ -28,6 +28,9 @@ Booleans = Any
 # The windows behind the first one, in the order in which an eye looks through them. Each is the pair of its distance
 # from the window before it, and its alpha.
 Windows = Iterable[tuple[ArrayLike, ArrayLike]]
+# A sum of distances in several directions is computed from terms that are known to some 1e-16. Below this share of
+# their sizes it is 0.
+ROUNDING = 1e-14
 
 
 def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
@@ -120,12 +123,15 @@ def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) 
     last window to the object. `behind` are the windows between the first one and the object: pairs (d, alpha). For
     windows of alpha_1 ... alpha_n, the nearest to the eye first,
     Z = z2 + d_1 exp(-i alpha_1) + d_2 exp(-i (alpha_1 + alpha_2)) + ... + z1 exp(-i (alpha_1 + ... + alpha_n)).
-    For one window Z = z2 + z1 exp(-i alpha), without cancellation. Distances of either sign are allowed.
+    For one window Z = z2 + z1 exp(-i alpha), without cancellation. For several windows a Z as small as the rounding
+    errors, ROUNDING times the sum of the distances, is given as 0. Distances of either sign are allowed.
     """
-    Z = _real("z1", z1)
+    Z, behind = _real("z1", z1), tuple(behind)
+    size = abs(Z)
     for distance, turn in reversed([(z2, alpha), *behind]):
-        Z = _sum(_real("distance", distance), Z, -_real("alpha", turn))
-    return Z
+        distance = _real("distance", distance)
+        Z, size = _sum(distance, Z, -_real("alpha", turn)), size + abs(distance)
+    return np.where(abs(Z) <= ROUNDING * size, 0, Z)[()] if behind else Z
 
 
 def apparent_position(

@@ -12,10 +12,7 @@ depend on the eye. All points of a plane have the same W, so the image is uprigh
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.rotation import Complexes, Floats, Windows, depth
-
-# W is computed from sums whose terms are known to some 1e-16. An imaginary part below this share of their sizes is 0.
-ROUNDING = 1e-14
+from povgen.optics.rotation import ROUNDING, Complexes, Floats, Windows, depth
 
 
 def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:

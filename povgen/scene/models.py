@@ -375,12 +375,18 @@ class Scene(Model):
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
         Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas. It is NaN at the pole,
-        and for a mirrored object. z1 is in tiles; arrays broadcast.
+        and for a mirrored object. Both are NaN for a single sheet, and for the other ideal sheets, which can distort an
+        object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
         from povgen.optics import paraxial, rotation
 
+        if self.sheet in ("single", *OTHER_SHEETS):
+            return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
+        if self.sheet == "none":
+            straight = numpy.add(self.z2 + self.places[-1], z1)
+            return numpy.zeros(straight.shape)[()], self.z2 / straight
         alpha = remainder(sum(self.alphas), 360)
         if self.sheets == ("ideal",):
             r = rotation.r(z1, self.z2)

@@ -98,8 +98,14 @@ function showInputs(now) {
   for (const [name, letters] of [["L", "xy"], ["E", "xy"], ["axis", "xyz"]]) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
   for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = now.sheet === "none" || now.sheet === "single";
   $("row-prisms").hidden = now.beyond && now.sheet !== "detailed";
+  for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = now.sheet === "none";
   const beyond = neighbour();
   $("neighbour").value = beyond;
+  for (const [name, text] of Object.entries({ ...LABELS.none, ...LABELS[beyond] })) {
+    $(`label-${name}`).textContent = text;
+    $(`slider-${name}`).setAttribute("aria-label", `${name}: ${text}`);
+    $(`number-${name}`).setAttribute("aria-label", `${name}, as a number: ${text}`);
+  }
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").includes(beyond);
   for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = now.sheet !== "detailed" && now.sheet !== "single";
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
@@ -120,12 +126,14 @@ function showNumbers(now) {
   const some = now.two || now.Z || now.sheet === "none";
   $("value-r").textContent = size(now.r);
   $("value-Z").textContent = now.Z ? point(now.Z) : "–";
-  $("value-P").textContent = now.beyond ? point(now.place) : some ? point(now.P) : "–";
+  const where = finite(now.place) ? `(${placeText(now.place)})` : now.Z ? "∞" : "–";
+  $("value-P").textContent = now.beyond ? where : some ? point(now.P) : "–";
+  $("about-P").textContent = now.Z ? "crosses the first window" : "crosses the sheets";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
   $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
   const real = now.sheet === "detailed" && now.two && `for ${prismsText(now.scene.prisms)}; the equation gives `;
   $("about-nu").textContent = real ? real + angle(equations.nu(now.r, now.alpha)) : "angle by which the object appears turned";
-  $("about-M").textContent = real ? real + size(equations.M(now.r, now.alpha)) : "times as large as if it stood in the window";
+  $("about-M").textContent = real ? real + size(equations.M(now.r, now.alpha)) : "times as large as if it stood in the " + (now.Z ? "first " : "") + "window";
   $("paper-diagram").textContent = now.Z ? "complex depth" : "as in the paper";
   $("of-prisms").hidden = now.sheet !== "detailed" || !now.two;
   $("sentence").textContent = explanation(now);

@@ -67,12 +67,14 @@ const equations = (() => {
   // first one: the distance from the window before, and the angle. povgen/optics/rotation.py
   function depth(z1, z2, alpha, behind = []) {
     if (!behind.length) return sum(z2, z1, -alpha);
-    let [Z, angle] = [[z2, 0], -alpha];
+    let [Z, angle, all] = [[z2, 0], -alpha, Math.abs(z2) + Math.abs(z1)];
     for (const [distance, next] of behind) {
       Z = plus(Z, scaled(distance, turn(angle)));
       angle -= next;
+      all += Math.abs(distance);
     }
-    return plus(Z, scaled(z1, turn(angle)));
+    Z = plus(Z, scaled(z1, turn(angle)));
+    return abs(Z) <= 1e-14 * all ? [0, 0] : Z;  // no more than rounding errors
   }
 
   // The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
@@ -86,8 +88,8 @@ const equations = (() => {
 
   // The point of the object's plane that is seen at a place of the plane z = 0: the inverse of `prisms`. At the pole of
   // an infinitely fine sheet, it is E for every place.
-  function behind(place, E, z1, z2, alpha, prism) {
-    const { A, B } = depths(z1, z2, alpha, prism);
+  function behind(place, E, z1, z2, alpha, prism, windows = []) {
+    const { A, B } = depths(z1, z2, alpha, prism, windows);
     const D = minus(place, E);
     return plus(E, scaled(1 / z2, plus(times(A, D), times(B, conj(D)))));
   }

@@ -4,10 +4,18 @@
 const NEIGHBOURS = {
   none: { windows: 1, sheet: "ideal", ...pick(OPENING, "alpha", "z2") },
   series: { windows: 2, sheet: "ideal", alpha: 120, alpha2: 120, d: 2, z1: 2, z2: 8 },
-  axis: { windows: 1, sheet: "axis", alpha: 20, axis: [0, 1, 0] },
-  refraction: { windows: 1, sheet: "refraction", alpha: 40, ratio: 0.7 },
-  lenslets: { windows: 1, sheet: "lenslets", alpha: 180, ratio: 2 },
-  mirror: { windows: 1, sheet: "mirror", alpha: 90 },
+  axis: { windows: 1, sheet: "axis", alpha: 20, axis: [0, 1, 0], ...pick(OPENING, "z2") },
+  refraction: { windows: 1, sheet: "refraction", alpha: 40, ratio: 0.7, ...pick(OPENING, "z2") },
+  lenslets: { windows: 1, sheet: "lenslets", alpha: 180, ratio: 2, ...pick(OPENING, "z2") },
+  mirror: { windows: 1, sheet: "mirror", alpha: 90, ...pick(OPENING, "z2") },
+};
+// The names of inputs that differ from those of the paper's window.
+const LABELS = {
+  none: { alpha: "the light is turned by", z1: "object behind the window", z2: "eye in front of it", ratio: "" },
+  series: { alpha: "the first window turns the light by", z1: "object behind the second window", z2: "eye in front of the first" },
+  refraction: { ratio: "ratio of indices n₁/n₂: object’s side over eye’s" },
+  lenslets: { ratio: "ratio of focal lengths f₁/f₂: object’s side over eye’s" },
+  mirror: { alpha: "twice the angle of the mirror line" },
 };
 const OTHER_SHEETS = ["axis", "refraction", "lenslets", "mirror"];
 
@@ -71,56 +79,96 @@ function crossing(L, E, z1, z2, scene) {
   return abs(off) < 1e-9 * size ? plus(E, scaled(z2, slope)) : [NaN, NaN];
 }
 
-// ---- Sentences ----
-
-function seenThrough(now) {
-  const { sheet, M, nu, scene, degrees } = now;
-  const alpha = `${fixed(degrees, 1)}°`;
-  if (sheet === "none") return `Nothing is in the windows: the ${thing()} is seen as it is.`;
-  if (sheet === "axis") return `The sheet rotates light by ${alpha} about the axis (${scene.axis.map(brief).join(", ")}). No prisms are known that do this.`;
-  if (sheet === "mirror") return `The sheet mirrors the light’s slope about a line at α/2 = ${fixed(degrees / 2, 1)}°, as one sheet of prisms does.`;
-  if (sheet === "refraction") {
-    return `The sheet refracts light, with the complex ratio of indices η: it multiplies the sine of the angle by ${brief(scene.ratio)}, and turns`
-      + ` light by ${alpha}.${scene.ratio === 1 ? "" : " No prisms are known that do this."}`;
-  }
-  if (sheet === "lenslets") {
-    return `The sheet multiplies the light’s slope by ${brief(scene.ratio)}, and turns it by ${alpha}. Pairs of lenslets with f₁/f₂ =`
-      + ` ${brief(scene.ratio)} do it for α = 180°.`;
-  }
-  if (sheet === "detailed" && unsure(now)) return UNSURE;
-  const large = Number.isFinite(M) ? `${timesText(M)} times as large as if it stood in the first window` : "infinitely large";
-  return `Through both windows, the ${thing()} appears ${turnedBy(nu)}, and ${large}. ${imageSentence(now)}`;
+// Where the light from L to E crosses the second window.
+function atSecondWindow({ E, place, z2, d, alpha }) {
+  const slope = scaled(1 / z2, minus(place, E));
+  return plus(place, scaled(d, times(slope, turn(-alpha))));
 }
 
-// W = Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.
-function imageSentence({ Z, z2 }) {
-  const W = [Z[0] - z2, Z[1]];
-  if (Math.abs(W[1]) > 0.02 * Math.max(1, abs(W))) {
-    return `Z − z₂ = ${point(W)} is not real: they form no image.`;
+// ---- Sentences ----
+
+const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than a prism's height
+
+function seenThrough(now) {
+  const { sheet, M, degrees } = now;
+  if (sheet === "none") return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
+  if (now.Z) return seenInSeries(now);
+  const does = Math.abs(Math.sin(radians(degrees) / 2)) < 1e-9 && sheet === "axis" ? "At this angle the sheet does nothing." : WORK[sheet](now);
+  if (!(M > 0) || !Number.isFinite(M)) return does;
+  const which = state.scene === "spheres" ? ` at z₁ = ${brief(now.z1)}` : "";
+  if (sheet === "lenslets") return `${does} The ${thing()}${which} appears ${timesText(M)} times as large as if it stood in the window.`;
+  return `${does} The ${thing()}${which} has ${timesText(M * M)} times the area that it would have in the window.`;  // it can be distorted
+}
+
+// What each of the other sheets does.
+const WORK = {
+  axis({ scene: { axis }, degrees }) {
+    const what = `The sheet rotates light by ${fixed(degrees, 1)}° about the axis (${axis.map(brief).join(", ")})`;
+    return axis[0] || axis[1] ? `${what}. No prisms are known that do this.` : `${what}: that is the paper’s window.`;
+  },
+  refraction({ scene: { ratio }, degrees }) {
+    if (degrees % 360 === 0) return `Snell’s law: the sheet multiplies the sine of the angle by ${brief(ratio)}.`;
+    const what = `The sheet refracts light, with a complex ratio of indices: it multiplies the sine of the angle by ${brief(ratio)}, and turns light by`;
+    return `${what} ${fixed(degrees, 1)}°. ${ratio === 1 ? "That is the paper’s window." : "No prisms are known that do this."}`;
+  },
+  lenslets({ scene: { ratio }, degrees, z1 }) {
+    const turned = Math.abs(degrees) % 360 === 180;
+    if (!turned) return `The sheet multiplies the light’s slope by ${brief(ratio)}, and turns it by ${fixed(degrees, 1)}°. Real lenslets turn it by 180°.`;
+    return `Pairs of lenslets multiply the light’s slope by −f₁/f₂ = −${brief(ratio)}. They form an image ${brief(z1 / ratio)} ${z1 === ratio ? "tile" : "tiles"} in front of the window.`;
+  },
+  mirror: ({ degrees }) => `The sheet mirrors the light’s slope about a line at ${fixed(degrees / 2, 1)}°, as one sheet of prisms does.`,
+};
+
+function seenInSeries(now) {
+  const { sheet, M, nu, z1 } = now;
+  if (now.beside) return `Light from L to the eye passes beside the second window: there the ${thing()} is not where the windows would show it.`;
+  if (M > NEAR_POLE) return poleSentence(now);
+  const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(z1)} appears, about E,` : `${thing()} appears`;
+  const large = `${timesText(M)} times as large as if it stood in the first window`;
+  const asked = state.question >= 0 && !revealed.has(state.question);  // the class is to find it
+  const unsafe = sheet === "detailed" && unsure(now) ? ` ${UNSURE}` : "";
+  return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}.${asked ? "" : ` ${imageSentence(now)}`}${unsafe}`;
+}
+
+// Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.
+function imageSentence({ Z, z1, z2, total }) {
+  if (Math.abs(Z[1]) <= REAL) {
+    const W = Z[0] - z2;
+    if (Math.abs(W) < REAL) return "Z is real: the image is in the first window.";
+    return `Z is real: the image is ${brief(Math.abs(W))} tiles ${W < 0 ? "in front of" : "behind"} the first window.`;
   }
-  return `Z is real: they form an image, ${brief(Math.abs(W[0]))} tiles ${W[0] < 0 ? "in front of" : "behind"} the first window.`;
+  const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
+  const instead = imaged > 0 && imaged < RANGES.z1[1] ? ` What stands at z₁ = ${brief(imaged)} has one.` : "";
+  return `Z is not real: the ${thing()} has no image.${instead}`;
 }
 
 // ---- The diagram of the complex depth: Z = z2 + d e^(-i alpha) + z1 e^(-i(alpha + alpha2)), step by step ----
 
-function depthDiagram({ z1, z2, alpha, behind: [[d, alpha2]] }, { width, height }, rem) {
+function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
   const steps = [
     ["z₂", [z2, 0], "of-r q-z2"], ["d", scaled(d, turn(-alpha)), "of-alpha q-d q-alpha"],
-    ["z₁", scaled(z1, turn(-alpha - alpha2)), "of-nu q-z1 q-alpha2"],
+    ["z₁", scaled(z1, turn(-total)), "of-nu q-z1 q-alpha2"],
   ];
   const ends = steps.reduce((points, [, step]) => [...points, plus(points.at(-1), step)], [[0, 0]]);
   const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((k) => most(...ends.map((end) => end[k]))));
-  const left = 9 * rem;  // the switch is there
-  const unit = Math.min((width - left - 5 * rem) / Math.max(high[0] - low[0], 0.1), (height - 5 * rem) / Math.max(high[1] - low[1], 0.1));
+  // the switch is at the left, or above
+  const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
+  const unit = Math.min((width - left - 5 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
   const middle = scaled(0.5, plus(low, high));
-  const at = (z) => [left / 2 + unit * (z[0] - middle[0]), unit * (middle[1] - z[1])];
-  const y = at([0, 0])[1];
-  const parts = [line("axis", [left - width / 2, y], [width, y]), words("scale", [width / 2 - 1.6 * rem, y + 0.9 * rem], "real")];
-  steps.forEach(([name, step_, kind], k) => {
+  const at = (z) => [left / 2 + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
+  const [O, , , Z] = ends.map(at), centre = at(middle);
+  const parts = [
+    line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], "real axis"),
+    line("base q q-Z q-nu q-M q-P", O, Z), dot("dot", O, 0.2 * rem), words("scale", plus(O, [-0.8 * rem, 0]), "0"),
+  ];
+  steps.forEach(([name, , kind], k) => {
     const [from, to] = [at(ends[k]), at(ends[k + 1])];
     parts.push(...vector(`ray q ${kind}`, from, to, rem));
-    const aside = step(scaled(0.5, plus(from, to)), heading(from, to) + Math.PI / 2, rem);
-    parts.push(words(`point q ${kind}`, aside, name));
+    if (abs(minus(to, from)) < 1.5 * rem) return;
+    const half = scaled(0.5, plus(from, to));
+    const sides = [1, -1].map((side) => step(half, heading(from, to) + (side * Math.PI) / 2, 0.9 * rem));
+    sides.sort((a, b) => abs(minus(b, centre)) - abs(minus(a, centre)));  // outside
+    parts.push(words(`point q ${kind}`, sides[0], name));
   });
-  return [...parts, ...corner("Z", at(ends[3]), [at(ends[2])], rem)];
+  return [...parts, ...corner("Z", Z, [at(ends[2])], rem)];
 }

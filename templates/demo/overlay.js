@@ -14,7 +14,7 @@ function drawOverlay(now) {
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(marked))) parts.push(...paths(now));
   parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
-  if (now.two && now.M > NEAR_POLE) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
+  if (now.shows !== undefined) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
   if (state.caption) parts.push(words("say caption", [0, box.height / 2 - 1.1 * rem], caption(now)));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
@@ -67,7 +67,7 @@ function image(now) {
     const points = line.map((d) => onStage(apparentPosition(now, plus(now.L, d))).map((x) => x.toFixed(1)));
     return `M${points.map((point) => point.join(" ")).join("L")}Z`;
   });
-  const kind = `image q q-nu q-M${state.image && (now.two || now.beyond) ? "" : " hidden"}`;
+  const kind = `image q q-nu q-M${state.image && (now.two || now.beyond) && !now.beside ? "" : " hidden"}`;
   return [svg("path", { class: kind, id: "image", d: d.join("") })];
 }
 
@@ -100,7 +100,7 @@ function marks(now, rem, box) {
     const at = onStage(there.place);
     const chosen = z1 === now.z1;
     const out = edge(at, box, 0.6 * rem);
-    const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) ? " unsure" : ""}`;
+    const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) || now.beside ? " unsure" : ""}`;
     const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M) : 0.45 * rem;
     if (!out) {
       rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));

@@ -5,14 +5,20 @@ const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 const player = {
   preset: data.presets[0], playing: false, since: 0,
 
+  // The ends of the movie. A sheet that rotates light about an axis is dark for large angles.
+  ends() {
+    const { start, stop, log, parameter } = this.preset;
+    return state.sheet === "axis" && parameter === "alpha" ? { start: -60, stop: 60, log, parameter } : { start, stop, log, parameter };
+  },
+
   value(part) {
-    const { start, stop, log } = this.preset;
+    const { start, stop, log } = this.ends();
     return log ? start * (stop / start) ** part : start + (stop - start) * part;
   },
 
   // The part of the movie at which the swept quantity has its present value.
   part() {
-    const { start, stop, log, parameter } = this.preset;
+    const { start, stop, log, parameter } = this.ends();
     const x = state[parameter];
     return clamped(log ? Math.log(x / start) / Math.log(stop / start) : (x - start) / (stop - start), [0, 1]) || 0;
   },
@@ -86,8 +92,10 @@ const player = {
 
   draw() {
     this.follow();
-    const { parameter, start, stop } = this.preset;
-    for (const button of $("presets").children) button.setAttribute("aria-pressed", data.presets[button.value] === this.preset);
+    const { parameter, start, stop } = this.ends();
+    for (const button of $("presets").children) {
+      button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && neighbour() === "none");
+    }
     $("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
     $("scrub").value = 1000 * this.part();

@@ -36,12 +36,6 @@ function drawSketch(now) {
   sketch.setAttribute("aria-label", `From the side: the eye E, the sheets ${brief(now.z2)} tiles behind it${d ? `, a second window ${brief(d)} tiles behind them` : ""}, the object L ${brief(now.z1)} tiles behind the sheets.`);
 }
 
-// Where the light from L to E crosses the second window.
-function atSecondWindow({ E, place, z2, d, alpha }) {
-  const slope = scaled(1 / z2, minus(place, E));
-  return plus(place, scaled(d, times(slope, turn(-alpha))));
-}
-
 function dimension(kind, from, to, y, name, rem) {
   const room = to - from > 3 * rem;
   const parts = [line(kind, [from + 1, y], [to - 1, y])];

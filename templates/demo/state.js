@@ -34,6 +34,7 @@ let refusals = [];  // sentences that say which values were not allowed in the l
 
 // Change values of the state to the nearest allowed ones. Another scene begins with its own L and z1.
 function change(values) {
+  const { axis } = state;
   if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
   Object.assign(state, values);
   refusals = [];
@@ -53,9 +54,10 @@ function change(values) {
   state.L = [limited("x of L", L[0], aside), limited("y of L", L[1], heights[0], why(L[1], heights[0]))];
   state.axis = state.axis.map((part, k) => limited(`${"xyz"[k]} of the axis`, part, [-1, 1]));
   if (!state.axis.some(Boolean)) {
-    refusals.push("The axis needs a direction.");
-    state.axis = OPENING.axis;
+    refusals.push("An axis of 0, 0, 0 has no direction: the axis stays as it was.");
+    state.axis = axis;
   }
+  if (state.sheet === "single") state.windows = 1;
   state.E = [limited("x of E", E[0], aside), limited("y of E", E[1], heights[1], why(E[1], heights[1]))];
 }
 
@@ -91,6 +93,7 @@ function moment() {
   if (now.behind.length) {
     [[now.d]] = now.behind;
     now.Z = equations.depth(z1, z2, alpha, now.behind);
+    now.total = alpha + now.behind[0][1];
   }
   // the paper's window; or one of its neighbours
   now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
@@ -98,8 +101,10 @@ function moment() {
   now.P = equations.P(r, alpha);
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
+  // whether the light from L misses the second window
+  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && atSecondWindow(now).some((x) => Math.abs(x) > scene.aperture / 2);
   now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object's plane in the window
-  if (now.two && now.M > NEAR_POLE) now.shows = poleShows(now);
+  if ((now.two || now.Z) && now.M > NEAR_POLE) now.shows = poleShows(now);
   return now;
 }
 const NEAR_POLE = 12;  // a larger M is near the pole
@@ -114,11 +119,11 @@ function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
 }
 
 // What is seen in the window near the pole, where only a small part of the object's plane is: "thing", "pedestal" or "".
-function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism }) {
+function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism, behind }) {
   const half = scene.aperture / 2;
   const depths = sheet === "ideal" ? { slab_shift: 0, separation: 0 } : prism;
   const places = [0, -0.9, -0.45, 0.45, 0.9].flatMap((x, _, all) => all.map((y) => [x * half, y * half]));
-  const points = places.map((place) => minus(equations.behind(place, E, z1, z2, alpha, depths), L));
+  const points = places.map((place) => minus(equations.behind(place, E, z1, z2, alpha, depths, behind), L));
   if (state.scene === "spheres") return points.some((point) => abs(point) <= radii[objects.indexOf(z1)]) ? "thing" : "";
   const lines = outlineOf(state.piece);
   if (!lines.length || points.some((point) => within(point, lines))) return "thing";  // the outline may not be known yet

@@ -99,9 +99,9 @@ function remarks(now) {
   if (OTHER_SHEETS.includes(sheet) && !finite(now.place)) limits.push("No path of light from L to the eye was found.");
   if (limits.length) found.push(...limits);
   else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
-    found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : "its foot"} is not seen.`);
+    found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : `the ${thing()}’s foot`} is not seen.`);
   }
-  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE)) found.push(UNSURE);
+  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(UNSURE);
   return found;
 }
 
@@ -113,7 +113,8 @@ function describe(now) {
   const model = {
     none: "without sheets", single: `through one sheet of ${prismsText(now.scene.prisms)}`, ideal: "through the ideal sheet",
     detailed: `through two sheets of ${prismsText(now.scene.prisms)}`,
-  }[now.sheet] ?? "through another ideal sheet";
+  }[now.sheet] ?? { axis: "through an ideal sheet that rotates light about an axis", refraction: "through an ideal sheet that refracts",
+    lenslets: "through ideal lenslets", mirror: "through an ideal sheet that mirrors" }[now.sheet];
   return `A ${thing()} seen ${model}${several}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
     + ` The object L is at ${placeText(now.L)}, the eye E at ${placeText(now.E)}. ${explanation(now)}`;
 }
@@ -123,8 +124,8 @@ function caption(now) {
   const sheets = { axis: "axis", refraction: "refraction", lenslets: "lenslets", mirror: "mirror", none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
   const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
   if (!now.two && !now.beyond) return parts.join("\u2003");
-  parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
-  if (now.Z) parts.splice(2, 0, `α₂ = ${fixed(state.alpha2, 1)}°`, `d = ${brief(now.d)}`);
+  if (now.Z) parts.splice(1, 0, ...(now.sheet === "none" ? [] : [`α₂ = ${fixed(state.alpha2, 1)}°`]), `d = ${brief(now.d)}`);
+  if (now.sheet !== "none") parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
   if (OTHER_SHEETS.includes(now.sheet)) {
     const own = { axis: `axis ${placeText(state.axis)}`, refraction: `|η| = ${brief(state.ratio)}`, lenslets: `|η| = ${brief(state.ratio)}` }[now.sheet];
     return [...parts, ...(own ? [own] : [])].join("\u2003");

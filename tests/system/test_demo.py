@@ -288,6 +288,61 @@ def test_neighbours_of_the_papers_window_are_povgens(page, values):
 def test_light_that_passes_nowhere_is_said(page):
     show(page, sheet="mirror", z1=6)
     expect(page.locator("#sentence")).to_contain_text("No path of light from L to the eye was found.")
+    expect(page.locator("#value-P")).to_have_text("–")
+
+
+def test_light_beside_the_second_window_is_said(page):
+    """There the prediction does not hold: povgen's own scene says that the light does not pass."""
+    for x, passes in ((0.3, True), (2.2, False)):
+        show(page, windows=2, alpha=0, alpha2=0, d=2, image=True, position=True, L=[x, -0.85])
+        scene = scene_of(page)
+        assert scene.visible(scene.L, 2) == passes
+        said = "passes beside the second window" in page.locator("#sentence").text_content()
+        assert said == page.locator("#image.hidden").count() == page.locator(".mark.unsure:not(.halo)").count()
+
+
+def test_the_pole_of_two_windows_is_said(page):
+    show(page, windows=2, alpha=120, alpha2=120, d=2, z1=2, z2=2, caption=True)
+    expect(page.locator("#sentence")).to_contain_text("The pole: one point of the knight fills the whole window")
+    expect(page.locator("#value-P")).to_have_text("∞")
+    expect(page.locator(".caption")).to_contain_text("M = ∞")
+    show(page, z2=2.1)
+    expect(page.locator("#sentence")).to_contain_text("Near the pole")
+    expect(page.locator("#overlay .say").first).to_contain_text("tiles of the knight fill the window")
+
+
+def test_the_image_of_two_windows_is_said(page):
+    """Where it is, and otherwise for which plane there is one: `series.imaged_plane`."""
+    for alpha, alpha2, z1 in ((120, 120, 2), (120, 120, 3), (150, 100, 2), (30, 40, 2)):
+        show(page, windows=2, alpha=alpha, alpha2=alpha2, d=2, z1=z1)
+        imaged, W = series.imaged_plane(np.radians(alpha), [(2, np.radians(alpha2))])
+        text = page.locator("#sentence").text_content()
+        if abs(imaged - z1) < 1e-9:
+            assert f"Z is real: the image is {-W:.3g} tiles in front of the first window." in text
+        else:
+            assert "Z is not real: the knight has no image." in text
+            assert (f"What stands at z₁ = {imaged:.3g} has one." in text) == (imaged > 0)
+
+
+def test_a_question_about_an_image_does_not_give_its_answer(page):
+    page.evaluate("openQuestion(9)")
+    page.evaluate("draw()")
+    expect(page.locator("#sentence")).not_to_contain_text("image")
+    page.evaluate("reveal()")
+    expect(page.locator("#sentence")).to_contain_text("the image is 2 tiles in front")
+
+
+def test_an_axis_is_typed(page):
+    """The field holds 0 on the way to 0.5. Then the axis is not lost."""
+    show(page, sheet="axis", alpha=20, axis=[0, 0, 1])
+    expect(page.locator("#sentence")).to_contain_text("that is the paper’s window")
+    page.locator("#number-axisz").press_sequentially("0.5")
+    page.locator("#number-axisz").fill("")
+    page.locator("#number-axisz").press_sequentially("0.5")
+    assert page.evaluate("state.axis") == [0, 0, 0.5]
+    show(page, axis=[0, 0, 0])
+    assert page.evaluate("state.axis") == [0, 0, 0.5]
+    expect(page.locator("#sentence")).to_contain_text("An axis of 0, 0, 0 has no direction")
 
 
 def test_neighbours_are_chosen(page):
@@ -297,7 +352,7 @@ def test_neighbours_are_chosen(page):
         ("series", "#slider-d", "2 tiles in front of the first window"),
         ("axis", "#number-axisz", "about the axis (0, 1, 0)"),
         ("refraction", "#number-ratio", "by 0.7"),
-        ("lenslets", "#number-ratio", "f₁/f₂ = 2"),
+        ("lenslets", "#number-ratio", "−f₁/f₂ = −2. They form an image 1 tile"),
         ("mirror", "#slider-alpha", "45.0°"),
     ):
         choose.select_option(name)
@@ -307,9 +362,7 @@ def test_neighbours_are_chosen(page):
     choose.select_option("series")
     page.locator("#number-alpha2").fill("20")
     page.locator("#number-d").fill("0.1")
-    expect(page.locator("#sentence")).to_contain_text(
-        "they form no image. d is at least 0.311: the windows would touch."
-    )
+    expect(page.locator("#sentence")).to_contain_text("has no image. d is at least 0.311: the windows would touch.")
     expect(choose).to_have_value("series")
     page.get_by_role("radio", name="two sheets").check(force=True)
     expect(page.locator("#row-prisms")).to_be_visible()
@@ -319,7 +372,8 @@ def test_neighbours_are_chosen(page):
     expect(choose).to_have_value("none")
     expect(page.locator("#slider-d")).to_be_hidden()
     page.get_by_role("radio", name="ideal sheet").check(force=True)
-    expect(choose).to_have_value("series")
+    expect(choose).to_have_value("none")
+    choose.select_option("series")
     choose.select_option("none")
     assert page.evaluate("[state.windows, state.sheet, state.alpha]") == [1, "ideal", 66]
 

@@ -8,7 +8,7 @@ from povgen.measure import probes
 from povgen.measure.verify import px
 from povgen.optics import rotation, series, trace
 from povgen.scene import limits, prediction
-from povgen.scene.models import Window
+from povgen.scene.models import OTHER_SHEETS, Window
 from povgen.settings import Rendering
 from povgen.video import overlay
 
@@ -262,3 +262,24 @@ def test_one_window_is_the_scene_as_it_is():
 def test_the_live_view_does_not_split_rays():
     with pytest.raises(InputError, match="^fresnel = true: the live view follows one ray a pixel"):
         live(Chess(fresnel=True))
+
+
+@pytest.mark.parametrize(
+    ("alpha", "second", "d", "z1", "z2"), [(120, 120, 2, 2, 2), (180, 0, 2, 2, 4), (120, -240, 3, 3, 3)]
+)
+def test_the_pole_of_windows_in_series_is_infinite(alpha, second, d, z1, z2):
+    """Z = 0: rounding errors of the sum are no answer. A little beside the pole the answer is finite."""
+    scene = Chess(sheet="ideal", alpha=alpha, window=f"alpha={second},z={d}", z1=z1, z2=z2)
+    nu, M = scene.nu_and_M(z1)
+    assert np.isnan(nu) and np.isinf(M) and np.isinf(scene.apparent_position(scene.L, z1))
+    beside = scene.replace(z2=z2 + 1e-6)
+    assert np.isfinite(beside.apparent_position(beside.L, z1))
+    assert beside.nu_and_M(z1)[1] == pytest.approx(z2 * 1e6, rel=1e-3)
+
+
+def test_nu_and_M_where_nothing_is_turned():
+    z1 = np.array([2.0, 3.0])
+    nu, M = Chess(sheet="none", window="alpha=20,z=2").nu_and_M(z1)
+    assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
+    for sheet in ("single", *OTHER_SHEETS):  # what an object looks like there is more than an angle and a size
+        assert np.isnan(Chess(sheet=sheet).nu_and_M(z1)).all() and np.isnan(Chess(sheet=sheet).nu_and_M(2)).all()
