@@ -153,9 +153,9 @@ function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
   const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((k) => most(...ends.map((end) => end[k]))));
   // the switch is at the left, or above
   const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
-  const unit = Math.min((width - left - 5 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
+  const unit = Math.min((width - left - 9 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
   const middle = scaled(0.5, plus(low, high));
-  const at = (z) => [left / 2 + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
+  const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
   const [O, , , Z] = ends.map(at), centre = at(middle);
   const parts = [
     line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], "real axis"),
