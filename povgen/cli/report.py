@@ -15,8 +15,8 @@ PRISMS = ("detailed", "single")
 USED_BY = {
     **dict.fromkeys(("prisms", "index", "base_angle", "gap", "aspect", "tops", "fresnel"), PRISMS),
     "axis": ("axis",),
-    "ratio": ("refraction",),
-    "alpha": ("detailed", "ideal", "axis", "refraction", "mirror"),
+    "ratio": ("refraction", "lenslets"),
+    "alpha": ("detailed", "ideal", "axis", "refraction", "lenslets", "mirror"),
 }
 
 

@@ -57,14 +57,15 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
 
 
 def facts(scene: Scene) -> dict[str, str]:
-    """Return what the caption says: alpha, z1, z2, r, nu and M, as text. For windows in series, their z replaces r.
+    """Return what the caption says: alpha, z1, z2, r, nu and M, as text. Windows in series have their z in place of r.
 
     For several objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
     texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
-    if scene.window:  # r is for a single window
+    if scene.window or scene.sheet in OTHER_SHEETS:  # r is for a single window that rotates light
         del texts["r"]
+    if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places), **texts}
     if scene.sheet in ("detailed", "ideal"):
         nu, M = scene.nu_and_M(z1)

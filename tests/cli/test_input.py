@@ -2,13 +2,16 @@
 
 import os
 import re
+from typing import get_args
 
 import pytest
 from conftest import povgen, refused, run_povgen
 from PIL import Image
 
 from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
+from povgen.cli.report import USED_BY
 from povgen.rendering import povray
+from povgen.scene.models import SheetModel
 from povgen.video import still
 
 SPEC = """
@@ -172,7 +175,10 @@ def test_other_commands(arguments, words, tmp_path):
 @pytest.mark.parametrize(
     ("options", "unused"),
     [
-        (["--ratio", "2", "--prisms", "9"], ["ratio = 2: no effect with sheet = detailed; it is for refraction"]),
+        (
+            ["--ratio", "2", "--prisms", "9"],
+            ["ratio = 2: no effect with sheet = detailed; it is for refraction or lenslets"],
+        ),
         (
             ["--sheet", "ideal", "--prisms", "9"],
             ["prisms = 9: no effect with sheet = ideal; it is for detailed or single"],
@@ -190,6 +196,22 @@ def test_options_without_effect(options, unused, tmp_path):
     said = [line for line in err.splitlines() if "no effect" in line]
     assert status == 0 and len(said) == len(unused)
     assert all(text in line for text, line in zip(unused, said, strict=True)), said
+
+
+@pytest.mark.parametrize("sheet", get_args(SheetModel))
+def test_which_options_have_an_effect(sheet):
+    """An option has no effect, as the warning says, if it leaves all but the comments of the scene's text as it is."""
+
+    def text(**values):
+        return [line.partition("//")[0] for line in to_pov(Chess(sheet=sheet, **values)).splitlines()]
+
+    other = {
+        "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
+        "axis": (0, 1, 0), "ratio": 2, "alpha": 9,
+    }  # fmt: skip
+    assert other.keys() == USED_BY.keys()
+    for name, value in other.items():
+        assert (text() != text(**{name: value})) == (sheet in USED_BY[name]), name
 
 
 @pytest.mark.parametrize(
