@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from povgen.files import save
-from povgen.measure.plotting import Axes, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
+from povgen.measure.plotting import Axes, Axis, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
 from povgen.measure.speed import Point, pareto_front
 from povgen.measure.stability import RENDERED, StabilityMap
 from povgen.measure.verify import Measured
@@ -85,14 +85,19 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[Label]:
     best = pareto_front([p for p in points if not p.method.startswith("live")], error)
     ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="POV-Ray's Pareto front")
     ax.set(xscale="log", yscale="log")
-    for axis in (ax.xaxis, ax.yaxis):  # 0.2 instead of 2 x 10^-1, which would overlap its neighbours
-        axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
+    _plain_ticks(ax.xaxis)
+    _plain_ticks(ax.yaxis)
     ax.grid(alpha=0.25, which="both")
     ax.margins(0.12)
     ax.legend(loc="lower left")  # no picture is both cheap and accurate
     return labels
+
+
+def _plain_ticks(axis: Axis) -> None:
+    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1, which would overlap its neighbours."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter("")
 
 
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
@@ -140,9 +145,11 @@ def save_neighbours(rows: list[tuple[str, str, float, float]], folder: Path) -> 
                 for name, x, y in zip(names, cpu, error, strict=True)
             ]
         ax.set(xscale="log", yscale="log", xlabel="CPU seconds a frame", ylabel="position error (px)")
+        ax.set_title("windows in series, and other ideal sheets, 640x480")
+        _plain_ticks(ax.xaxis)
         ax.margins(0.15)
-        ax.grid(alpha=0.25, which="both")
-        ax.legend(loc="center")
+        ax.grid(alpha=0.25)
+        ax.legend(loc="lower right")  # empty: the costly sheets are not the accurate ones
         _draw_labels(figure, [(ax, labels)])
         save_drawing(figure, folder / "neighbours.png", folder / "neighbours.svg")
 

@@ -12,6 +12,7 @@ try:
     import matplotlib
     from cycler import cycler
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.text import Text
@@ -23,7 +24,7 @@ except ImportError:
     ) from None
 
 # for the modules that draw
-__all__ = ["Axes", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
+__all__ = ["Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
     "axes.spines.right": False,

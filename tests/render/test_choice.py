@@ -155,12 +155,15 @@ def test_the_command(tmp_path):
 
 
 def test_qualities_lie_on_the_pareto_front():
-    """No sampling that was measured costs less and has a smaller error, by RMS or by FLIP."""
+    """No sampling that was measured costs less and has a smaller error, by RMS or by FLIP.
+
+    Costs that differ by less than 15 % count as equal: this is the noise (docs/speed.md).
+    """
     table = [row for row in csv.DictReader(CHART.open()) if row["height"] == "240"]
     for method in ("detailed", "ideal"):
         rows = [row for row in table if row["method"] == method]
         for quality in QUALITIES:
             sampling = Rendering(quality=quality).suited(prisms=method == "detailed").sampling
             (own,) = (row for row in rows if row["antialias"] == sampling)
-            cheaper = [row for row in rows if float(row["CPU s"]) < float(own["CPU s"])]
+            cheaper = [row for row in rows if float(row["CPU s"]) < 0.85 * float(own["CPU s"])]
             assert any(all(float(row[error]) > float(own[error]) for row in cheaper) for error in ("RMS", "FLIP")), own
