@@ -53,5 +53,6 @@ def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     for name, value in values.items():
         if sheets and name in USED_BY and value is not False and not sheets & {*USED_BY[name]}:
             shown = "true" if value is True else value
-            allowed = " or ".join(USED_BY[name])
+            *others, last = USED_BY[name]
+            allowed = ", ".join(others) + " or " * bool(others) + last
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")

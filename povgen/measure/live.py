@@ -29,7 +29,7 @@ RAYS = 64  # a pixel: `LiveView.RAYS`
 SHADOW_RAYS = 13  # through the same point, for soft shadows: each asks for one of the sun's lights
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
 SKY, OBJECT = 0, 3  # templates/live/objects.glsl
-WINDOWS: tuple[dict[str, Any], ...] = (
+PRISM_SCENES: tuple[dict[str, Any], ...] = (
     {},
     {"alpha": 35, "prisms": 400},
     {"alpha": 90, "eye": (0.5, -0.5)},
@@ -69,10 +69,10 @@ def checks() -> Iterator[Measured]:
         yield cost(View(browser, Chess()))
 
 
-def directions(view: View, windows: tuple[dict[str, Any], ...] = WINDOWS, size: Size = SMALL) -> Iterator[Measured]:
+def directions(view: View, scenes: tuple[dict[str, Any], ...] = PRISM_SCENES, size: Size = SMALL) -> Iterator[Measured]:
     """Compare the directions in which the view's rays leave the sheets with the exact ray trace."""
     designed, leaving = [], []
-    for values in windows:
+    for values in scenes:
         scene = Directions(**{"sheet": "detailed", **values})
         view.set(scene)
         read = view.readout(size)
@@ -84,7 +84,7 @@ def directions(view: View, windows: tuple[dict[str, Any], ...] = WINDOWS, size: 
         same = (off < 1e-3) & (read["ray"][inside][:, 3] == found.end)
         designed.append(100 * same[seen & found.designed].mean())
         leaving.append(100 * same[seen].mean())
-    kind = f"worst of {len(windows)} windows"
+    kind = f"worst of {len(scenes)} scenes"
     what = "rays on the designed path within 1e-3 rad of the ray trace"
     yield Measured("live", f"{what}, {kind}", np.min(designed), 99.8, "%", least=True)
     what = "all rays that leave, within 1e-3 rad of the ray trace"

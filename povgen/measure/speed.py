@@ -57,7 +57,7 @@ CONVERGED = "1,0.001,9"  # 81 rays a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
-WINDOWS = ("alpha=120,z=2", "alpha=40,z=4")  # behind the first one, which has alpha = 120
+FURTHER_WINDOWS = ("alpha=120,z=2", "alpha=40,z=4")  # behind the first one, which has alpha = 120
 WORKER_COUNTS = (1, 2, 4, 8, 16)
 MOVIE: MovieSpec | str = "vary-alpha"
 ROUNDS = 5
@@ -250,7 +250,7 @@ def measure_neighbours(done: Callable[[str], object]) -> Iterator[tuple[str, str
     rendering = Rendering(size=SMALL, antialias="off")
     cases: list[tuple[str, str, Scene, list[Positions]]] = []
     for sheet, count in product(("ideal", "detailed"), range(1, 4)):
-        shown = Chess(sheet=sheet, alpha=120, window=WINDOWS[: count - 1], z2=8)
+        shown = Chess(sheet=sheet, alpha=120, window=FURTHER_WINDOWS[: count - 1], z2=8)
         cases.append((sheet, str(count), shown, series_targets(sheet, count, 6, seed=3, E=0j)))
     for sheet, measured in other_targets().items():
         cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet][0]), measured))

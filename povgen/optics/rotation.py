@@ -28,8 +28,8 @@ Booleans = Any
 # The windows behind the first one, in the order in which an eye looks through them. Each is the pair of its distance
 # from the window before it, and its alpha.
 Windows = Iterable[tuple[ArrayLike, ArrayLike]]
-# A sum of distances in several directions is computed from terms that are known to some 1e-16. Below this share of
-# their sizes it is 0.
+# The terms of a sum of distances in several directions have relative errors of some 1e-16. A sum smaller than ROUNDING
+# times the sum of their sizes counts as 0.
 ROUNDING = 1e-14
 
 

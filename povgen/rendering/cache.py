@@ -177,7 +177,10 @@ def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
 
 
 def store_values(key: str, values: object) -> None:
-    """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum."""
+    """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum.
+
+    Raises the InputError of `check`.
+    """
     text = json.dumps(values).encode()
     with suppress(OSError), work_folder() as work:  # a full or read-only disk: they are computed again next time
         made = work / "values"

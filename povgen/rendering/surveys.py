@@ -7,10 +7,12 @@ import functools
 import inspect
 from hashlib import sha256
 
-from povgen.optics import prism, series, trace
+from povgen.optics import polarisation, prism, rotation, series, trace
 from povgen.rendering import cache
 from povgen.scene import limits, prediction
 from povgen.scene.models import Scene
+
+OPTICS = (polarisation, prism, rotation, series, trace)  # all modules of povgen.optics that a survey uses
 
 
 def load(scene: Scene, store: bool = False) -> None:
@@ -33,5 +35,5 @@ def load(scene: Scene, store: bool = False) -> None:
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [inspect.getsource(module) for module in (limits, prediction, prism, series, trace)]
+    texts = [inspect.getsource(module) for module in (limits, prediction, *OPTICS)]
     return sha256("\0".join(texts).encode()).hexdigest()

@@ -4,6 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z 
 in it are complex numbers x + iy, from the window's centre: x points right and y up, as the eye sees them.
 """
 
+from cmath import isfinite
 from collections.abc import Collection, Mapping
 from itertools import pairwise
 from math import radians, remainder
@@ -565,6 +566,13 @@ class Chess(Scene):
                 f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z2:g} the piece appears at "
                 "infinity (the pole of eq. 7); allowed: any other alpha or z1"
             )
+        if self.predicted_image and self.window:
+            for z1 in self.distances:
+                if not all(map(isfinite, self.apparent_steps(z1))):
+                    raise ValueError(
+                        f"predicted_image = true: at z1 = {z1:g} and z2 = {self.z2:g} these windows show the piece at "
+                        "infinity (Z = 0); allowed: any other alpha, z1 or z2"
+                    )
         return self
 
 

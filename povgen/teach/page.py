@@ -9,7 +9,6 @@ from typing import Any
 
 from povgen.errors import InputError
 from povgen.files import checked_output, save
-from povgen.rendering import cache
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import GRID, volumes
 from povgen.scene import limits, live
@@ -47,7 +46,6 @@ def demo(
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
         build.checked_movie(file, specs[name], Rendering(**given).quality)
-    cache.check()
     shown = live.pieces(Chess(piece=(*PIECES, *pieces)))
     shapes = volumes(shown)
     for name, file in files.items():

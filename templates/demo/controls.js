@@ -131,11 +131,12 @@ function showNumbers(now) {
   $("about-P").textContent = now.Z ? "crosses the first window" : "crosses the sheets";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
   $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
-  const real = now.sheet === "detailed" && now.two && `for ${prismsText(now.scene.prisms)}; the equation gives `;
-  $("about-nu").textContent = real ? real + angle(equations.nu(now.r, now.alpha)) : "angle by which the object appears turned";
-  $("about-M").textContent = real ? real + size(equations.M(now.r, now.alpha)) : "times as large as if it stood in the " + (now.Z ? "first " : "") + "window";
+  const real = now.sheet === "detailed" && `for ${prismsText(now.scene.prisms)}; the equation gives `;
+  const fine = now.Z ? { nu: -arg(now.Z), M: now.z2 / abs(now.Z) } : { nu: equations.nu(now.r, now.alpha), M: equations.M(now.r, now.alpha) };
+  $("about-nu").textContent = real ? real + angle(fine.nu) : "angle by which the object appears turned";
+  $("about-M").textContent = real ? real + size(fine.M) : "times as large as if it stood in the " + (now.Z ? "first " : "") + "window";
   $("paper-diagram").textContent = now.Z ? "complex depth" : "as in the paper";
-  $("of-prisms").hidden = now.sheet !== "detailed" || !now.two;
+  $("of-prisms").hidden = now.sheet !== "detailed";
   $("sentence").textContent = explanation(now);
 }
 

@@ -87,7 +87,13 @@ function atSecondWindow({ E, place, z2, d, alpha }) {
 
 // ---- Sentences ----
 
-const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than a prism's height
+const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than the height of one of 100 prisms
+
+// "2 tiles in front of the first window". An image behind the eye cannot be seen standing in the air.
+function imagePlace(W, z2, name) {
+  const distance = `${brief(Math.abs(W))} ${Math.abs(W) === 1 ? "tile" : "tiles"}`;
+  return `${distance} ${W < 0 ? "in front of" : "behind"} ${name}${-W > z2 ? ", behind your eye" : ""}`;
+}
 
 function seenThrough(now) {
   const { sheet, M, degrees } = now;
@@ -111,10 +117,10 @@ const WORK = {
     const what = `The sheet refracts light, with a complex ratio of indices: it multiplies the sine of the angle by ${brief(ratio)}, and turns light by`;
     return `${what} ${fixed(degrees, 1)}°. ${ratio === 1 ? "That is the paper’s window." : "No prisms are known that do this."}`;
   },
-  lenslets({ scene: { ratio }, degrees, z1 }) {
+  lenslets({ scene: { ratio }, degrees, z1, z2 }) {
     const turned = Math.abs(degrees) % 360 === 180;
     if (!turned) return `The sheet multiplies the light’s slope by ${brief(ratio)}, and turns it by ${fixed(degrees, 1)}°. Real lenslets turn it by 180°.`;
-    return `Pairs of lenslets multiply the light’s slope by −f₁/f₂ = −${brief(ratio)}. They form an image ${brief(z1 / ratio)} ${z1 === ratio ? "tile" : "tiles"} in front of the window.`;
+    return `Pairs of lenslets multiply the light’s slope by −f₁/f₂ = −${brief(ratio)}. They form an image ${imagePlace(-z1 / ratio, z2, "the window")}.`;
   },
   mirror: ({ degrees }) => `The sheet mirrors the light’s slope about a line at ${fixed(degrees / 2, 1)}°, as one sheet of prisms does.`,
 };
@@ -131,14 +137,15 @@ function seenInSeries(now) {
 }
 
 // Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.
-function imageSentence({ Z, z1, z2, total }) {
+function imageSentence({ scene, Z, z1, z2, total }) {
   if (Math.abs(Z[1]) <= REAL) {
     const W = Z[0] - z2;
     if (Math.abs(W) < REAL) return "Z is real: the image is in the first window.";
-    return `Z is real: the image is ${brief(Math.abs(W))} tiles ${W < 0 ? "in front of" : "behind"} the first window.`;
+    return `Z is real: the image is ${imagePlace(W, z2, "the first window")}.`;
   }
   const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
-  const instead = imaged > 0 && imaged < RANGES.z1[1] ? ` What stands at z₁ = ${brief(imaged)} has one.` : "";
+  const least = geometry.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
+  const instead = imaged > least && imaged < RANGES.z1[1] ? ` What stands at z₁ = ${brief(imaged)} has one.` : "";
   return `Z is not real: the ${thing()} has no image.${instead}`;
 }
 

@@ -60,6 +60,8 @@ function paths(now) {
   });
 }
 
+const hasImage = (now) => state.image && state.scene === "chess" && (now.two || now.beyond) && !now.beside;
+
 // The piece's outline where the sheets show it, by the equations. It is also where the piece can be dragged.
 function image(now) {
   if (state.scene !== "chess" || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
@@ -67,7 +69,7 @@ function image(now) {
     const points = line.map((d) => onStage(apparentPosition(now, plus(now.L, d))).map((x) => x.toFixed(1)));
     return `M${points.map((point) => point.join(" ")).join("L")}Z`;
   });
-  const kind = `image q q-nu q-M${state.image && (now.two || now.beyond) && !now.beside ? "" : " hidden"}`;
+  const kind = `image q q-nu q-M${hasImage(now) ? "" : " hidden"}`;
   return [svg("path", { class: kind, id: "image", d: d.join("") })];
 }
 
@@ -131,7 +133,7 @@ function key(now, rem, { width, height }) {
   const lines = [];
   if (state.position) lines.push(["mark", "P: predicted position"], ["dot", "L: the object"], ["ring", "E: the eye"]);
   if (state.circles && now.two) lines.push(["of-alpha", "α constant, z₁ changes"], ["of-r", "r constant, α changes"]);
-  if (state.image && (now.two || now.beyond) && state.scene === "chess") lines.push(["image", "predicted image"]);
+  if (hasImage(now)) lines.push(["image", "predicted image"]);
   if (!lines.length) return [];
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
   const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];

@@ -101,8 +101,9 @@ function moment() {
   now.P = equations.P(r, alpha);
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
-  // whether the light from L misses the second window
-  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && atSecondWindow(now).some((x) => Math.abs(x) > scene.aperture / 2);
+  // whether the light from L, on its way through the first window, misses the second one
+  const outside = (point) => point.some((x) => Math.abs(x) > scene.aperture / 2);
+  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place) && outside(atSecondWindow(now));
   now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object's plane in the window
   if ((now.two || now.Z) && now.M > NEAR_POLE) now.shows = poleShows(now);
   return now;

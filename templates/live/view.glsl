@@ -51,7 +51,8 @@ vec3 bent(vec3 d, int number) {
   return vec3(turnedBack(ideal == MIRROR ? vec2(d.x, -d.y) : d.xy, ideal == MIRROR ? vec2(angle.x, -angle.y) : angle), d.z);
 }
 
-// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets.
+// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets. Several sheets
+// are all rotations, through which all light passes.
 void passIdealSheets(inout Seen seen) {
   seen.direction = bent(seen.direction, 0);
   seen.lost = seen.direction.z < 1e-6;
@@ -78,6 +79,8 @@ int windowMet(vec3 o, vec3 d, float before) {
   return met;
 }
 
+const int MOST_PASSAGES = 20;  // through windows of prisms; almost every ray has met maxFaces faces before
+
 // What the eye sees at a place in the plane z = 0. Rays to the first window start there, not at the eye: a far eye's distance,
 // in pitches, would have too many digits.
 Seen see(vec3 place) {
@@ -92,7 +95,7 @@ Seen see(vec3 place) {
   if (enters && simulated > 0) passIdealSheets(seen);
   seen.hit = Hit(0.0, SKY, vec3(0));
 #if WINDOWS > 1
-  for (int k = 0; k < 20; k++)  // light can be reflected between windows
+  for (int k = 0; k < MOST_PASSAGES; k++)  // light can be reflected between windows
 #endif
   {
     if (met >= 0) {

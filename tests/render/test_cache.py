@@ -1,10 +1,12 @@
 """The cache: which folder it may use, which files count as a frame, and what is removed."""
 
+import inspect
 import io
 import json
 import multiprocessing
 import os
 import pwd
+import re
 import stat
 import struct
 import subprocess
@@ -346,3 +348,14 @@ def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
     assert seen[0].parent.parent == place and stat.S_IMODE(target.stat().st_mode) == 0o600
     assert target.read_bytes().startswith(b"GIF89a") and os.listdir(tmp_path / "out") == ["a.gif"]
     assert not list(place.glob(f"{files.WORK_PREFIX}*"))
+
+
+def test_a_survey_belongs_to_all_code_that_makes_it():
+    """Each module of povgen.optics that one of these modules imports is among them."""
+    names = {module.__name__.rpartition(".")[2] for module in surveys.OPTICS}
+    for module in surveys.OPTICS:
+        text = inspect.getsource(module)
+        found = re.findall(r"^from povgen\.optics\.(\w+) import", text, re.M)
+        for several in re.findall(r"^from povgen\.optics import (.*)$", text, re.M):
+            found += several.split(", ")
+        assert set(found) <= names

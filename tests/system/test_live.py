@@ -52,7 +52,7 @@ def page(browser, file):
 
 
 def test_directions_agree_with_the_ray_trace(prisms):
-    figures = list(live.directions(prisms, live.WINDOWS, SIZE))
+    figures = list(live.directions(prisms, live.PRISM_SCENES, SIZE))
     assert len(figures) == 2 and all(figure.holds for figure in figures), figures
 
 

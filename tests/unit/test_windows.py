@@ -283,3 +283,12 @@ def test_nu_and_M_where_nothing_is_turned():
     assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
     for sheet in ("single", *OTHER_SHEETS):  # what an object looks like there is more than an angle and a size
         assert np.isnan(Chess(sheet=sheet).nu_and_M(z1)).all() and np.isnan(Chess(sheet=sheet).nu_and_M(2)).all()
+
+
+@pytest.mark.parametrize(
+    "windows", [{"alpha": 120, "window": "alpha=120,z=2", "z2": 2}, {"alpha": 180, "window": "alpha=0,z=2", "z2": 4}]
+)
+def test_a_predicted_image_at_the_pole_of_windows_is_refused(windows):
+    with pytest.raises(InputError, match="show the piece at infinity"):
+        Chess(sheet="ideal", z1=2, predicted_image=True, **windows)
+    assert Chess(sheet="ideal", z1=2.1, predicted_image=True, **windows)
