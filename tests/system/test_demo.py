@@ -319,7 +319,7 @@ def test_the_image_of_two_windows_is_said(page):
         imaged, W = series.imaged_plane(np.radians(alpha), [(2, np.radians(alpha2))])
         text = page.locator("#sentence").text_content()
         if abs(imaged - z1) < 1e-9:
-            behind = ", behind your eye" * (-W > 6)
+            behind = ", behind your eye" if -W > 6 else ""
             assert f"Z is real: the image is {-W:.3g} tiles in front of the first window{behind}." in text
         else:
             assert "Z is not real: the knight has no image." in text
