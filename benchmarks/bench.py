@@ -70,11 +70,13 @@ def triangles(scene: Chess) -> list[list[list[float]]]:
 
 
 def mitsuba(python: str) -> Callable[[], float]:
-    mesh = json.dumps(triangles(Chess()))
+    scene = Chess()
+    values = {"window": scene.aperture, "view": scene.view, "z2": scene.z2, "floor": scene.floor}
+    given = json.dumps({**values, "sheets": triangles(scene)})
 
     def run() -> float:
-        command = [python, HERE / "mitsuba_baseline.py", str(prediction.max_trace_level(Chess()))]
-        return float(subprocess.run(command, input=mesh, capture_output=True, text=True, check=True).stdout)
+        command = [python, HERE / "mitsuba_baseline.py", str(prediction.max_trace_level(scene))]
+        return float(subprocess.run(command, input=given, capture_output=True, text=True, check=True).stdout)
 
     return run
 

@@ -1,8 +1,9 @@
 """Render the sheets of povgen's detailed frame with Mitsuba 3 (scalar_rgb, one thread, one ray a pixel), and time it.
 
 bench.py runs this in an environment of its own. The argument is the greatest number of faces on a path. Standard input
-is the mesh: a JSON list of sheets, each a list of triangles of three corners in tiles. The output is the CPU seconds of
-rendering without reading the scene: the median of three frames, after one to warm up.
+is JSON: lengths of povgen's scene, in tiles (the window's side, the picture's height, z2, the floor's height), and the
+mesh, a list of sheets, each a list of triangles of three corners. The output is the CPU seconds of rendering without
+reading the scene: the median of three frames, after one to warm up.
 """
 
 import json
@@ -13,7 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
-WINDOW, Z2, VIEW_HEIGHT, SIZE = 2.4, 6.0, 3.85, (640, 480)
+SIZE = (640, 480)
 
 
 def sheet(triangles: list) -> "mi.Mesh":
@@ -29,13 +30,15 @@ def sheet(triangles: list) -> "mi.Mesh":
 
 
 def main() -> None:
+    given = json.load(sys.stdin)
+    window, z2 = given["window"], given["z2"]
     scene = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": int(sys.argv[1])},
         "light": {"type": "constant", "radiance": 0.8},
         "floor": {
             "type": "rectangle",
-            "to_world": mi.ScalarTransform4f().translate([0, -1.33, 0]).rotate([1, 0, 0], -90).scale(200),
+            "to_world": mi.ScalarTransform4f().translate([0, given["floor"], 0]).rotate([1, 0, 0], -90).scale(200),
             "bsdf": {
                 "type": "diffuse",
                 "reflectance": {"type": "checkerboard", "to_uv": mi.ScalarTransform4f().scale([200, 200, 1])},
@@ -44,18 +47,18 @@ def main() -> None:
         "sensor": {
             "type": "perspective",
             "fov_axis": "y",
-            "fov": float(2 * np.degrees(np.arctan(VIEW_HEIGHT / 2 / Z2))),
-            "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, -Z2], target=[0, 0, 0], up=[0, 1, 0]),
+            "fov": float(2 * np.degrees(np.arctan(given["view"] / 2 / z2))),
+            "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, -z2], target=[0, 0, 0], up=[0, 1, 0]),
             "film": {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}},
             "sampler": {"type": "independent", "sample_count": 1},
         },
     }
     # in place of the window frame, four boxes around the window stop all rays beside it
-    side, middle = 3.0, WINDOW / 2 + 3.0 / 2
+    side, middle = 3.0, window / 2 + 3.0 / 2
     for n, (x, y) in enumerate(((middle, 0), (-middle, 0), (0, middle), (0, -middle))):
-        half = [side / 2, 3.0, 0.13] if x else [WINDOW / 2, side / 2, 0.13]
+        half = [side / 2, 3.0, 0.13] if x else [window / 2, side / 2, 0.13]
         scene[f"frame{n}"] = {"type": "cube", "to_world": mi.ScalarTransform4f().translate([x, y, 0]).scale(half)}
-    for n, triangles in enumerate(json.load(sys.stdin)):
+    for n, triangles in enumerate(given["sheets"]):
         scene[f"sheet{n}"] = sheet(triangles)
     loaded = mi.load_dict(scene)
     seconds = []
