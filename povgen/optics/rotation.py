@@ -155,7 +155,8 @@ def object_position(
     P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
     z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
-    return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
+    with np.errstate(invalid="ignore"):  # complex NaN would warn
+        return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
 
 
 def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
