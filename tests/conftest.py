@@ -106,3 +106,12 @@ def refused(arguments, folder):
 def rng():
     """A generator of the same random numbers for each test."""
     return np.random.default_rng(2009)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium that draws without a GPU."""
+    from povgen.measure.browser import chromium
+
+    with chromium() as started:
+        yield started

@@ -50,7 +50,7 @@ SCENES: tuple[Scene, ...] = (
     Spheres(alpha=110, z1=(2, 6)),
     Chess(alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1)),
 )
-OTHER = (
+OTHER_SCENES = (
     Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
     Chess(sheet="refraction", ratio=0.3, alpha=40, z2=4, eye=(0.5, 0.2)),
     Chess(sheet="lenslets", ratio=1.5, alpha=180, eye=(0.2, 0.3)),
@@ -65,7 +65,7 @@ def checks() -> Iterator[Measured]:
         yield from positions(View(browser, Directions(sheet="ideal")))
         for sheet in ("none", "ideal", "detailed"):
             yield from pictures(browser, sheet, [scene.replace(sheet=sheet) for scene in SCENES])
-        yield from pictures(browser, "other ideal sheets", OTHER)
+        yield from pictures(browser, "other ideal sheets", OTHER_SCENES)
         yield cost(View(browser, Chess()))
 
 

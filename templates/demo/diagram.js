@@ -156,3 +156,34 @@ function others({ at }, now, rem) {
   const places = now.objects.map((z1) => equations.P(now.z2 / z1, now.alpha)).filter(finite);
   return places.map((P) => dot("other", at(P), 0.22 * rem));
 }
+
+// ---- The diagram of the complex depth: Z = z2 + d e^(-i alpha) + z1 e^(-i(alpha + alpha2)), step by step ----
+
+function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
+  const steps = [
+    ["z₂", [z2, 0], "of-r q-z2"], ["d", scaled(d, turn(-alpha)), "of-alpha q-d q-alpha"],
+    ["z₁", scaled(z1, turn(-total)), "of-nu q-z1 q-alpha2"],
+  ];
+  const ends = steps.reduce((points, [, step]) => [...points, plus(points.at(-1), step)], [[0, 0]]);
+  const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((k) => most(...ends.map((end) => end[k]))));
+  // the switch is at the left, or above
+  const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
+  const unit = Math.min((width - left - 9 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
+  const middle = scaled(0.5, plus(low, high));
+  const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
+  const [O, , , Z] = ends.map(at), centre = at(middle);
+  const parts = [
+    line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], "real axis"),
+    line("base q q-Z q-nu q-M q-P", O, Z), dot("dot", O, 0.2 * rem), words("scale", plus(O, [-0.8 * rem, 0]), "0"),
+  ];
+  steps.forEach(([name, , kind], k) => {
+    const [from, to] = [at(ends[k]), at(ends[k + 1])];
+    parts.push(...vector(`ray q ${kind}`, from, to, rem));
+    if (abs(minus(to, from)) < 1.5 * rem) return;
+    const half = scaled(0.5, plus(from, to));
+    const sides = [1, -1].map((side) => step(half, heading(from, to) + (side * Math.PI) / 2, 0.9 * rem));
+    sides.sort((a, b) => abs(minus(b, centre)) - abs(minus(a, centre)));  // outside
+    parts.push(words(`point q ${kind}`, sides[0], name));
+  });
+  return [...parts, ...corner("Z", Z, [at(ends[2])], rem)];
+}

@@ -14,6 +14,12 @@ const arg = (a) => Math.atan2(a[1], a[0]);
 const turn = (angle) => [Math.cos(angle), Math.sin(angle)];
 const finite = (a) => Number.isFinite(a[0]) && Number.isFinite(a[1]);
 
+// The area of the parallelogram of two vectors; below 0 if the second one is clockwise of the first.
+const determinant = ([a, b]) => a[0] * b[1] - a[1] * b[0];
+
+// The numbers [s, t] with s a + t b = v.
+const resolved = (v, [a, b]) => scaled(1 / determinant([a, b]), [determinant([v, b]), determinant([a, v])]);
+
 // a/b for a other than 0. If b is 0, the result is infinite.
 function quotient(a, b) {
   const size = b[0] ** 2 + b[1] ** 2;
@@ -145,3 +151,60 @@ const equations = (() => {
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);
+
+// ---- The other ideal sheets: maps of directions, povgen/optics/ideal.py ----
+
+// The direction [x, y, z] of an eye's ray behind one of the other sheets, or null if no light passes.
+function bent(d, { sheet, alpha: degrees, ratio, axis }) {
+  const alpha = radians(degrees);
+  const transverse = [d[0], d[1]], length = Math.hypot(...d);
+  const back = times(transverse, turn(-alpha));
+  let found;
+  if (sheet === "mirror") found = [...times(conj(transverse), turn(alpha)), d[2]];
+  else if (sheet === "lenslets") found = [...scaled(1 / ratio, back), d[2]];
+  else if (sheet === "refraction") {
+    const sine = scaled(1 / (ratio * length), back);
+    found = [...sine, Math.sqrt(1 - abs(sine) ** 2)];
+  } else {
+    const [x, y, z] = axis.map((part) => part / Math.hypot(...axis));
+    const [c, s] = turn(-alpha);
+    const along = (x * d[0] + y * d[1] + z * d[2]) * (1 - c);
+    found = [
+      c * d[0] + s * (y * d[2] - z * d[1]) + x * along,
+      c * d[1] + s * (z * d[0] - x * d[2]) + y * along,
+      c * d[2] + s * (x * d[1] - y * d[0]) + z * along,
+    ];
+  }
+  return found[2] > 0 ? found : null;
+}
+
+// Where light from L to E crosses one of the other sheets: Newton's method, as in povgen/optics/ideal.py. [NaN, NaN] if no
+// path was found.
+function crossing(L, E, z1, z2, scene) {
+  const missed = (slope) => {
+    const ray = bent([...slope, 1], scene);
+    if (!ray) return [NaN, NaN];
+    return minus(plus(E, plus(scaled(z2, slope), scaled(z1 / ray[2], [ray[0], ray[1]]))), L);
+  };
+  const size = 1 + abs(minus(L, E)) + z1 + z2;
+  let slope = [0, 0], off = missed(slope);
+  for (let k = 0; k < 60 && abs(off) > 1e-13 * size; k++) {
+    const steps = [[1e-7, 0], [0, 1e-7]].map((h) => scaled(5e6, minus(missed(plus(slope, h)), missed(minus(slope, h)))));
+    let step = scaled(-1, resolved(off, steps));
+    let next = missed(plus(slope, step));
+    for (let n = 0; n < 30 && !(abs(next) <= abs(off)); n++) {
+      step = scaled(0.5, step);
+      next = missed(plus(slope, step));
+    }
+    if (!finite(next)) break;
+    slope = plus(slope, step);
+    off = next;
+  }
+  return abs(off) < 1e-9 * size ? plus(E, scaled(z2, slope)) : [NaN, NaN];
+}
+
+// Where the light from L to E crosses the second window.
+function atSecondWindow({ E, place, z2, d, alpha }) {
+  const slope = scaled(1 / z2, minus(place, E));
+  return plus(place, scaled(d, times(slope, turn(-alpha))));
+}

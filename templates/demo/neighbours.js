@@ -1,4 +1,4 @@
-// What goes beyond the paper: a second window, and ideal sheets that do not rotate light about their normal.
+// The choices beyond the paper: a second window, and ideal sheets that do not rotate light about their normal.
 
 // What is chosen beside the paper's window, and the values with which it begins.
 const NEIGHBOURS = {
@@ -26,64 +26,6 @@ const inSeries = () => state.windows === 2 && ["none", "detailed", "ideal"].incl
 
 // The distance from the second window to the first, and its angle in radians: [[distance, angle]]; [] without one.
 const behindFirst = ({ window, sheet }) => window.map(({ z, alpha }) => [z, sheet === "none" ? 0 : radians(alpha)]);
-
-// ---- The maps of directions: povgen/optics/ideal.py ----
-
-// The direction [x, y, z] of an eye's ray behind one of the other sheets, or null if no light passes.
-function bent(d, { sheet, alpha: degrees, ratio, axis }) {
-  const alpha = radians(degrees);
-  const transverse = [d[0], d[1]], length = Math.hypot(...d);
-  const back = times(transverse, turn(-alpha));
-  let found;
-  if (sheet === "mirror") found = [...times(conj(transverse), turn(alpha)), d[2]];
-  else if (sheet === "lenslets") found = [...scaled(1 / ratio, back), d[2]];
-  else if (sheet === "refraction") {
-    const sine = scaled(1 / (ratio * length), back);
-    found = [...sine, Math.sqrt(1 - abs(sine) ** 2)];
-  } else {
-    const [x, y, z] = axis.map((part) => part / Math.hypot(...axis));
-    const [c, s] = turn(-alpha);
-    const along = (x * d[0] + y * d[1] + z * d[2]) * (1 - c);
-    found = [
-      c * d[0] + s * (y * d[2] - z * d[1]) + x * along,
-      c * d[1] + s * (z * d[0] - x * d[2]) + y * along,
-      c * d[2] + s * (x * d[1] - y * d[0]) + z * along,
-    ];
-  }
-  return found[2] > 0 ? found : null;
-}
-
-// Where light from L to E crosses one of the other sheets: Newton's method, as in povgen/optics/ideal.py. [NaN, NaN] if no
-// path was found.
-function crossing(L, E, z1, z2, scene) {
-  const missed = (slope) => {
-    const ray = bent([...slope, 1], scene);
-    if (!ray) return [NaN, NaN];
-    return minus(plus(E, plus(scaled(z2, slope), scaled(z1 / ray[2], [ray[0], ray[1]]))), L);
-  };
-  const size = 1 + abs(minus(L, E)) + z1 + z2;
-  let slope = [0, 0], off = missed(slope);
-  for (let k = 0; k < 60 && abs(off) > 1e-13 * size; k++) {
-    const [right, up] = [[1e-7, 0], [0, 1e-7]].map((h) => scaled(5e6, minus(missed(plus(slope, h)), missed(minus(slope, h)))));
-    const determinant = right[0] * up[1] - right[1] * up[0];
-    let step = scaled(-1 / determinant, [off[0] * up[1] - off[1] * up[0], right[0] * off[1] - right[1] * off[0]]);
-    let next = missed(plus(slope, step));
-    for (let n = 0; n < 30 && !(abs(next) <= abs(off)); n++) {
-      step = scaled(0.5, step);
-      next = missed(plus(slope, step));
-    }
-    if (!finite(next)) break;
-    slope = plus(slope, step);
-    off = next;
-  }
-  return abs(off) < 1e-9 * size ? plus(E, scaled(z2, slope)) : [NaN, NaN];
-}
-
-// Where the light from L to E crosses the second window.
-function atSecondWindow({ E, place, z2, d, alpha }) {
-  const slope = scaled(1 / z2, minus(place, E));
-  return plus(place, scaled(d, times(slope, turn(-alpha))));
-}
 
 // ---- Sentences ----
 
@@ -147,35 +89,4 @@ function imageSentence({ scene, Z, z1, z2, total }) {
   const least = geometry.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
   const instead = imaged > least && imaged < RANGES.z1[1] ? ` What stands at z₁ = ${brief(imaged)} has one.` : "";
   return `Z is not real: the ${thing()} has no image.${instead}`;
-}
-
-// ---- The diagram of the complex depth: Z = z2 + d e^(-i alpha) + z1 e^(-i(alpha + alpha2)), step by step ----
-
-function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
-  const steps = [
-    ["z₂", [z2, 0], "of-r q-z2"], ["d", scaled(d, turn(-alpha)), "of-alpha q-d q-alpha"],
-    ["z₁", scaled(z1, turn(-total)), "of-nu q-z1 q-alpha2"],
-  ];
-  const ends = steps.reduce((points, [, step]) => [...points, plus(points.at(-1), step)], [[0, 0]]);
-  const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((k) => most(...ends.map((end) => end[k]))));
-  // the switch is at the left, or above
-  const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
-  const unit = Math.min((width - left - 9 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
-  const middle = scaled(0.5, plus(low, high));
-  const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
-  const [O, , , Z] = ends.map(at), centre = at(middle);
-  const parts = [
-    line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], "real axis"),
-    line("base q q-Z q-nu q-M q-P", O, Z), dot("dot", O, 0.2 * rem), words("scale", plus(O, [-0.8 * rem, 0]), "0"),
-  ];
-  steps.forEach(([name, , kind], k) => {
-    const [from, to] = [at(ends[k]), at(ends[k + 1])];
-    parts.push(...vector(`ray q ${kind}`, from, to, rem));
-    if (abs(minus(to, from)) < 1.5 * rem) return;
-    const half = scaled(0.5, plus(from, to));
-    const sides = [1, -1].map((side) => step(half, heading(from, to) + (side * Math.PI) / 2, 0.9 * rem));
-    sides.sort((a, b) => abs(minus(b, centre)) - abs(minus(a, centre)));  // outside
-    parts.push(words(`point q ${kind}`, sides[0], name));
-  });
-  return [...parts, ...corner("Z", Z, [at(ends[2])], rem)];
 }

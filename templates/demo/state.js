@@ -148,14 +148,13 @@ function appearance(now) {
 
 // How a short step of the object to the right, and one up, appears: for each tile of the step.
 const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
-const determinant = ([right, up]) => right[0] * up[1] - right[1] * up[0];
 
 // Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.
 function objectStep(now, step) {
-  const [right, up] = shownSteps(now);
-  const area = determinant([right, up]);
+  const steps = shownSteps(now);
+  const area = determinant(steps);
   if (!Number.isFinite(area) || Math.abs(area) > 50 || Math.abs(area) < 1e-6) return step;
-  return [(step[0] * up[1] - step[1] * up[0]) / area, (right[0] * step[1] - right[1] * step[0]) / area];
+  return resolved(step, steps);
 }
 
 // Whether the prediction can be wrong by pixels. The limits are in povgen/scene/limits.py.

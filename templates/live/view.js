@@ -27,7 +27,6 @@ class LiveView {
     this.budget = 1e5;     // pixels that are drawn at once
     this.count = 0;        // rays a pixel in the sum
     this.row = 0;          // of the sum, up to which the next ray has been added
-    this.frames = [];      // milliseconds of the last moving frames
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       this.pending = null;
@@ -63,12 +62,6 @@ class LiveView {
 
   converged() {
     return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= LiveView.RAYS;
-  }
-
-  // Milliseconds of the last moving frames, and `scale`.
-  statistics() {
-    const times = [...this.frames].sort((a, b) => a - b);
-    return { frames: times.length, median: times[times.length >> 1], worst: times[times.length - 1], scale: this.scale };
   }
 
   // ---- WebGL ----
@@ -373,7 +366,6 @@ class LiveView {
       this.pending = null;
       const time = performance.now() - start;
       this.adapt(pixels, time);
-      if (pause) this.frames = [...this.frames.slice(-99), time];
       if (this.stale) this.later();
       else this.resting = setTimeout(() => this.refine(), pause);
     };

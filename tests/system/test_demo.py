@@ -11,7 +11,6 @@ from PIL import Image
 from playwright.sync_api import expect
 
 from povgen import Chess, InputError, Spheres
-from povgen.measure.browser import chromium
 from povgen.optics import paraxial, rotation, series
 from povgen.optics.prism import Prism
 from povgen.scene import prediction
@@ -22,12 +21,6 @@ from povgen.teach.page import demo
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 SIZES = {"laptop": (1280, 720), "phone": (390, 844), "phone sideways": (844, 390), "projector": (1920, 1080)}
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(scope="module")
@@ -875,7 +868,10 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
 
 def test_questions_are_answered_by_the_equations(page):
     right = page.evaluate("QUESTIONS.map((question) => question.answer())")
-    nu = lambda z1, alpha: np.degrees(rotation.nu(6 / z1, np.radians(alpha)))  # noqa: E731
+
+    def nu(z1, alpha):
+        return np.degrees(rotation.nu(6 / z1, np.radians(alpha)))
+
     angles = np.linspace(0, 180, 180_001)
     image = [complex(rotation.apparent_position(-1j, x, 2, 6, np.pi)).real for x in (0, 1)]
     assert rotation.mirror(np.array([0.1, 0.2, -1]), 0)[1] < 0 < nu(2, 66) and nu(1e9, 66) == pytest.approx(66)

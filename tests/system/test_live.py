@@ -7,19 +7,13 @@ from conftest import refused
 import povgen
 from povgen import Chess, InputError, Spheres
 from povgen.measure import live
-from povgen.measure.browser import View, chromium
+from povgen.measure.browser import View
 from povgen.measure.probes import Directions
 from povgen.scene import live as given
 from povgen.scene.models import SCENES
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(scope="module")
@@ -214,8 +208,7 @@ def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
           move(66);
         })"""
     )
-    moved = page.evaluate("view.statistics()")
-    assert moved["frames"] > 0 and moved["scale"] <= 0.5
+    assert page.evaluate("view.scale") <= 0.5
     page.evaluate("LiveView.RAYS = 1")
     page.wait_for_function("view.row > 0 && view.row < view.canvas.height", polling=1)
     page.evaluate("LiveView.RAYS = 64; view.set({ alpha: 66 })")  # while a strip is being drawn
