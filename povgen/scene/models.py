@@ -6,8 +6,8 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 
 from cmath import isfinite
 from collections.abc import Collection, Mapping
-from itertools import pairwise
-from math import radians, remainder
+from itertools import combinations, pairwise
+from math import hypot, radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import (
@@ -43,6 +43,7 @@ Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
 Component = Annotated[float, Field(ge=-1, le=1)]
+MIN_COMPONENT = 0.001  # least length of the greatest component of an axis: the square of a tiny one would be 0
 
 
 def as_pair(value: object) -> object:
@@ -171,7 +172,7 @@ class Scene(Model):
     )
     axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
         (1, 0, 0),
-        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, not 0,0,0",
+        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye",
     )
     ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
         1,
@@ -375,9 +376,9 @@ class Scene(Model):
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
-        Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas. It is NaN at the pole,
-        and for a mirrored object. Both are NaN for a single sheet, and for the other ideal sheets, which can distort an
-        object. z1 is in tiles; arrays broadcast.
+        Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas, where the sum is taken
+        between -180 and 180 degrees. nu is NaN at the pole, and for a mirrored object. Both are NaN for a single sheet,
+        and for the other ideal sheets, which can distort an object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
@@ -448,8 +449,11 @@ class Scene(Model):
             raise ValueError(
                 f"sheet = {self.sheet!r}: not with several windows; allowed: 'detailed', 'ideal' or 'none'"
             )
-        if not any(self.axis):
-            raise ValueError("axis = 0,0,0: no direction; allowed: any other")
+        if max(map(abs, self.axis)) < MIN_COMPONENT:
+            raise ValueError(
+                f"axis = {','.join(f'{x:g}' for x in self.axis)}: no direction; "
+                f"allowed: at least one component not between -{MIN_COMPONENT:g} and {MIN_COMPONENT:g}"
+            )
         if "ideal" in self.sheets[self.simulated :]:
             raise ValueError(
                 "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
@@ -556,6 +560,20 @@ class Chess(Scene):
         for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
             self._check_clear(what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
+        for one, other in combinations(self.pieces, 2):
+            aside, behind = abs(one.x - other.x), abs(one.z1 - other.z1)
+            # pedestals are square, feet are round
+            apart = max(aside, behind) if self.pedestal else hypot(aside, behind)
+            least = one.radius + other.radius + (2 * PEDESTAL_EDGE if self.pedestal else 0)
+            if apart < least - 1e-9:  # rounding
+                raise ValueError(
+                    f"two pieces, at x = {one.x:g}, z1 = {one.z1:g} and at x = {other.x:g}, z1 = {other.z1:g}, would "
+                    f"stand in each other; allowed: {least:.4g} tiles apart{' along x or z' if self.pedestal else ''}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _check_predicted_image(self) -> Self:
         if self.predicted_image and self.sheet not in ("detailed", "ideal"):
             raise ValueError(
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "

@@ -171,22 +171,11 @@ def _cells_of_other_sheet(scene: Scene) -> int:
 
     n = 16
     side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
-
-    def directions(x: "np.typing.ArrayLike", y: "np.typing.ArrayLike") -> "np.typing.NDArray[np.float64]":
-        view = np.stack(np.broadcast_arrays(np.subtract(x, scene.E.real), np.subtract(y, scene.E.imag), scene.z2), -1)
-        bent = scene.bend(view)
-        return np.asarray(bent / np.linalg.norm(bent, axis=-1, keepdims=True))
-
-    if (
-        not scene.E
-        and scene.sheet != "refraction"
-        and np.isfinite(directions(side[[0, -1]], side[[0, -1], None])).all()
-    ):
+    if not scene.E and scene.sheet != "refraction" and np.isfinite(_behind_other_sheet(scene, side[[0, -1]])).all():
         return 1
     with np.errstate(invalid="ignore", divide="ignore"):
-        corners = directions(side, side[:, None])
-        middle = (side[1:] + side[:-1]) / 2
-        right = directions(middle, middle[:, None])
+        corners = _behind_other_sheet(scene, side)
+        right = _behind_other_sheet(scene, (side[1:] + side[:-1]) / 2)
         shown = corners[:-1, :-1] + corners[1:, 1:]
         off = np.linalg.norm((shown / shown[..., 2:] - right / right[..., 2:])[..., :2], axis=-1)
         slope = corners[..., :2] / corners[..., 2:]
@@ -196,9 +185,24 @@ def _cells_of_other_sheet(scene: Scene) -> int:
         for z1 in scene.distances or (2 * scene.z2,):
             jacobian = z1 * np.stack(steps, -1) + np.eye(2)
             least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
-            worst = max(worst, np.nanquantile(z1 * off / np.maximum(least, 0.02), 0.98, method="higher"))
+            errors = z1 * off / np.maximum(least, 0.02)
+            errors = errors[~np.isnan(errors)]  # where no light passes
+            worst = max(worst, np.quantile(errors, 0.98, method="higher") if len(errors) else 0)
     error = worst / scene.view * 960
     return ceil(min(MAX_CELLS, max(1, n * sqrt(error / MAX_CAMERA_ERROR))))
+
+
+def _behind_other_sheet(scene: Scene, side: "Floats") -> "Floats":
+    """Return the unit directions (n, n, 3) of lines of sight behind the sheet, NaN where no light passes.
+
+    They are those through the points with x and y in `side` (n,), tiles.
+    """
+    import numpy as np
+
+    view = np.stack(np.broadcast_arrays(side - scene.E.real, side[:, None] - scene.E.imag, scene.z2), -1)
+    bent = scene.bend(view)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(bent / np.linalg.norm(bent, axis=-1, keepdims=True))
 
 
 def _P(scene: Scene, z1: float) -> float:
@@ -226,12 +230,21 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
             continue
         text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
+    if scene.sheet in OTHER_SHEETS and _is_black(scene):
+        yield "sheet", f"sheet = {scene.sheet} and alpha = {scene.alpha:g}: no light passes through the window"
     yield from _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         pixels = scene.aperture / scene.view * rendering.size[1] / scene.prisms
         if pixels < MIN_PIXELS_PER_PRISM:
             text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {MIN_PIXELS_PER_PRISM} pixels,"
             yield "prisms", f"{text} without antialiasing, the picture is noise"
+
+
+def _is_black(scene: Scene) -> bool:
+    """Return whether no light passes through a window with one of the other ideal sheets."""
+    import numpy as np
+
+    return bool(np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all())
 
 
 def _through_one_by_one(scene: Scene, L: "Complexes", z1: "Floats") -> Iterator["Complexes"]:
@@ -253,9 +266,18 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
         "caption": rendering and rendering.caption and two,
     }
     names = [name for name, shown in shows.items() if shown]
-    if not names or scene.sheet in ("none", *OTHER_SHEETS):
+    if not names or scene.sheet == "none":
         return
     import numpy as np
+
+    if scene.sheet in OTHER_SHEETS:
+        for place, distance in scene.objects:
+            if not np.isfinite(scene.apparent_position(place, distance)):
+                text = (
+                    f"overlay: at alpha = {scene.alpha:g} and z1 = {distance:g} the object has no mark: it appears at"
+                )
+                yield "overlay", f"{text} infinity, or none of its light reaches the eye"
+        return
 
     from povgen.optics import rotation
 

@@ -46,7 +46,7 @@ def demo(
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
         build.checked_movie(file, specs[name], Rendering(**given).quality)
-    shown = live.pieces(Chess(piece=(*PIECES, *pieces)))
+    shown = {name: piece for given in (*PIECES, *pieces) for name, piece in live.pieces(Chess(piece=given)).items()}
     shapes = volumes(shown)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)

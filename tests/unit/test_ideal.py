@@ -110,6 +110,9 @@ def test_maps_take_arrays_and_refuse_what_is_no_sheet():
         assert np.isnan(sheet([np.nan, 0, 1])).all()
     assert np.isnan(ideal.refract([1, 0, 0.0], 0.5)).all() and np.isnan(ideal.scale_slope([1, 0, 0.0], 0.5)).all()
     assert np.isnan(ideal.rotate_about([1, 0, 0.0], (0, 0, 1), 0.5)).all()
+    for length in (5e-324, 1e-200, 1e300):
+        turned = ideal.rotate_about(directions, (0, length, 0), 0.4)
+        np.testing.assert_array_equal(turned, ideal.rotate_about(directions, (0, 1, 0), 0.4))
     with pytest.raises(ValueError, match=r"^axis = \(0, 0, 0\); allowed: any other$"):
         ideal.rotate_about([0, 0, 1], (0, 0, 0), 1)
     with pytest.raises(ValueError, match="^ratio = 0; allowed: any other$"):

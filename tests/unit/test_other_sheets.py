@@ -103,10 +103,24 @@ def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
         assert shown_aside(scene, cells // 3) > 0.03
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"sheet": "axis", "alpha": 180},
+        {"sheet": "axis", "alpha": 180, "eye": (0.4, 0.2)},
+        {"sheet": "refraction", "ratio": 0.1, "z2": 0.5, "eye": (10, 0)},
+    ],
+)
+def test_a_camera_that_sees_no_light_needs_one_cell(values):
+    assert prediction.camera_cells(Chess(**values)) == 1
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = 0,0,0: no direction"),
+        ({"sheet": "axis", "axis": (0, -9e-4, 1e-200)}, "axis = 0,-0.0009,1e-200: no direction"),
         ({"sheet": "axis", "axis": "1,0"}, "axis = '1,0': has too few parts"),
         ({"sheet": "refraction", "ratio": 0}, "ratio = 0: should be greater than or equal to 0.1"),
         ({"sheet": "mirror", "window": "alpha=1,z=2"}, "sheet = 'mirror': not with several windows"),

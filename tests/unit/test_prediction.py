@@ -29,6 +29,16 @@ from povgen.settings import Rendering
         (Spheres(sheet="single", z1=[2, 5]), {"overlay": True}, "overlay: at z1 = 5 the prisms' size"),
         (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
         (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
+        (Chess(sheet="lenslets", alpha=180, z1=6), {}, None),
+        (Chess(sheet="lenslets", alpha=180, z1=5.9), {"overlay": True}, None),
+        (
+            Chess(sheet="lenslets", alpha=180, z1=6),
+            {"overlay": True},
+            "at alpha = 180 and z1 = 6 the object has no mark",
+        ),
+        (Chess(sheet="axis", alpha=180), {}, "sheet = axis and alpha = 180: no light passes through the window"),
+        (Chess(sheet="axis", alpha=80, axis=(1, 0, 0)), {}, None),  # some light passes
+        (Chess(sheet="refraction", ratio=0.1, z2=0.5, eye=(10, 0)), {}, "no light passes"),
         (Chess(alpha=179, z1=5, predicted_image=True), {"overlay": True}, "predicted_image, overlay: at alpha = 179"),
     ],
 )

@@ -11,6 +11,7 @@ import pytest
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
 from povgen.model import Model
+from povgen.teach.page import demo
 
 MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 
@@ -24,6 +25,8 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Chess(z1=True), ["z1 = True", "true or false"]),
         (lambda: Chess(self=3), ["'self': unknown"]),
         (lambda: Chess(z1=0.1), ["z1 = 0.1", "knight"]),
+        (lambda: Chess(piece=("pawn", "king")), ["two pieces, at x = 0, z1 = 2 and at x = 0, z1 = 2, "]),
+        (lambda: demo("page.html", pieces=["nix.inc"]), ["piece = 'nix.inc': should be a name or a file"]),
         (lambda: Chess(piece=["knight", "nix"]), ["piece = ['knight', 'nix']: 'nix' should be"]),
         (lambda: Chess(z1=np.array([2, -1.5])), ["]): -1.5 should be greater"]),
         (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}]: start = 'x': should"]),

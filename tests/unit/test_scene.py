@@ -30,6 +30,32 @@ def test_window_frame_and_pedestals_stand_on_the_floor():
             Chess(aperture=aperture, z1=5, eye=(0, scene.floor))
 
 
+@pytest.mark.parametrize(
+    ("values", "least"),
+    [
+        ({}, 0.86),
+        ({"piece": ("pawn", "king")}, 0.85),
+        ({"pedestal": 0}, 0.8),
+        ({"pedestal": 0, "piece": ("pawn", "king")}, 0.79),
+    ],
+)
+def test_pieces_do_not_stand_in_each_other(values, least):
+    for apart in (-least, least, 3 * least):
+        Chess(x=(0, apart), **values)
+        Chess(x=0, z1=(2, 2 + abs(apart)), **values)
+    for x, z1 in ((0, 0), (0.99 * least, 0), (0, -0.99 * least)):
+        with pytest.raises(InputError, match=f"would stand in each other; allowed: {least} tiles apart"):
+            Chess(x=(1, 1 + x), z1=(4, 4 + z1), **values)
+    aside = 0.75 * least  # sqrt(2) times this is more
+    if values.get("pedestal") == 0:
+        Chess(x=(0, aside), z1=(4, 4 + aside), **values)  # round feet
+    else:
+        with pytest.raises(InputError, match="along x or z$"):
+            Chess(x=(0, aside), z1=(4, 4 + aside), **values)  # square pedestals
+    with pytest.raises(InputError, match="two pieces, at x = 0, z1 = 2 and at x = 0.2, z1 = 2, "):
+        Chess(x=(0, 3, 0.2))
+
+
 def test_the_window_frame_holds_the_sheets():
     assert Chess().depth == Chess(sheet="none").depth == APERTURE / 10
     assert Chess(aperture=10, z1=5).depth == Chess(aperture=10, z1=5, sheet="ideal").depth == 1

@@ -135,7 +135,7 @@ def test_a_piece_is_sought_beside_the_toml_file(tmp_path, monkeypatch):
     (tmp_path / "specs").mkdir()
     (tmp_path / "specs/own.inc").write_text("#declare Piece = sphere { 0, 0.5 }")
     text = '[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n[fixed]\n'
-    (tmp_path / "specs/a.toml").write_text(HEAD + text + 'piece = ["own.inc", "king"]\n')
+    (tmp_path / "specs/a.toml").write_text(HEAD + text + 'piece = ["own.inc", "king"]\nx = [0, 1]\n')
     monkeypatch.chdir(tmp_path)
     (scene, *_) = MovieSpec.load("specs/a.toml").scenes("draft")
     assert scene.piece[0].path == "specs/own.inc" and scene.piece[1] == "king"
