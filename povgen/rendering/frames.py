@@ -21,6 +21,7 @@ from povgen.scene.sdl import origin_of, to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
+SAID_FAILURES = 3  # failed frames whose messages are shown
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
@@ -88,9 +89,9 @@ def render_all(
     `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on this machine. The runner is
     stopped at the end.
 
-    If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised, which names the
-    scenes that failed, as frames of a movie. Any other error ends the rendering at once. Finished frames stay in the
-    cache. At the end, the cache is trimmed to its limit.
+    If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
+    many scenes failed, and why the first ones did. Any other error ends the rendering at once. Finished frames stay in
+    the cache. At the end, the cache is trimmed to its limit.
     """
     cache.check()
     most = cache.max_bytes()
@@ -102,7 +103,7 @@ def render_all(
     try:
         with thread_pool(runner, workers) as pool:
             finished = _finished(list(chain(*shown)), rendering, runner, pool, AHEAD * workers)
-            for number, group in enumerate(shown):
+            for group in shown:
                 pngs, faults = [], []
                 for scene, (source, frame) in zip(group, finished, strict=False):
                     try:
@@ -111,15 +112,18 @@ def render_all(
                             png = _cached(png, rendering) or _rendered(scene, rendering, source, runner)[0]
                         pngs.append(png)
                     except TransientError as fault:
-                        faults.append(f"frame {number}: {fault}")
+                        faults.append(str(fault))
                 failures += faults[:1]
                 if not faults:
                     done()
                     if not failures:
                         yield pngs
         if failures:
-            others = f"{len(failures)} of {len(scenes)} frames failed; the other frames are kept\n"
-            raise TransientError((others if len(scenes) > 1 else "") + "\n".join(failures))
+            failed = f"{len(failures)} of {len(scenes)} frames failed"
+            kept = "; the other frames are kept" if len(failures) < len(scenes) else ""
+            more = f"; the first {SAID_FAILURES}:" if len(failures) > SAID_FAILURES else ""
+            count = f"{failed}{kept}{more}\n" if len(scenes) > 1 else ""
+            raise TransientError(count + "\n".join(failures[:SAID_FAILURES]))
     finally:
         cache.trim(most)
 

@@ -106,7 +106,8 @@ def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_pa
         patch.setattr(povray, "TRIES", 1)
         late = [*movie, "--timeout=0.001", "--eye=0.3,0", "-o", "x.mp4"]
         error = povgen(late, tmp_path)[2]
-    assert "3 of 3 frames failed" in error and error.count("frame 2: ") == 1 and "frame 3" not in error
+    assert error.startswith("povgen: 3 of 3 frames failed\n") and error.count("in the frame with ") == 3
+    assert all(error.count(f", x = {x}") == 1 for x in (0.0, 0.5, 1.0))
 
 
 def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
