@@ -17,7 +17,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from povgen import __version__, stopping
 from povgen.cli.options import with_options
-from povgen.cli.report import one_line
+from povgen.cli.report import message_of, one_line
 from povgen.errors import InputError, PovrayError, shown
 from povgen.progress import say
 
@@ -90,18 +90,11 @@ def main() -> None:
             message = one_line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
         if isinstance(error, (PovrayError, OSError)):
-            _fail(f"povgen: {_said(error)}", 1)
+            _fail(f"povgen: {message_of(error)}", 1)
         if isinstance(error, MemoryError) or str(error) == "can't start new thread":
             _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise
     sys.exit(status)
-
-
-def _said(error: Exception) -> str:
-    """Return an error's message. For a file it is the file's name and the reason, without the system's number."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{one_line(str(error.filename))}: {error.strerror}" if error.filename else error.strerror
-    return str(error)
 
 
 def _fail(message: str, status: int) -> None:

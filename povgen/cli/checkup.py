@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering import cache, frames, povray, sandbox
@@ -33,7 +34,7 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
             try:
                 report(f"ok     {name}: {test()}")
             except (InputError, PovrayError, OSError, RuntimeError) as error:
-                report(f"FAULT  {name}: {error}\n       remedy: {remedy}")
+                report(f"FAULT  {name}: {message_of(error)}\n       remedy: {remedy}")
                 yield name
 
 

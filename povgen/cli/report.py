@@ -26,6 +26,13 @@ def one_line(message: str) -> str:
     return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"
 
 
+def message_of(error: Exception) -> str:
+    """Return an error's message. For a file it is the file's name and the reason, without the system's number."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{one_line(str(error.filename))}: {error.strerror}" if error.filename else error.strerror
+    return str(error)
+
+
 def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Print one warning for each limit that scenes exceed, with the number of scenes that exceed it."""
     from povgen.scene.prediction import warnings

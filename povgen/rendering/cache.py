@@ -96,7 +96,7 @@ def check() -> None:
     path = folder()
     try:
         status, names = os.lstat(path), set(os.listdir(path))
-    except (FileNotFoundError, NotADirectoryError):  # `work_folder` makes it, or raises an error
+    except FileNotFoundError:  # `work_folder` makes it, or raises an error
         return
     except OSError as error:
         raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None

@@ -239,6 +239,11 @@ def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file/cache")
     status, _, err = povgen(["frame", "chess", "--sheet=none"], tmp_path)
     assert status == 1 and err.startswith(f"povgen: {tmp_path}/file/cache: Not a directory (povgen's cache; ")
+    monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file")
+    for arguments in (["cache", "info"], ["cache", "clear"], ["frame", "chess", "--sheet=none"]):
+        status, out, err = povgen(arguments, tmp_path)
+        assert (status, out) == (1, "") and err.startswith(f"povgen: {tmp_path}/file: Not a directory (povgen's cache")
+    assert (tmp_path / "file").read_bytes() == b""
 
 
 def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):

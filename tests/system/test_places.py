@@ -163,6 +163,22 @@ def test_folders_that_cannot_be_written_to(open_folder):
     assert "Permission denied" in printed and "shut/c" in printed and "POVGEN_CACHE" in printed
     assert os.listdir(open_folder / "shut") == ["there.png"]
     assert not (open_folder / "frame.png").exists()
+    shut = {"POVGEN_CACHE": str(open_folder / "shut")}
+    done = as_nobody(open_folder, "check", status=1, **shut)
+    assert f"FAULT  cache: {open_folder}/shut: Permission denied (" in done.stdout
+
+
+def test_files_of_another_user_in_the_cache(open_folder):
+    own = {"POVGEN_CACHE": str(open_folder / "cache")}
+    as_nobody(open_folder, "frame", "chess", *TINY, **own)
+    parts = [open_folder / "cache", *(path for path in (open_folder / "cache").iterdir() if path.is_dir())]
+    for part in parts:
+        part.chmod(0o555)
+    done = as_nobody(open_folder, "cache", "clear", status=1, **own)
+    assert done.stdout.startswith("removed 0 frames") and "cache: 1 files could not be removed\n" in done.stderr
+    for part in parts:
+        part.chmod(0o777)
+    assert as_nobody(open_folder, "cache", "clear", **own).stdout.startswith("removed 1 frames")
 
 
 def test_on_a_terminal_and_without(tmp_path):

@@ -1,5 +1,6 @@
 """The command povgen cache."""
 
+from errno import EACCES
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +28,8 @@ def command(
         print(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
         if removed := cache.remove_leftovers():
             print(f"removed {removed} folders that killed povgens left")
+        if kept := cache.by_last_use():
+            raise PermissionError(EACCES, f"{len(kept)} files could not be removed", str(cache.folder()))
     else:
         files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30
