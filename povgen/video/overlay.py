@@ -69,11 +69,11 @@ def facts(scene: Scene) -> dict[str, str]:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places), **texts}
     if scene.sheet in ("detailed", "ideal"):
         nu, M = scene.nu_and_M(z1)
-        alphas = ", ".join(f"{alpha + 0:.1f}°" for alpha in scene.alphas)
+        alphas = ", ".join(f"{alpha:z.1f}°" for alpha in scene.alphas)
         texts = {"alpha": alphas, **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
     if scene.sheet in OTHER_SHEETS:
         own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet in ("refraction", "lenslets") else {}
-        texts = {"alpha": f"{scene.alpha + 0:.1f}°", **own, **texts}
+        texts = {"alpha": f"{scene.alpha:z.1f}°", **own, **texts}
     return texts
 
 
@@ -85,8 +85,10 @@ def _range(values: Reals, form: str = ".3g") -> str:
 
 
 def _number(value: float, form: str) -> str:
-    # the second format writes 5000 in place of 5e+03
-    return "infinite" if np.isinf(value) else f"{float(f'{value + 0:{form}}'):g}" if "g" in form else f"{value:{form}}"
+    if np.isinf(value):
+        return "infinite"
+    text = f"{value:z{form}}"  # z: 0.0 in place of -0.0
+    return f"{float(text):g}" if "g" in form else text  # 5000 in place of 5e+03
 
 
 class Item(NamedTuple):

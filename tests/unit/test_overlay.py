@@ -162,6 +162,7 @@ def test_the_caption_prints_what_the_equations_predict():
         (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9", "0.667 to 0.75", "-180.0°", "2 to 3"]),
         (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6", "1", "?°", "infinite"]),
         (Chess(alpha=180, sheet="ideal", z1=6), ["6", "1", "?°", "infinite"]),
+        (Chess(alpha=-180, sheet="ideal", z1=5.9), ["5.9", "1.02", "0.0°", "60"]),
         # light meets the eye's plane in a line or not at all, in a mirrored image
         (Spheres(alpha=180, z1=[9, 6]), ["6 to 9", "0.667 to 1", "180.0, ?°", "2 to 61.1"]),
     ],
@@ -175,6 +176,7 @@ def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
     [
         (Chess(alpha=-359.99, z1=5000, z2=12.3456), ["-360.0°", "5000", "12.35", "0.00247"]),
         (Chess(alpha=-0.0, z1=0.8, z2=150), ["0.0°", "0.8", "150", "188"]),
+        (Chess(alpha=-0.02, z1=0.8, z2=150), ["0.0°", "0.8", "150", "188"]),
     ],
 )
 def test_numbers_are_not_in_powers_of_ten(scene, texts):
