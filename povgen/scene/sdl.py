@@ -79,7 +79,8 @@ def to_pov(
             mosaic=mosaic,
             edge=PEDESTAL_EDGE,
             sheet_macro=sheet_macro,
-            input=_input(file),
+            input=_input(file) or "+Iscene.pov",
+            openable=bool(_input(file)),
             options=" ".join(sampling.picture_options),
             supersampling=sampling.supersampling,
             cells=prediction.camera_cells(scene) if scene.sheet in ("ideal", *OTHER_SHEETS) else None,
@@ -106,10 +107,10 @@ def to_live(data: Mapping[str, object]) -> str:
 
 
 def _input(file: str) -> str:
-    """Return POV-Ray's option, as a shell takes it, for its input file; scene.pov if it cannot open the name."""
+    """Return POV-Ray's option, as a shell takes it, for its input file; no text if it cannot open the name."""
     if re.fullmatch(r"[\w.-]+", file, re.ASCII):
         return f"+I{file}"
-    return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else "+Iscene.pov"
+    return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else ""
 
 
 def to_html(page: Mapping[str, object]) -> str:

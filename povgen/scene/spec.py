@@ -280,7 +280,7 @@ class MovieSpec(Model):
         return 2 * there - 2 if self.loop else there
 
     def rate(self, quality: str) -> float:
-        """Return the frames a second. A movie lasts equally long at each quality."""
+        """Return the frames a second. At each quality it takes equally long from the first frame to the last."""
         if any(sweep.values for sweep in self.sweep):
             return self.frame_rate
         if rate := QUALITIES[quality].frame_rate:

@@ -32,9 +32,9 @@ class Live:
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
-    """Return the scene's live view, which the browser draws. Raises InputError for anything but a scene, and
-    for what the browser cannot draw: several windows, other ideal sheets, reflections, black tops.
+    """Return the scene's live view, which the browser draws.
 
-    Raises PovrayError if POV-Ray, which measures the shapes of pieces, fails.
+    Raises InputError for anything but a scene, and for `fresnel`: the browser cannot draw reflections. Raises
+    PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """
     return Live(page(checked_scene(scene)), width, height)
