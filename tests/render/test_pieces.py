@@ -189,7 +189,18 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
     file = tmp_path / "mine.inc"
     file.write_text(CUBE + "// ---- Not a template (x.pov.j2) ----\n//\u2028\x0b\n#declare Other = sphere { 0 }\n")
     status, _, err = povgen(
-        ["frame", "chess", "--sheet=none", "--piece=pawn", f"--piece={file}", "--size=32x32", "--quiet"], tmp_path
+        [
+            "frame",
+            "chess",
+            "--sheet=none",
+            "--piece=pawn",
+            f"--piece={file}",
+            "--x=0",
+            "--x=2",
+            "--size=32x32",
+            "--quiet",
+        ],
+        tmp_path,
     )
     assert status == 1 and f"POV-Ray: '{file}', line 5: " in err and "scene.pov" not in err
     file.write_text(CUBE)

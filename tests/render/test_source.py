@@ -53,9 +53,12 @@ def test_the_command_names_the_file(file, tmp_path):
 
 
 def test_the_header_names_no_file_that_povray_cannot_open(tmp_path):
-    assert to_pov(EMPTY, file="é.pov") == to_pov(EMPTY, file='".pov') == to_pov(EMPTY)
-    assert povgen(["pov", "chess", "--sheet", "none", "-o", "a\nsphere { 0, 1 }.pov"], tmp_path)[0] == 0
-    assert (tmp_path / "a\nsphere { 0, 1 }.pov").read_text() == to_pov(EMPTY)
+    said = "// POV-Ray cannot open this file by its name: copy it to scene.pov.\n"
+    assert said not in to_pov(EMPTY)
+    for file in ("é.pov", '".pov', "a\nsphere { 0, 1 }.pov"):
+        assert povgen(["pov", "chess", "--sheet", "none", "-o", file], tmp_path)[0] == 0
+        header, found, rest = (tmp_path / file).read_text().partition(said)
+        assert found and header.count("\n") == header.count("\n//") + 1 and header + rest == to_pov(EMPTY)
 
 
 @pytest.mark.parametrize("option", [{"stereo": "pair"}, {"caption": True}, {"overlay": True}, {"timeout": 9}])

@@ -91,14 +91,6 @@ def test_another_macro_for_the_sheets():
     assert own.endswith(other[other.index(macro) + len(macro) :].lstrip())
 
 
-def test_a_name_that_povray_cannot_open_is_said():
-    for file in ("a.pov", "a b.pov"):
-        assert file in to_pov(Chess(), file=file) and "cannot open" not in to_pov(Chess(), file=file)
-    for file in ("scène.pov", 'a"b.pov', "a\nb.pov"):
-        header = to_pov(Chess(), file=file).partition("#version")[0]
-        assert " +Iscene.pov " in header and "copy it to scene.pov" in header and file not in header
-
-
 def test_no_sheet_where_there_is_none():
     assert "ior" not in to_pov(Chess(sheet="none"))
     assert "ior" not in to_pov(Chess(sheet="ideal"))
