@@ -21,7 +21,7 @@ from povgen.scene.sdl import origin_of, to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
-SAID_FAILURES = 3  # failed frames whose messages are shown
+SHOWN_FAILURES = 3  # failed frames whose messages are shown
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
@@ -121,9 +121,9 @@ def render_all(
         if failures:
             failed = f"{len(failures)} of {len(scenes)} frames failed"
             kept = "; the other frames are kept" if len(failures) < len(scenes) else ""
-            more = f"; the first {SAID_FAILURES}:" if len(failures) > SAID_FAILURES else ""
+            more = f"; the first {SHOWN_FAILURES}:" if len(failures) > SHOWN_FAILURES else ""
             count = f"{failed}{kept}{more}\n" if len(scenes) > 1 else ""
-            raise TransientError(count + "\n".join(failures[:SAID_FAILURES]))
+            raise TransientError(count + "\n".join(failures[:SHOWN_FAILURES]))
     finally:
         cache.trim(most)
 

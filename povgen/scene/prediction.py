@@ -230,9 +230,7 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
             continue
         text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
-    if scene.sheet in OTHER_SHEETS and _is_black(scene):
-        yield "sheet", f"sheet = {scene.sheet} and alpha = {scene.alpha:g}: no light passes through the window"
-    yield from _prediction(scene, rendering)
+    yield from _other_sheet(scene, rendering) if scene.sheet in OTHER_SHEETS else _prediction(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         pixels = scene.aperture / scene.view * rendering.size[1] / scene.prisms
         if pixels < MIN_PIXELS_PER_PRISM:
@@ -240,11 +238,17 @@ def warnings(scene: Scene, rendering: Rendering | None = None) -> Iterator[tuple
             yield "prisms", f"{text} without antialiasing, the picture is noise"
 
 
-def _is_black(scene: Scene) -> bool:
-    """Return whether no light passes through a window with one of the other ideal sheets."""
+def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield a warning if no light passes through the window, and if the overlay cannot mark an object."""
     import numpy as np
 
-    return bool(np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all())
+    where = f"alpha = {scene.alpha:g}"
+    if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all():
+        yield "sheet", f"sheet = {scene.sheet} and {where}: no light passes through the window"
+    for L, z1 in scene.objects if rendering and rendering.overlay else ():
+        if not np.isfinite(scene.apparent_position(L, z1)):
+            text = f"overlay: at {where} and z1 = {z1:g} the object has no mark: it appears at infinity, or none of its"
+            yield "overlay", f"{text} light reaches the eye"
 
 
 def _through_one_by_one(scene: Scene, L: "Complexes", z1: "Floats") -> Iterator["Complexes"]:
@@ -269,15 +273,6 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     if not names or scene.sheet == "none":
         return
     import numpy as np
-
-    if scene.sheet in OTHER_SHEETS:
-        for place, distance in scene.objects:
-            if not np.isfinite(scene.apparent_position(place, distance)):
-                text = (
-                    f"overlay: at alpha = {scene.alpha:g} and z1 = {distance:g} the object has no mark: it appears at"
-                )
-                yield "overlay", f"{text} infinity, or none of its light reaches the eye"
-        return
 
     from povgen.optics import rotation
 
