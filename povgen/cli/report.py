@@ -27,7 +27,7 @@ def one_line(message: str) -> str:
 
 
 def message_of(error: Exception) -> str:
-    """Return an error's message. For a file it is the file's name and the reason, without the system's number."""
+    """Return an error's message. For a file it is the file's name and the reason, without errno."""
     if isinstance(error, OSError) and error.strerror:
         return f"{one_line(str(error.filename))}: {error.strerror}" if error.filename else error.strerror
     return str(error)

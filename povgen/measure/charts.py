@@ -94,7 +94,7 @@ def _scatter(ax: Axes, points: list[Point], error: str) -> list[Label]:
 
 
 def _plain_ticks(axis: Axis) -> None:
-    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1, which would overlap its neighbours."""
+    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1, which would overlap the next numbers."""
     axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter("")
@@ -130,9 +130,9 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
         save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
-def save_neighbours(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
-    """Write neighbours.csv and a chart of error against CPU seconds, for windows in series and other ideal sheets."""
-    _save_table(folder / "neighbours.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
+def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
+    """Write beyond.csv and a chart of error against CPU seconds, for windows in series and other ideal sheets."""
+    _save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
     with style():
         figure, labels = Figure(figsize=(8, 4.6), layout="constrained"), []
         ax = figure.subplots()
@@ -151,7 +151,7 @@ def save_neighbours(rows: list[tuple[str, str, float, float]], folder: Path) -> 
         ax.grid(alpha=0.25)
         ax.legend(loc="lower right")  # empty: the costly sheets are not the accurate ones
         _draw_labels(figure, [(ax, labels)])
-        save_drawing(figure, folder / "neighbours.png", folder / "neighbours.svg")
+        save_drawing(figure, folder / "beyond.png", folder / "beyond.svg")
 
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:

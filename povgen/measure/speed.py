@@ -241,7 +241,7 @@ def measure_prism_counts(done: Callable[[str], object]) -> Iterator[tuple[str, i
         done(f"{sheet}, {count} prisms")
 
 
-def measure_neighbours(done: Callable[[str], object]) -> Iterator[tuple[str, str, float, float]]:
+def measure_beyond(done: Callable[[str], object]) -> Iterator[tuple[str, str, float, float]]:
     """Yield a kind of sheet, how many windows or which sheet, CPU seconds, and position error in pixels of 1280x960.
 
     These are one to three windows in series, and the other ideal sheets. The CPU seconds are for 640x480 pixels without

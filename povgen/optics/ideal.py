@@ -36,7 +36,7 @@ def rotate_about(direction: ArrayLike, axis: ArrayLike, alpha: float) -> Directi
     d, a = np.asarray(direction, float), np.asarray(axis, float)
     if not a.any():
         raise ValueError("axis = (0, 0, 0); allowed: any other")
-    a = a / np.abs(a).max()  # otherwise the squares of small components would be 0
+    a = a / np.abs(a).max()  # so that no square becomes 0 or overflows
     a = a / np.linalg.norm(a)
     c = np.cos(alpha)
     s = np.where(d[..., 2:] > 0, -1, 1) * np.sin(alpha)

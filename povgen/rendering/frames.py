@@ -21,7 +21,7 @@ from povgen.scene.sdl import origin_of, to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
-SHOWN_FAILURES = 3  # failed frames whose messages are shown
+SHOWN_FAILURES = 3  # of the failed frames, how many are described
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
@@ -90,8 +90,8 @@ def render_all(
     stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
-    many scenes failed, and why the first ones did. Any other error ends the rendering at once. Finished frames stay in
-    the cache. At the end, the cache is trimmed to its limit.
+    many frames failed, and why the first SHOWN_FAILURES failed. Any other error ends the rendering at once. Finished
+    frames stay in the cache. At the end, the cache is trimmed to its limit.
     """
     cache.check()
     most = cache.max_bytes()
@@ -119,11 +119,10 @@ def render_all(
                     if not failures:
                         yield pngs
         if failures:
-            failed = f"{len(failures)} of {len(scenes)} frames failed"
-            kept = "; the other frames are kept" if len(failures) < len(scenes) else ""
-            more = f"; the first {SHOWN_FAILURES}:" if len(failures) > SHOWN_FAILURES else ""
-            count = f"{failed}{kept}{more}\n" if len(scenes) > 1 else ""
-            raise TransientError(count + "\n".join(failures[:SHOWN_FAILURES]))
+            said = [f"{len(failures)} of {len(scenes)} frames failed."] * (len(scenes) > 1)
+            said += ["The other frames are kept."] * (len(failures) < len(scenes))
+            said += [f"The first {SHOWN_FAILURES} failures:"] * (len(failures) > SHOWN_FAILURES)
+            raise TransientError("\n".join([" ".join(said)] * bool(said) + failures[:SHOWN_FAILURES]))
     finally:
         cache.trim(most)
 

@@ -43,7 +43,7 @@ Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
 Component = Annotated[float, Field(ge=-1, le=1)]
-MIN_COMPONENT = 0.001  # least length of the greatest component of an axis: the square of a tiny one would be 0
+MIN_COMPONENT = 0.001  # the largest component of an axis is at least this: POV-Ray squares them, and tiny squares are 0
 
 
 def as_pair(value: object) -> object:
@@ -172,7 +172,8 @@ class Scene(Model):
     )
     axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
         (1, 0, 0),
-        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye",
+        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, "
+        "the largest component at least 0.001",
     )
     ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
         1,
@@ -376,8 +377,8 @@ class Scene(Model):
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
-        Of all equivalent angles, nu is the one within 180 degrees of half the sum of all alphas, where the sum is taken
-        between -180 and 180 degrees. nu is NaN at the pole, and for a mirrored object. Both are NaN for a single sheet,
+        Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
+        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN for a single sheet,
         and for the other ideal sheets, which can distort an object. z1 is in tiles; arrays broadcast.
         """
         import numpy
@@ -451,8 +452,8 @@ class Scene(Model):
             )
         if max(map(abs, self.axis)) < MIN_COMPONENT:
             raise ValueError(
-                f"axis = {','.join(f'{x:g}' for x in self.axis)}: no direction; "
-                f"allowed: at least one component not between -{MIN_COMPONENT:g} and {MIN_COMPONENT:g}"
+                f"axis = {','.join(f'{x:g}' for x in self.axis)}: too short; "
+                f"allowed: a component of at least {MIN_COMPONENT:g}, or of at most -{MIN_COMPONENT:g}"
             )
         if "ideal" in self.sheets[self.simulated :]:
             raise ValueError(
@@ -565,10 +566,10 @@ class Chess(Scene):
             # pedestals are square, feet are round
             apart = max(aside, behind) if self.pedestal else hypot(aside, behind)
             least = one.radius + other.radius + (2 * PEDESTAL_EDGE if self.pedestal else 0)
-            if apart < least - 1e-9:  # rounding
+            if apart < least - 1e-9:  # for rounding errors
                 raise ValueError(
-                    f"two pieces, at x = {one.x:g}, z1 = {one.z1:g} and at x = {other.x:g}, z1 = {other.z1:g}, would "
-                    f"stand in each other; allowed: {least:.4g} tiles apart{' along x or z' if self.pedestal else ''}"
+                    f"two pieces, at x = {one.x:g}, z1 = {one.z1:g} and at x = {other.x:g}, z1 = {other.z1:g}, "
+                    f"overlap; allowed: at least {least:.4g} tiles apart{' along x or z' if self.pedestal else ''}"
                 )
         return self
 

@@ -186,16 +186,16 @@ def _cells_of_other_sheet(scene: Scene) -> int:
             jacobian = z1 * np.stack(steps, -1) + np.eye(2)
             least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
             errors = z1 * off / np.maximum(least, 0.02)
-            errors = errors[~np.isnan(errors)]  # where no light passes
+            errors = errors[~np.isnan(errors)]  # NaN: no light passes there
             worst = max(worst, np.quantile(errors, 0.98, method="higher") if len(errors) else 0)
     error = worst / scene.view * 960
     return ceil(min(MAX_CELLS, max(1, n * sqrt(error / MAX_CAMERA_ERROR))))
 
 
 def _behind_other_sheet(scene: Scene, side: "Floats") -> "Floats":
-    """Return the unit directions (n, n, 3) of lines of sight behind the sheet, NaN where no light passes.
+    """Return the unit directions (n, n, 3), behind the sheet, of lines of sight. NaN: no light passes.
 
-    They are those through the points with x and y in `side` (n,), tiles.
+    They cross the window at the points of a grid, whose x and y are `side` (n,), tiles.
     """
     import numpy as np
 
@@ -242,13 +242,15 @@ def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[st
     """Yield a warning if no light passes through the window, and if the overlay cannot mark an object."""
     import numpy as np
 
-    where = f"alpha = {scene.alpha:g}"
     if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all():
-        yield "sheet", f"sheet = {scene.sheet} and {where}: no light passes through the window"
+        by = {"axis": "axis and alpha", "refraction": "ratio, z2 and eye"}[scene.sheet]  # the others pass all light
+        yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
     for L, z1 in scene.objects if rendering and rendering.overlay else ():
         if not np.isfinite(scene.apparent_position(L, z1)):
-            text = f"overlay: at {where} and z1 = {z1:g} the object has no mark: it appears at infinity, or none of its"
-            yield "overlay", f"{text} light reaches the eye"
+            text = (
+                f"overlay: at alpha = {scene.alpha:g} and z1 = {z1:g} the object has no mark: it appears at infinity,"
+            )
+            yield "overlay", f"{text} or none of its light reaches the eye"
 
 
 def _through_one_by_one(scene: Scene, L: "Complexes", z1: "Floats") -> Iterator["Complexes"]:

@@ -280,7 +280,7 @@ class MovieSpec(Model):
         return 2 * there - 2 if self.loop else there
 
     def rate(self, quality: str) -> float:
-        """Return the frames a second. At each quality it takes equally long from the first frame to the last."""
+        """Return the frames a second. The time from the first frame to the last is the same at each quality."""
         if any(sweep.values for sweep in self.sweep):
             return self.frame_rate
         if rate := QUALITIES[quality].frame_rate:

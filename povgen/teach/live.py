@@ -34,7 +34,8 @@ class Live:
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
     """Return the scene's live view, which the browser draws.
 
-    Raises InputError for anything but a scene, and for `fresnel`: the browser cannot draw reflections. Raises
+    Raises InputError for anything but a scene, and for `fresnel`: the live view follows one ray
+    a pixel, which does not split. Raises
     PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """
     return Live(page(checked_scene(scene)), width, height)

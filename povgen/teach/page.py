@@ -46,7 +46,8 @@ def demo(
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
         build.checked_movie(file, specs[name], Rendering(**given).quality)
-    shown = {name: piece for given in (*PIECES, *pieces) for name, piece in live.pieces(Chess(piece=given)).items()}
+    each = [live.pieces(Chess(piece=piece)) for piece in (*PIECES, *pieces)]  # in one scene they would overlap
+    shown = {name: piece for found in each for name, piece in found.items()}
     shapes = volumes(shown)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)

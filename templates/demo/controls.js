@@ -77,7 +77,7 @@ function given(values) {
 
 for (const input of document.querySelectorAll(".choice input")) input.addEventListener("change", () => given({ [input.name]: input.value }));
 for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
-$("neighbour").addEventListener("change", () => given(NEIGHBOURS[$("neighbour").value]));
+$("beyond").addEventListener("change", () => given(BEYOND[$("beyond").value]));
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
 for (const name of SWITCHES) {
   $(`show-${name}`).addEventListener("change", (event) => {
@@ -99,8 +99,8 @@ function showInputs(now) {
   for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = now.sheet === "none" || now.sheet === "single";
   $("row-prisms").hidden = now.beyond && now.sheet !== "detailed";
   for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = now.sheet === "none";
-  const beyond = neighbour();
-  $("neighbour").value = beyond;
+  const beyond = chosenBeyond();
+  $("beyond").value = beyond;
   for (const [name, text] of Object.entries({ ...LABELS.none, ...LABELS[beyond] })) {
     $(`label-${name}`).textContent = text;
     $(`slider-${name}`).setAttribute("aria-label", `${name}: ${text}`);

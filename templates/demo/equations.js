@@ -14,7 +14,7 @@ const arg = (a) => Math.atan2(a[1], a[0]);
 const turn = (angle) => [Math.cos(angle), Math.sin(angle)];
 const finite = (a) => Number.isFinite(a[0]) && Number.isFinite(a[1]);
 
-// The area of the parallelogram of two vectors; below 0 if the second one is clockwise of the first.
+// The signed area of the parallelogram of two vectors; negative if the second one is clockwise of the first.
 const determinant = ([a, b]) => a[0] * b[1] - a[1] * b[0];
 
 // The numbers [s, t] with s a + t b = v.
@@ -154,7 +154,7 @@ const radians = (degrees) => degrees * (Math.PI / 180);
 
 // ---- The other ideal sheets: maps of directions, povgen/optics/ideal.py ----
 
-// The direction [x, y, z] of an eye's ray behind one of the other sheets, or null if no light passes.
+// The direction [x, y, z], behind one of the other sheets, of a line of sight d, or null if no light passes.
 function bent(d, { sheet, alpha: degrees, ratio, axis }) {
   const alpha = radians(degrees);
   const transverse = [d[0], d[1]], length = Math.hypot(...d);

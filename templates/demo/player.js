@@ -94,7 +94,7 @@ const player = {
     this.follow();
     const { parameter, start, stop } = this.ends();
     for (const button of $("presets").children) {
-      button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && neighbour() === "none");
+      button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && chosenBeyond() === "none");
     }
     $("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");

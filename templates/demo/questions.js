@@ -90,7 +90,7 @@ const QUESTIONS = [
   },
   {
     ask: "Two windows of 120° each stand 2 tiles apart. How far in front of the first window is the image of a knight 2 tiles behind the second one?",
-    before: { ...UP, ...NEIGHBOURS.series }, unit: "tiles", tolerance: 0.1, after: { E: [0.8, 0] },
+    before: { ...UP, ...BEYOND.series }, unit: "tiles", tolerance: 0.1, after: { E: [0.8, 0] },
     answer: () => 8 - equations.depth(2, 8, radians(120), [[2, radians(120)]])[0],
     why: () => "In Z, d is turned by −120° and z₁ by −240°: together they are −2 tiles, which is real. Your eye moves, and the image stays in the air.",
   },

@@ -12,7 +12,7 @@ const START = {
 const OPENING = {
   scene: "chess", sheet: "ideal", alpha: data.scenes.chess.alpha, z2: data.scenes.chess.z2, prisms: data.scenes.chess.prisms,
   piece: data.scenes.chess.piece, E: [0, 0], ...START.chess,
-  windows: 1, alpha2: 120, d: 2, ratio: 0.7, axis: [0, 1, 0],    // beyond the paper: neighbours.js
+  windows: 1, alpha2: 120, d: 2, ratio: 0.7, axis: [0, 1, 0],    // beyond the paper: beyond.js
   position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
   diagram: "picture", question: -1,                              // the diagram's orientation; the question, or -1
 };
@@ -95,7 +95,7 @@ function moment() {
     now.Z = equations.depth(z1, z2, alpha, now.behind);
     now.total = alpha + now.behind[0][1];
   }
-  // the paper's window; or one of its neighbours
+  // the paper's window; or a choice beyond the paper
   now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
   now.beyond = Boolean(now.Z) || OTHER_SHEETS.includes(sheet);
   now.P = equations.P(r, alpha);
@@ -185,7 +185,7 @@ function toHash() {
   const parts = { scene, sheet };
   if (scene === "chess") parts.piece = piece;
   for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
-  for (const name of OWN_VALUES[neighbour()]) parts[name] = [state[name]].flat().map(short).join(",");
+  for (const name of OWN_VALUES[chosenBeyond()]) parts[name] = [state[name]].flat().map(short).join(",");
   for (const name of ["L", "E"]) parts[name] = state[name].map(short).join(",");
   parts.show = SWITCHES.filter((name) => state[name]).join(",");
   parts.diagram = state.diagram;

@@ -414,9 +414,9 @@ def place(tmp_path_factory):
         patch.setattr(live, "checks", lambda: [verify.Measured("ideal", "live error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
         patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
-        for name in ("measure_samplings", "measure_prism_counts", "measure_neighbours", "measure_workers"):
+        for name in ("measure_samplings", "measure_prism_counts", "measure_beyond", "measure_workers"):
             patch.setattr(speed, name, lambda *_: [])
-        for name in ("save_frames", "save_prism_counts", "save_neighbours", "save_workers"):
+        for name in ("save_frames", "save_prism_counts", "save_beyond", "save_workers"):
             patch.setattr(charts, name, lambda *_: None)
         patch.setattr(glass, "save_charts", lambda folder: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])

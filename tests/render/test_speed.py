@@ -38,10 +38,10 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         monkeypatch.setattr(speed, name, value)
     done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--baselines", str(BASELINES)])
     assert done.exit_code == 0, done.output
-    charts = ("frames-64x48", "frames-80x60", "prisms", "neighbours", "workers")
+    charts = ("frames-64x48", "frames-80x60", "prisms", "beyond", "workers")
     files = {f"{name}.{kind}" for name in charts for kind in ("png", "svg")}
     assert {path.name for path in tmp_path.iterdir()} == files | {
-        *("frames.csv", "flicker.csv", "prisms.csv", "neighbours.csv", "workers.csv", "machine.txt"),
+        *("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv", "machine.txt"),
         *("polarisation.png", "diffraction.png"),
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
@@ -59,7 +59,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     (ideal, few, many) = csv.DictReader((tmp_path / "prisms.csv").open())
     assert float(ideal["position error (px)"]) < 0.05 < float(many["position error (px)"])
     assert float(few["position error (px)"]) == pytest.approx(4 * float(many["position error (px)"]), rel=0.2)
-    rows = list(csv.DictReader((tmp_path / "neighbours.csv").open()))
+    rows = list(csv.DictReader((tmp_path / "beyond.csv").open()))
     off = {(row["kind"], row["windows or sheet"]): float(row["position error (px)"]) for row in rows}
     assert {name for kind, name in off if kind == "other ideal sheets"} == {*OTHER_SHEETS}
     for (kind, _), error in off.items():

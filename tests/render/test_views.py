@@ -106,7 +106,7 @@ def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_pa
         patch.setattr(povray, "TRIES", 1)
         late = [*movie, "--timeout=0.001", "--eye=0.3,0", "-o", "x.mp4"]
         error = povgen(late, tmp_path)[2]
-    assert error.startswith("povgen: 3 of 3 frames failed\n") and error.count("in the frame with ") == 3
+    assert error.startswith("povgen: 3 of 3 frames failed.\n") and error.count("in the frame with ") == 3
     assert all(error.count(f", x = {x}") == 1 for x in (0.0, 0.5, 1.0))
 
 

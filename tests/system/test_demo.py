@@ -119,7 +119,9 @@ def scene_of(page):
 def centre(page, selector):
     """Return the centre of an element, in tiles from the window's centre."""
     page.locator(selector).wait_for()  # what is drawn over the picture follows with its next frame
-    box, stage = (page.locator(each).bounding_box() for each in (selector, "#stage"))
+    # in one call, because each frame of the picture replaces the element
+    boxes = "(selectors) => selectors.map((each) => document.querySelector(each).getBoundingClientRect().toJSON())"
+    box, stage = page.evaluate(boxes, [selector, "#stage"])
     x, y = (box[a] + box[b] / 2 - stage[a] - stage[b] / 2 for a, b in (("x", "width"), ("y", "height")))
     return complex(x, -y) / stage["height"] * 3.7
 
@@ -242,7 +244,7 @@ def test_equations_of_windows_in_series_are_those_of_rotation_and_paraxial(page)
             assert [turned["nu"], turned["M"]] == pytest.approx([nu, M], rel=1e-12)
 
 
-NEIGHBOURS = [
+BEYOND = [
     {"sheet": "axis", "axis": [0.3, -1, 0.2], "alpha": 40},
     {"sheet": "axis", "axis": [1, 0, 0], "alpha": -20, "E": [0.4, -0.3]},
     {"sheet": "refraction", "ratio": 0.6, "alpha": -50, "E": [0.4, -0.3]},
@@ -256,8 +258,8 @@ NEIGHBOURS = [
 ]
 
 
-@pytest.mark.parametrize("values", NEIGHBOURS, ids=lambda values: values["sheet"])
-def test_neighbours_of_the_papers_window_are_povgens(page, values):
+@pytest.mark.parametrize("values", BEYOND, ids=lambda values: values["sheet"])
+def test_what_is_beyond_the_paper_is_povgens(page, values):
     """Positions, nu and M, the view's own reading of where the object appears, and the address."""
     show(page, **values)
     scene, z1 = scene_of(page), page.evaluate("moment().z1")
@@ -350,7 +352,7 @@ def test_an_axis_is_typed(page):
     expect(page.locator("#sentence")).to_contain_text("An axis of 0, 0, 0 has no direction")
 
 
-def test_neighbours_are_chosen(page):
+def test_what_is_beyond_the_paper_is_chosen(page):
     """Each choice shows its own controls, its scene and what the paper says of it."""
     choose = page.get_by_label("Beyond the paper’s window")
     for name, control, said in (

@@ -346,7 +346,7 @@ def test_a_frame_that_fails_leaves_the_others(place, fault, said, monkeypatch):
         striker.join()
     message = str(failure.value)
     assert len(met) == povray.TRIES and f"{said}" in message and f"{povray.TRIES} times" in message
-    assert f"1 of {COUNT} frames failed" in message and "the other frames are kept" in message
+    assert f"1 of {COUNT} frames failed" in message and "The other frames are kept." in message
     assert "frame 4" not in message and f"z2 = {scenes[4].z2}" in message
     assert len(finished(place)) == COUNT - 1
     assert output.read_bytes() == b"kept" and not processes(place)

@@ -39,12 +39,12 @@ def test_window_frame_and_pedestals_stand_on_the_floor():
         ({"pedestal": 0, "piece": ("pawn", "king")}, 0.79),
     ],
 )
-def test_pieces_do_not_stand_in_each_other(values, least):
+def test_pieces_do_not_overlap(values, least):
     for apart in (-least, least, 3 * least):
         Chess(x=(0, apart), **values)
         Chess(x=0, z1=(2, 2 + abs(apart)), **values)
     for x, z1 in ((0, 0), (0.99 * least, 0), (0, -0.99 * least)):
-        with pytest.raises(InputError, match=f"would stand in each other; allowed: {least} tiles apart"):
+        with pytest.raises(InputError, match=f"overlap; allowed: at least {least} tiles apart"):
             Chess(x=(1, 1 + x), z1=(4, 4 + z1), **values)
     aside = 0.75 * least  # sqrt(2) times this is more
     if values.get("pedestal") == 0:

@@ -25,11 +25,12 @@ def command(
         raise InputError(f"{what!r}: allowed: info or clear")
     cache.check()
     if what == "clear":
+        found = [path for _, _, path in cache.by_last_use()]
         print(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
         if removed := cache.remove_leftovers():
             print(f"removed {removed} folders that killed povgens left")
-        if kept := cache.by_last_use():
-            raise PermissionError(EACCES, f"{len(kept)} files could not be removed", str(cache.folder()))
+        if kept := sum(path.exists() for path in found):
+            raise PermissionError(EACCES, f"files that could not be removed: {kept}", str(cache.folder()))
     else:
         files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30

@@ -34,6 +34,6 @@ def command(
     charts.save_frames(speed.measure_samplings(sheet_macros, say), folder)
     charts.save_flicker(list(speed.measure_flicker(say)), folder)
     charts.save_prism_counts(list(speed.measure_prism_counts(say)), folder)
-    charts.save_neighbours(list(speed.measure_neighbours(say)), folder)
+    charts.save_beyond(list(speed.measure_beyond(say)), folder)
     charts.save_workers(list(speed.measure_workers(say)), folder)
     save(f"{speed.machine()}\n".encode(), folder / "machine.txt")

@@ -1,7 +1,7 @@
 // The choices beyond the paper: a second window, and ideal sheets that do not rotate light about their normal.
 
 // What is chosen beside the paper's window, and the values with which it begins.
-const NEIGHBOURS = {
+const BEYOND = {
   none: { windows: 1, sheet: "ideal", ...pick(OPENING, "alpha", "z2") },
   series: { windows: 2, sheet: "ideal", alpha: 120, alpha2: 120, d: 2, z1: 2, z2: 8 },
   axis: { windows: 1, sheet: "axis", alpha: 20, axis: [0, 1, 0], ...pick(OPENING, "z2") },
@@ -19,7 +19,7 @@ const LABELS = {
 };
 const OTHER_SHEETS = ["axis", "refraction", "lenslets", "mirror"];
 
-const neighbour = () => (OTHER_SHEETS.includes(state.sheet) ? state.sheet : inSeries() ? "series" : "none");
+const chosenBeyond = () => (OTHER_SHEETS.includes(state.sheet) ? state.sheet : inSeries() ? "series" : "none");
 
 // Whether there is a second window. One sheet of prisms, and the other sheets, are alone.
 const inSeries = () => state.windows === 2 && ["none", "detailed", "ideal"].includes(state.sheet);
