@@ -116,12 +116,16 @@ def scene_of(page):
     return scene(**{name: values[name] for name in scene.model_fields.keys() & values.keys() - {"color"}})
 
 
+def bounds(page, *selectors):
+    """Return the elements' boxes, in one call: another frame of the picture replaces what is drawn over it."""
+    boxes = "(selectors) => selectors.map((each) => document.querySelector(each).getBoundingClientRect().toJSON())"
+    return page.evaluate(boxes, selectors)
+
+
 def centre(page, selector):
     """Return the centre of an element, in tiles from the window's centre."""
     page.locator(selector).wait_for()  # what is drawn over the picture follows with its next frame
-    # in one call, because each frame of the picture replaces the element
-    boxes = "(selectors) => selectors.map((each) => document.querySelector(each).getBoundingClientRect().toJSON())"
-    box, stage = page.evaluate(boxes, [selector, "#stage"])
+    box, stage = bounds(page, selector, "#stage")
     x, y = (box[a] + box[b] / 2 - stage[a] - stage[b] / 2 for a, b in (("x", "width"), ("y", "height")))
     return complex(x, -y) / stage["height"] * 3.7
 
@@ -698,11 +702,10 @@ def test_spheres_are_chosen_by_dragging(page):
 
 
 def test_the_diagram_can_be_dragged_and_turned(page):
-    box = page.locator("#diagram-box").bounding_box()
     for name, handle in (("L", "#object-diagram"), ("E", "#eye-diagram")):
         page.evaluate("draw()")
         tile = page.evaluate("diagramMap.tile")
-        spot = page.locator(handle).bounding_box()
+        spot, box = bounds(page, handle, "#diagram-box")
         x, y = spot["x"] + spot["width"] / 2, spot["y"] + spot["height"] / 2
         start = complex(x - box["x"] - box["width"] / 2, box["y"] + box["height"] / 2 - y) / tile
         before = complex(*page.evaluate(f"state.{name}"))
