@@ -1107,6 +1107,14 @@ def test_nothing_is_cut_off(page, size):
             && getComputedStyle(part).display !== "inline" && !part.matches(".hidden-text, .handle"))
           .map((part) => part.outerHTML)"""
         assert page.evaluate(cut) == []
+        narrow = """[...document.querySelectorAll("select")].filter((part) => part.checkVisibility()).filter((part) => {
+          const wide = part.parentNode.appendChild(part.cloneNode(true));
+          wide.style.width = "auto";
+          const least = wide.offsetWidth;
+          wide.remove();
+          return part.offsetWidth < least;
+        }).map((part) => part.id)"""
+        assert page.evaluate(narrow) == []
         box = page.locator("#stage").bounding_box()
         assert box["width"] / box["height"] == pytest.approx(4 / 3, abs=0.01)
         assert box["width"] * box["height"] > (0.35 if size != "phone" else 0.25) * width * height
