@@ -150,3 +150,14 @@ def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     """
     scene = to_pov(Directions(sheet="ideal", eye=3 + 8j))
     povray.run(scene + check, Rendering(size=size, antialias="off"), tmp_path)
+
+
+@pytest.mark.parametrize("aperture", [0.5, 0.6, 0.75, 1, 3])
+def test_the_window_frame_ends_at_its_back(aperture, tmp_path):
+    check = """
+    #for (K, 1, 5)
+      #if (Section[K][1] < Section[K - 1][1] | Section[K][1] > FrameDepth/2) #error "behind its back" #end
+    #end
+    """
+    scene = to_pov(Directions(sheet="ideal", aperture=aperture))
+    povray.run(scene + check, Rendering(size=(32, 32), antialias="off"), tmp_path)
