@@ -60,6 +60,10 @@ class _Probe(Scene):
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
 
     @property
+    def default_view(self) -> float:
+        return VIEW
+
+    @property
     def objects(self) -> tuple[tuple[complex, float], ...]:
         return ()
 

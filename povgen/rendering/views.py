@@ -23,7 +23,7 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     if len(eyes) * len(backgrounds) == 1:
         return [scene]
     try:
-        return [scene.replace(eye=eye, background=sky) for eye in eyes for sky in backgrounds]
+        return [scene.replace(eye=eye, background=sky, view=scene.view) for eye in eyes for sky in backgrounds]
     except InputError as error:
         raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
 

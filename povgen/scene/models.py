@@ -34,7 +34,8 @@ T = TypeVar("T")
 SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror"]
 OTHER_SHEETS = ("axis", "refraction", "lenslets", "mirror")  # ideal sheets that do not rotate light about their normal
 APERTURE = 3.0  # the default side of the window, tiles
-VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles
+VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
+MAX_VIEW = 100
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
@@ -209,8 +210,10 @@ class Scene(Model):
         description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "
         "with the lower edge",
     )
-    view: Annotated[float, Field(ge=0.1, le=100)] = Field(
-        VIEW, description="height of the picture in the plane of the sheets, 0.1 to 100 tiles"
+    view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
+        VIEW,
+        description=f"height of the picture in the plane of the sheets, 0.1 to {MAX_VIEW} tiles "
+        f"(default: {VIEW}, or more if the first window's frame is larger)",
     )
     eye: Point = Field(
         (0, 0),
@@ -297,6 +300,20 @@ class Scene(Model):
     def depth(self) -> float:
         """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
         return max(self.aperture / 10, 1.02 * self.sheets_depth)
+
+    @property
+    def default_view(self) -> float:
+        """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles; at least VIEW.
+
+        This holds for pictures of 4:3 or wider.
+        """
+        front, slant = -self.depth / 2, min(self.rim, self.depth)
+        reach = 0.0
+        for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # frame.pov.j2
+            scale = self.z2 / (self.z2 + z)  # from the plane z to the plane z = 0, seen from the eye
+            for eye, shape in ((self.E.imag, 1), (self.E.real, 4 / 3)):
+                reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
+        return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
 
     def bend(self, direction: "ArrayLike") -> "Floats":
         """Return light's directions (..., 3) behind the sheet, if it is one of OTHER_SHEETS (`optics.ideal`)."""
@@ -435,6 +452,12 @@ class Scene(Model):
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
             raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
+        return self
+
+    @model_validator(mode="after")
+    def _show_whole_frame(self) -> Self:
+        if "view" not in self.model_fields_set:
+            object.__setattr__(self, "view", self.default_view)  # the model is frozen
         return self
 
     @model_validator(mode="after")

@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through a window of prisms."""
 
-    trace_level: int  # the least max_trace_level with which POV-Ray loses few of the rays (MAX_LOST_FRACTION)
-    designed: float  # the fraction of the rays on the designed path
+    # the least max_trace_level with which POV-Ray loses few of the rays to each window of prisms (MAX_LOST_FRACTION)
+    trace_level: int
+    designed: float  # the fraction of the rays to the last window that are on the designed path
 
 
 # sheets, alpha and the windows behind the first one, z2, E, side of the windows, prism, number of rays
@@ -83,37 +84,91 @@ def _survey(
     prism: Prism,
     side: int,
 ) -> Survey:
-    """Trace rays through windows of prisms. The first window is divided into squares; one ray meets each.
+    """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
 
-    It meets a random point of the square. The random points are the same each time. Regularly spaced points would make
-    moire with the prisms. In the fraction on the designed path, rays that miss a later window do not count.
+    So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The
+    trace level is the greatest that one of them needs. The rays to the last window give the fraction on the designed
+    path.
     """
     import numpy as np
 
-    from povgen.optics import series, trace
+    from povgen.optics import trace
 
-    points = np.indices((side, side)) + np.random.default_rng(1).uniform(size=(2, side, side))
-    x, y = (points.reshape(2, -1) / side - 0.5) * window
-    P = series.crossings(x + 1j * y, E, z2, radians(alpha), behind)
-    through_all = (np.maximum(abs(P.real), abs(P.imag)) <= window / 2).all(0)
     glass = _sheets(sheets, alpha, behind, prism)
-    # rays start at the eye, or at the last ideal window
+    level, designed = max(5, 3 * len(glass) + 1), 0.0  # the designed path meets three faces of each sheet
     first = sheets.count("ideal")
     distance = [z2, *(distance for distance, _ in behind)]
-    start, end = P[first - 1] if first else np.full(len(x), E), P[first]
-    origin = np.column_stack((start.real, start.imag, np.full(len(x), sum(distance[1:first]) if first else -z2)))
-    direction = np.column_stack(((end - start).real, (end - start).imag, np.full(len(x), distance[first])))
-    found = trace.trace(origin, direction, glass, window, prism)
+    for number in range(first, len(sheets)):
+        P = _crossings_up_to(number, radians(alpha), behind, z2, E, window, side)
+        count = P.shape[1]
+        if not count:  # other windows hide this one
+            designed = 0.0
+            continue
+        # rays start at the eye, or at the last ideal window
+        start, end = P[first - 1] if first else np.full(count, E), P[first]
+        origin = np.column_stack((start.real, start.imag, np.full(count, sum(distance[1:first]) if first else -z2)))
+        direction = np.column_stack(((end - start).real, (end - start).imag, np.full(count, distance[first])))
+        found = trace.trace(origin, direction, glass, window, prism)
+        level = max(level, _level(origin, direction, found, glass, window, prism))
+        designed = float(found.designed.mean())
+    return Survey(level, designed)
+
+
+def _crossings_up_to(
+    number: int, alpha: float, behind: tuple[tuple[float, float], ...], z2: float, E: complex, window: float, side: int
+) -> "Complexes":
+    """Return where rays from the eye cross the windows up to this one (0: the first), (number + 1, rays).
+
+    These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
+    window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if otherwise
+    fewer rays than that would cross all windows. Each has a random point, so that there is no moire with the prisms. The
+    random points are the same each time.
+    """
+    import numpy as np
+
+    from povgen.optics import series
+
+    half = window / 2
+    # A ray through P crosses a window at E + scale (P - E): what is seen through the window is a turned square.
+    scale = series.crossings(E + 1, E, z2, alpha, behind[:number]) - E
+    inverse = 1 / np.where(abs(scale) < 1e-9, 1e-9, scale)
+    middle, reach = E - E * inverse, half * (abs(inverse.real) + abs(inverse.imag))
+    low = np.array([(middle.real - reach).max(), (middle.imag - reach).max()])
+    high = np.array([(middle.real + reach).min(), (middle.imag + reach).min()])
+    if (low >= high).any():
+        return np.empty((number + 1, 0), complex)
+    for n in (side, 2 * side, 4 * side):
+        parts = np.indices((n, n)) + np.random.default_rng(1).uniform(size=(2, n, n))
+        x, y = low[:, None] + (high - low)[:, None] * parts.reshape(2, -1) / n
+        P = series.crossings(x + 1j * y, E, z2, alpha, behind[:number])
+        P = P[:, (np.maximum(abs(P.real), abs(P.imag)) <= half).all(0)]
+        if P.shape[1] >= side**2:
+            break
+    return P
+
+
+def _level(
+    origin: "Floats",
+    direction: "Floats",
+    found: "trace.Rays",
+    glass: "tuple[trace.Sheet, ...]",
+    window: float,
+    prism: Prism,
+) -> int:
+    """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""
+    import numpy as np
+
+    from povgen.optics import trace
+
+    reached = found.count > 0
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8 is a margin: pictures can lose a larger fraction than this sample
-    lost = int(0.8 * MAX_LOST_FRACTION * len(x))
+    lost = max(1, int(0.8 * MAX_LOST_FRACTION * reached.sum()))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
         longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
-    return Survey(
-        max(5, int(np.sort(faces)[-lost]) + 1), float(found.designed[through_all].mean()) if through_all.any() else 0.0
-    )
+    return int(np.sort(faces)[-lost]) + 1
 
 
 def max_trace_level(scene: Scene) -> int:

@@ -229,6 +229,9 @@ class MovieSpec(Model):
         names = [sweep.parameter for sweep in self.sweep]
         rows = zip(*(sweep.in_frames(count) for sweep in self.sweep), strict=True)
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
+        if len({scene.view for scene in scenes}) > 1 and "view" not in {*self.fixed, *names}:
+            view = max(scene.view for scene in scenes)  # the picture keeps its scale
+            scenes = [scene.replace(view=view) for scene in scenes]
         return scenes + scenes[-2:0:-1] if self.loop else scenes
 
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:

@@ -48,9 +48,9 @@ const geometry = (() => {
   // The window frame's cross-section, from the opening's front to its back: distance from the opening, and z. The lip's
   // width. templates/frame.pov.j2
   function frameSection(scene) {
-    const half = depth(scene) / 2, { rim } = scene;
+    const half = depth(scene) / 2, { rim } = scene, slant = Math.min(rim, 2 * half);
     return [
-      [0, -half], [0.6 * rim, -half], [0.75 * rim, 0.25 * rim - half], [rim, 0.5 * rim - half], [rim, half], [0, half],
+      [0, -half], [0.6 * rim, -half], [0.75 * rim, 0.25 * slant - half], [rim, 0.5 * slant - half], [rim, half], [0, half],
     ];
   }
 

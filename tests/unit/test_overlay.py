@@ -91,7 +91,7 @@ def dense(first, last, *about):
         (Spheres(alpha=180, sheet="ideal"), 6, None),
         # the pole within a thousandth of a tile and of a degree, and all near the eye's axis
         (Spheres(alpha=180, z1=[6], line=(1e-3, 2e-3), prisms=3000), 6, (180,)),
-        (Chess(prisms=5, z1=9, z2=4, aperture=2.4, pedestal=0), 0, (180,)),
+        (Chess(prisms=5, z1=9, z2=4, aperture=2.4, pedestal=0, view=VIEW), 0, (180,)),
     ],
 )
 def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, Spheres
+from povgen import Chess, InputError, Rendering, Spheres
 from povgen.measure import probes
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
+from povgen.rendering.views import views
 from povgen.scene.models import APERTURE, SCENES, VIEW
 
 
@@ -124,3 +125,15 @@ def test_the_view_is_the_height_of_the_picture():
         assert position.shape == (30, 40) and position.mean() == pytest.approx(0)
         assert np.ptp(position.imag) == pytest.approx(view * 29 / 30)
         assert np.ptp(position.real) == pytest.approx(view * 39 / 30)
+
+
+@pytest.mark.parametrize("values", [{}, {"prisms": 50}, {"aperture": 3.2}, {"eye": (10, 7)}, {"z2": 1.1}, {"z2": 150}])
+def test_a_default_view_is_no_larger_than_the_frame_needs(values):
+    assert Chess(**values).view == Spheres(**values).view == VIEW
+
+
+def test_a_default_view_follows_the_values_of_a_copy():
+    coarse = Chess(prisms=12)
+    assert coarse.view > VIEW == coarse.replace(prisms=100).view == coarse.replace(view=VIEW).view
+    left, right = views(coarse.replace(eye=(9, 0)), Rendering(stereo="pair"))
+    assert left.view == right.view

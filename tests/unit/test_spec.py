@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import ALPHA_MOVIE
 
-from povgen import InputError, MovieSpec
+from povgen import Chess, InputError, MovieSpec
 from povgen.scene.models import SCENES
 from povgen.scene.spec import Sweep, swept_numbers
 from povgen.settings import QUALITIES
@@ -182,3 +182,12 @@ def test_the_ends_of_a_range_are_exact():
     for spacing, start in (("linear", -350.7), ("log", 0.1), ("cosine", -350.7)):
         found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7)
         assert (found[0], found[-1]) == (start, 360)
+
+
+def test_a_movie_keeps_its_scale():
+    """Its view is the largest that a frame needs, unless it is given."""
+    spec = MovieSpec.of_sweeps("chess", ["prisms=10:100"], {"frames": 3})
+    assert {scene.view for scene in spec.scenes("standard")} == {Chess(prisms=10).view}
+    assert {scene.view for scene in spec.with_fixed({"view": 3}).scenes("standard")} == {3}
+    zoom = MovieSpec.of_sweeps("chess", ["view=1:5"], {"frames": 5, "fixed": {"prisms": 10}})
+    assert [scene.view for scene in zoom.scenes("standard")] == [1, 2, 3, 4, 5]

@@ -8,6 +8,7 @@ from povgen.measure import probes
 from povgen.measure.verify import px
 from povgen.optics import rotation, series, trace
 from povgen.scene import limits, prediction
+from povgen.scene.live import values as live_values
 from povgen.scene.models import OTHER_SHEETS, Window
 from povgen.settings import Rendering
 from povgen.video import overlay
@@ -140,13 +141,54 @@ def test_settings_follow_the_windows():
     assert not [*prediction.warnings(pole, Rendering(caption=True))]
 
 
-def test_the_trace_level_leaves_few_pixels_black_behind_two_windows():
-    for values in ({"alpha": 50, "window": "alpha=75,z=2"}, {"alpha": -100, "window": "alpha=20,z=0.7", "z2": 3}):
-        scene = probes.Directions(sheet="detailed", **values)
-        _, direction = probes.rays(scene, (160, 120))
-        found = probes.traced(scene, direction, max_faces=255)
-        lost = (found.end != trace.End.FRAME) & (found.count >= prediction.max_trace_level(scene))
-        assert lost.mean() <= limits.MAX_LOST_FRACTION
+def rays_to(scene, number, count, rng):
+    """Rays whose directions a window (0: the first) shows to the eye: where they start, and their directions."""
+    half = scene.aperture / 2
+    alpha = np.radians(scene.alpha)
+    scale = series.crossings(scene.E + 1, scene.E, scene.z2, alpha, scene.behind)[number] - scene.E
+    there = rng.uniform(-half, half, count) + 1j * rng.uniform(-half, half, count)
+    P = series.crossings(scene.E + (there - scene.E) / scale, scene.E, scene.z2, alpha, scene.behind)
+    P = P[:, (np.maximum(abs(P[: number + 1].real), abs(P[: number + 1].imag)) < half).all(0)]
+    # the camera's rays start at the last ideal window
+    first = scene.simulated
+    places = [-scene.z2, *scene.places]
+    start = P[first - 1] if first else np.full(P.shape[1], scene.E)
+    step, way = P[first] - start, np.full(len(start), places[first + 1] - places[first])
+    at = np.column_stack((start.real, start.imag, np.full(len(start), places[first])))
+    return at, np.column_stack((step.real, step.imag, way))
+
+
+FAR = "alpha=66,z=25,sheet=detailed"
+
+
+@pytest.mark.parametrize(
+    ("values", "seen"),
+    [
+        ({"alpha": 50, "window": "alpha=75,z=2"}, [0, 1]),
+        ({"alpha": -100, "window": "alpha=20,z=0.7", "z2": 3}, [0, 1]),
+        ({"alpha": 0, "window": FAR, "sheet": "ideal"}, [1]),
+        ({"alpha": 0, "window": "alpha=66,z=25"}, [0, 1]),
+        ({"alpha": 80, "window": ["alpha=-80,z=3", FAR], "sheet": "ideal", "eye": (0.4, -0.3), "z2": 15}, [2]),
+        ({"alpha": 20, "window": ["alpha=-140,z=9,sheet=detailed", "alpha=70,z=14,sheet=detailed"], "sheet": "ideal"}, [1]),
+    ],
+)
+def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values, seen, rng):
+    """Of the pixels that show this window. Few rays reach one that is far behind others."""
+    scene = probes.Directions(**{"sheet": "detailed", **values})
+    level = prediction.max_trace_level(scene)
+    assert level == live_values(scene)["faces"] > 3 * len(prediction.prism_sheets(scene))
+    for number in seen:
+        at, direction = rays_to(scene, number, 6000, rng)
+        found = probes.traced(scene, direction, max_faces=255, origin=at)
+        reached = found.count > 0
+        lost = (found.end != trace.End.FRAME) & (found.count >= level)
+        assert reached.sum() > 1000 and lost.sum() / reached.sum() <= limits.MAX_LOST_FRACTION
+
+
+def test_the_trace_level_never_cuts_the_designed_path():
+    """Not even if no ray of the survey reaches the prisms, because other windows hide them."""
+    hidden = Chess(sheet="ideal", alpha=90, window="alpha=66,z=60,sheet=detailed", eye=(9, 0), z2=3)
+    assert prediction.survey(hidden) == prediction.Survey(7, 0.0)
 
 
 def square_at(P, alphas, z, z1, z2, prisms):
