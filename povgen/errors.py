@@ -26,6 +26,5 @@ def shown(value: object) -> str:
 
 def one_line(message: str) -> str:
     """Return a message as one line of printable characters. Of a long message, return its beginning and its end."""
-    if len(message) > 1000:
-        message = f"{message[:500]} ... {message[-400:]}"
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
+    message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
+    return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"

@@ -1,5 +1,6 @@
 """What a user's file with a piece may contain: objects and declarations, nothing that reaches the rest of the scene."""
 
+import os
 import re
 from pathlib import Path
 
@@ -78,6 +79,18 @@ def test_control_characters_are_refused(tmp_path):
         with pytest.raises(InputError, match="in line 2 is the control character ") as error:
             Chess(piece=tmp_path / "own.inc")
         assert str(error.value).isprintable()
+
+
+def test_a_file_that_has_nothing_to_read_yet_is_refused(tmp_path, monkeypatch):
+    """Such as /proc/kmsg, a regular file that is read like a pipe."""
+    os.mkfifo(tmp_path / "log")
+    writes = os.open(tmp_path / "log", os.O_RDWR)
+    monkeypatch.setattr(pieces.stat, "S_ISREG", lambda mode: True)
+    try:
+        with pytest.raises(InputError, match="should be a name or a file that can be read at once"):
+            Chess(piece=tmp_path / "log")
+    finally:
+        os.close(writes)
 
 
 @pytest.mark.parametrize(
