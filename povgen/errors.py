@@ -22,3 +22,9 @@ def shown(value: object) -> str:
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables
         return f"a very long {type(value).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def one_line(message: str) -> str:
+    """Return a message as one line of printable characters. Of a long message, return its beginning and its end."""
+    message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
+    return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"

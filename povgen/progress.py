@@ -6,21 +6,35 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
 
+from povgen.errors import one_line
+
+
+def tell(message: str) -> None:
+    """Print on standard output, as `say` does on standard error. Raises OSError."""
+    print(_printable(message))
+
 
 def say(message: str) -> None:
-    """Print on standard error. If that fails, the program goes on."""
+    """Print on standard error. If that fails, the program goes on.
+
+    Characters that a terminal would obey, as a file's name can have them, are printed as their codes.
+    """
     try:
-        print(message, file=sys.stderr, flush=True)
+        print(_printable(message), file=sys.stderr, flush=True)
     except OSError:
         # otherwise Python writes again when it ends, fails, and exits with status 120
         sys.stderr = open(os.devnull, "w")
 
 
+def _printable(message: str) -> str:
+    return "\n".join(map(one_line, message.split("\n")))
+
+
 @contextmanager
-def bar(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[], None]]:
+def bar(what: str, total: int, quiet: bool = False, unit: str = "frames") -> Iterator[Callable[[], None]]:
     """Show a progress bar in a notebook or on a terminal, up to ten lines elsewhere.
 
-    Yield the function to call after each frame.
+    Yield the function to call after each frame, or other unit.
     """
     if quiet:
         yield lambda: None
@@ -40,7 +54,7 @@ def bar(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[], Non
         name = TextColumn("{task.description}", markup=False)
         columns = name, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
         with Progress(*columns, console=Console(stderr=True)) as progress:
-            task = progress.add_task(what, total=total)
+            task = progress.add_task(one_line(what), total=total)
             yield lambda: progress.advance(task)
     else:
         count = 0
@@ -49,7 +63,7 @@ def bar(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[], Non
             nonlocal count
             count += 1
             if count == total or count * 10 // total > (count - 1) * 10 // total:
-                say(f"{what}: {count}/{total} frames")
+                say(f"{what}: {count}/{total} {unit}")
 
         yield say_each_tenth
 

@@ -17,9 +17,9 @@ from typer.core import TyperCommand, TyperGroup
 
 from povgen import __version__, stopping
 from povgen.cli.options import with_options
-from povgen.cli.report import message_of, one_line
-from povgen.errors import InputError, PovrayError, shown
-from povgen.progress import say
+from povgen.cli.report import message_of
+from povgen.errors import InputError, PovrayError, one_line, shown
+from povgen.progress import say, tell
 
 COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
 
@@ -69,7 +69,7 @@ app = typer.Typer(
 @app.callback(invoke_without_command=True)
 def _version(version: Annotated[bool, typer.Option("--version", help="print povgen's version")] = False) -> None:
     if version:
-        print(f"povgen {__version__}")
+        tell(f"povgen {__version__}")
         raise typer.Exit
 
 

@@ -20,16 +20,10 @@ USED_BY = {
 }
 
 
-def one_line(message: str) -> str:
-    """Return a message as one line of printable characters. Of a long message, return its beginning and its end."""
-    message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
-    return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"
-
-
 def message_of(error: Exception) -> str:
     """Return an error's message. For a file it is the file's name and the reason, without errno."""
     if isinstance(error, OSError) and error.strerror:
-        return f"{one_line(str(error.filename))}: {error.strerror}" if error.filename else error.strerror
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return str(error)
 
 

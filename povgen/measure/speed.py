@@ -11,6 +11,7 @@ the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP
 
 import os
 import platform
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -41,6 +42,8 @@ from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
 from povgen.video.build import movie
 
+# A hand-written macro: it must leave the scene's names as they are.
+BASELINE = re.compile(r"(?:\s|//[^\n]*\n)*#macro Sheet\b(?:(?!#\s*(?:declare|macro)\b).)*#end\s*", re.DOTALL)
 Picture = NDArray[np.uint8]  # (height, width, 3)
 Size = tuple[int, int]  # width and height, pixels
 
@@ -101,6 +104,9 @@ def baselines(folder: Path) -> dict[str, str]:
         raise InputError(f"baselines = {str(folder)!r}: {reason}; allowed: a folder of .inc files") from None
     if not found:
         raise InputError(f"baselines = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
+    for name, text in found.items():
+        if not BASELINE.fullmatch(text):
+            raise InputError(f"baselines = {str(folder)!r}: {name}.inc: allowed: a macro Sheet whose names are #local")
     return found
 
 

@@ -16,8 +16,9 @@ from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.rendering.views import views
+from povgen.scene import live
 from povgen.scene.models import Scene
-from povgen.scene.sdl import origin_of, to_pov
+from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
@@ -55,11 +56,9 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
         except PovrayError as error:
             given = scene.model_dump(exclude_unset=True).items()
             values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
-            name, line = origin_of(scene, source, error.line) if error.line else ("", None)
-            message, origin = str(error), f"from {name}, " if name else ""
-            if line is not None:  # in a user's file
-                message, origin = message.replace(f"{povray.SCENE}, line {error.line}", f"{name}, line {line}"), ""
-            raise type(error)(f"{message}\n  {origin}in the frame with {values}") from None
+            message, origin = povray.message_and_origin(error, source, live.pieces(scene).values())
+            origin = f"{origin}, in" if origin else "in"
+            raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
 
 
 def is_whole(png: bytes, size: tuple[int, int]) -> bool:

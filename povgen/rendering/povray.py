@@ -11,17 +11,23 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Iterable
 from functools import cache
 from math import ceil
 from pathlib import Path
+from threading import Thread
+from typing import IO
 
 from povgen import stopping
-from povgen.errors import PovrayError, TransientError
+from povgen.errors import PovrayError, TransientError, one_line
 from povgen.rendering import light, sandbox
+from povgen.scene.pieces import PieceFile
+from povgen.scene.sdl import origin_of
 from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
+DATA = "data.txt"  # the only file that a scene can write: in the sandbox no other file can be made
 # If the system's configuration is stricter than this one, POV-Ray obeys the system's. Release 3.7.0.10 obeys the ban on
 # shell commands, but not always the restrictions on files. Therefore POV-Ray also runs in a sandbox.
 CONFIG = """\
@@ -38,6 +44,7 @@ TRIES = 2
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
+MAX_MESSAGES = 1 << 16  # bytes of its messages that are read
 # Messages of POV-Ray and its libraries when memory is exhausted, and messages that probably have this cause.
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
@@ -190,21 +197,26 @@ class Runner:
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source, "utf-8")
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
-        (folder / rendering.file).with_suffix(".pov-state").symlink_to(os.devnull)
+        state = (folder / rendering.file).with_suffix(".pov-state")
+        state.unlink(missing_ok=True)
+        state.symlink_to(os.devnull)
+        written = [folder / name for name in (rendering.file, FATAL, DATA)]
+        for file in written:
+            file.write_bytes(b"")
         start, starters = _starter(rendering.timeout)
         programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
             lambda: self._process([*start, *command(binary(), rendering)], folder, rendering.timeout),
-            read=READ,
+            read=[*READ, folder],
             run=[*programs, *RUN],
-            write=[folder, Path(os.devnull)],
+            write=[*written, Path(os.devnull)],
         )
-        if status or not (folder / rendering.file).is_file():
+        if status or not (folder / rendering.file).stat().st_size:
             raise _failure(rendering, folder, status, messages.decode(errors="replace"))
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
-        """Run POV-Ray. Return its exit status (minus the signal's number if a signal killed it), and its messages."""
+        """Run POV-Ray. Return its exit status (minus the signal's number if a signal killed it), and its last words."""
         # POV-Ray looks for its configuration in HOME
         environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
         with stopping.lock:
@@ -219,30 +231,43 @@ class Runner:
             )
             self._running.add(process)
             stopping.processes.add(process)
+        messages = bytearray()
+        reader = Thread(target=_read_last, args=(process.stderr, messages))
         try:
-            _, messages = process.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired:
-            raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
+            reader.start()
+            reader.join(timeout)
+            if reader.is_alive():
+                raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped")
+            process.wait()
         finally:
             process.kill()
             process.wait()
+            if reader.ident:  # it was started
+                reader.join()
             with stopping.lock:
                 self._running.discard(process)
                 stopping.processes.discard(process)
         self._check()
-        return process.returncode, messages
+        return process.returncode, bytes(messages)
 
     def _check(self) -> None:
         if self._stopped or stopping.asked():
             raise PovrayError("POV-Ray was stopped")
 
 
+def _read_last(pipe: IO[bytes], last: bytearray) -> None:
+    """Read a pipe to its end, close it, and add the last MAX_MESSAGES bytes to `last`."""
+    with pipe:
+        while block := os.read(pipe.fileno(), MAX_MESSAGES):
+            last += block
+            del last[:-MAX_MESSAGES]
+
+
 def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
     """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line."""
-    log = folder / FATAL
-    fatal = log.read_text(errors="replace") if log.is_file() else ""
-    place = re.match(r"File: (.*?)  Line: (\d+)\n", fatal)
-    said = " ".join(fatal[fatal.rindex("Error:") + len("Error:") :].split()) if "Error:" in fatal else ""
+    first, last = _ends(folder / FATAL)
+    place = re.match(r"File: (.*?)  Line: (\d+)\n", first)
+    said = one_line(" ".join(last.rpartition("Error:")[2].split())) if "Error:" in last else ""
     out_of_memory = f"out of memory: its limit is {_mebibytes(max_memory())}"
 
     def refused(message: str) -> PovrayError:
@@ -265,7 +290,28 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         return refused(said or "failed")
     if UNCLEAR.search(messages):  # there is no line number, probably because memory was exhausted
         return PovrayError(f"POV-Ray failed, probably {out_of_memory}")
-    last = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
-    failed = "POV-Ray failed: " + (" ".join(last) or "it left no message")
+    lines = [line.strip() for line in messages.splitlines() if line.strip()][-2:]
+    failed = "POV-Ray failed: " + (one_line(" ".join(lines)) or "it left no message")
     # "Timed out ..." is POV-Ray's message on an overloaded machine
     return (TransientError if "Timed out waiting for worker thread" in failed else PovrayError)(failed)
+
+
+def _ends(log: Path) -> tuple[str, str]:
+    """Return the beginning of a file, and its end, or no text if it is missing."""
+    if not log.is_file():
+        return "", ""
+    with log.open("rb") as file:
+        first = file.read(MAX_MESSAGES)
+        file.seek(max(0, file.seek(0, os.SEEK_END) - MAX_MESSAGES))
+        return first.decode(errors="replace"), file.read().decode(errors="replace")
+
+
+def message_and_origin(error: PovrayError, source: str, pieces: Iterable[str | PieceFile]) -> tuple[str, str]:
+    """Return an error's message, which names a line of a user's file if the error is there, and where else it is.
+
+    `source` is the text with these pieces that POV-Ray read. The second text is 'from a template', or empty.
+    """
+    name, line = origin_of(pieces, source, error.line) if error.line else ("", None)
+    if line is not None:
+        return str(error).replace(f"{SCENE}, line {error.line}", f"{name}, line {line}"), ""
+    return str(error), f"from {name}" if name else ""

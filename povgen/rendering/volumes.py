@@ -10,15 +10,17 @@ import inspect
 import sys
 import zlib
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import as_completed
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.errors import InputError
+from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
+from povgen.progress import bar
 from povgen.rendering import cache, povray
+from povgen.rendering.parallel import thread_pool
 from povgen.scene import live
 from povgen.scene.models import Scene
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
@@ -27,7 +29,7 @@ from povgen.settings import Rendering
 
 GRID = (72, 160, 72)  # points along x, y and z
 MOST = 2.0  # distances up to this many voxels are stored
-CROSSINGS = "crossings.txt"
+MAX_CROSSINGS = 1 << 24  # bytes of the file in which POV-Ray writes them; those of povgen's pieces are below 2 MB
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -43,15 +45,12 @@ class Volume(NamedTuple):
     most: float = MOST  # the distance, in voxels, that the byte 255 means
 
 
-def volume(piece: str | PieceFile) -> Volume:
-    """Return a piece's distance field, from the cache or new. Raises PovrayError, and InputError for an empty piece."""
-    source = to_crossings(piece, GRID, FILE_RADIUS, CROSSINGS)
+def _kept(piece: str | PieceFile) -> tuple[str, str, Volume | None]:
+    """Return the text for POV-Ray, the distance field's key in the cache, and the field if it is there."""
+    source = to_crossings(piece, GRID, FILE_RADIUS, povray.DATA)
     key = "\0".join((povray.version(), _code(), source))
-    if values := cache.load_values(key):
-        return Volume(tuple(values["place"]), values["data"])
-    made = _volume(piece, source)
-    cache.store_values(key, made._asdict())
-    return made
+    values = cache.load_values(key)
+    return source, key, Volume(tuple(values["place"]), values["data"]) if values else None
 
 
 @functools.cache
@@ -60,20 +59,30 @@ def _code() -> str:
     return inspect.getsource(sys.modules[__name__])
 
 
-def _volume(piece: str | PieceFile, source: str) -> Volume:
+def _measured(piece: str | PieceFile, source: str, key: str, runner: povray.Runner, timeout: float) -> Volume:
+    """Return a piece's distance field, and keep it. Raises PovrayError, and InputError for an empty piece."""
     with temporary_folder() as folder:
-        picture = povray.run(source, Rendering(size=(32, 32), antialias="off"), folder)
-        text = (picture.parent / CROSSINGS).read_text()
+        try:
+            picture = runner.run(source, Rendering(size=(32, 32), antialias="off", timeout=timeout), folder)
+        except PovrayError as error:
+            message, origin = povray.message_and_origin(error, source, [piece])
+            origin = f"{origin}, in" if origin else "in"
+            raise type(error)(f"{message}\n  {origin} the shape of the piece {str(piece)!r}") from None
+        with picture.with_name(povray.DATA).open() as data:
+            text = data.read(MAX_CROSSINGS)
+    name = f"piece = {str(piece)!r}"
+    if len(text) == MAX_CROSSINGS:
+        raise InputError(f"{name}: too many surfaces for the live view; allowed: a simpler piece")
     numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
     place, met = numbers[:4], numbers[4:].reshape(-1, 4)
     if not len(met):
-        raise InputError(
-            f"piece = {str(piece)!r}: empty within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece"
-        )
+        raise InputError(f"{name}: empty within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece")
     distance = distances(met)
     stored = np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
     steps = np.diff(stored, axis=0, prepend=np.uint8(0))  # modulo 256
-    return Volume(tuple(place.tolist()), base64.b64encode(zlib.compress(steps.tobytes(), 9)).decode())
+    made = Volume(tuple(place.tolist()), base64.b64encode(zlib.compress(steps.tobytes(), 9)).decode())
+    cache.store_values(key, made._asdict())
+    return made
 
 
 def distances(met: Floats) -> Floats:
@@ -128,16 +137,30 @@ class _Lines:
         return np.moveaxis(np.minimum(following - points, points - preceding), -1, self.axis)
 
 
-def volumes(pieces: Mapping[str, str | PieceFile]) -> dict[str, Volume]:
-    """Return the pieces' distance fields, by the same names. Then trim the cache to its limit.
+def volumes(
+    pieces: Mapping[str, str | PieceFile],
+    *,
+    workers: int | None = None,
+    timeout: float = Rendering().timeout,
+    progress: bool = False,
+) -> dict[str, Volume]:
+    """Return the pieces' distance fields, by the same names, from the cache or new. Then trim the cache to its limit.
 
-    Raises what `volume` and `cache.check` raise.
+    `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for an
+    empty piece, and what `cache.check` raises.
     """
     cache.check()
-    with ThreadPoolExecutor() as pool:  # POV-Ray sleeps during a part of this
-        made = dict(zip(pieces, pool.map(volume, pieces.values()), strict=True))
+    kept = {name: _kept(piece) for name, piece in pieces.items()}
+    made = {name: volume for name, (_, _, volume) in kept.items() if volume}
+    new = [name for name in pieces if name not in made]
+    runner = povray.Runner()
+    with thread_pool(runner, workers) as pool, bar("shapes", len(new), not (progress and new), "pieces") as done:
+        fields = {pool.submit(_measured, pieces[name], *kept[name][:2], runner, timeout): name for name in new}
+        for field in as_completed(fields):
+            made[fields[field]] = field.result()
+            done()
     cache.trim(cache.max_bytes())
-    return made
+    return {name: made[name] for name in pieces}
 
 
 def page(scene: Scene) -> str:

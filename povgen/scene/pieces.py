@@ -3,8 +3,12 @@
 import os
 import re
 import stat
+from collections.abc import Iterator, Sequence
 from dataclasses import field
+from functools import lru_cache
+from itertools import chain, islice, tee
 from pathlib import Path
+from typing import NamedTuple
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
@@ -13,6 +17,29 @@ from pydantic.dataclasses import dataclass
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
+
+# The text of a piece becomes a part of the scene, inside braces. There POV-Ray itself refuses cameras, fog, global
+# settings and the like. `declared` refuses the rest: a text that closes these braces, lights, defaults, and files,
+# which a text could write and then include.
+#
+# A token as POV-Ray's tokenizer reads it: a line comment, the start of a block comment, a string, a number, a
+# directive, a name, or any other character.
+TOKEN = re.compile(
+    r"""//[^\n]*|/\*|"(?:\\.|[^"\\\n])*"|(?:\d+(?:\.\d*)?|\.\d+)(?:[eE](?:[-+\d]\d*)?)?|(?:\#[ \t]*)?[A-Za-z_]\w*|\S""",
+    re.ASCII,
+)
+CONTROL = re.compile("[\0-\x08\x0e-\x1f\x7f-\x9f]")  # a terminal would obey them
+# Each bracket, and each directive with a body, must be closed by its own end inside the one around it. In a macro,
+# `1) #end` would let POV-Ray go on after the macro; `#if (0) { #end }` would close povgen's brace.
+LOOPS, CONDITIONS = ("#while", "#for", "#switch", "#macro"), ("#if", "#ifdef", "#ifndef")
+ENDS = {"{": "}", "(": ")", "[": "]", **dict.fromkeys((*LOOPS, *CONDITIONS), "#end")}
+PARTS = ("#else", "#elseif", "#case", "#range")
+OTHERS = ("#break", "#declare", "#local", "#undef", "#version", "#include", "#debug", "#warning", "#error")
+DIRECTIVES = {*LOOPS, *CONDITIONS, *PARTS, *OTHERS, "#end"}
+# POV-Ray's own files that contain only declarations. HF_Square and its like, and Parse_String, are macros in them that
+# write files: these are refused.
+INCLUDES = ("colors.inc", "consts.inc", "functions.inc", "math.inc", "rand.inc", "shapes.inc", "transforms.inc")
+REFUSED = re.compile(r"light_source|light_group|HF\w*|Parse_String|OwnPiece\w*")  # OwnPiece: povgen's names of pieces
 
 
 @dataclass(frozen=True)
@@ -23,9 +50,9 @@ class PieceFile:
     text: str = field(repr=False)
 
     @property
-    def names(self) -> list[str]:
+    def names(self) -> Sequence[str]:
         """What the file declares."""
-        return sorted(set(re.findall(r"#\s*(?:declare|local|macro)\s+(\w+)", _code(self.text), flags=re.ASCII)))
+        return declared(self.text)
 
     @model_serializer
     def __str__(self) -> str:
@@ -62,6 +89,8 @@ def _text(path: str) -> str:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise ValueError("should be a name or a regular file")
             data = file.read(MAX_BYTES + 1)
+            if data is None:  # as /proc/kmsg, which waits for the next message
+                raise ValueError("should be a name or a file that can be read at once")
     except OSError as error:
         raise ValueError(f"should be a name or a file, but: {error.strerror}") from None
     if len(data) > MAX_BYTES:
@@ -71,23 +100,92 @@ def _text(path: str) -> str:
     except UnicodeDecodeError:
         raise ValueError("should be a file in UTF-8") from None
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    code = _code(text)
-    if found := re.search(r"#\s*default\b|\blight_source\b", code):
-        raise ValueError(f"should be a file without {found[0]!r}, which would change the rest of the scene")
-    if "\0" in text or not re.search(r"#\s*declare\s+Piece\s*=", code):
+    if found := CONTROL.search(text):
+        raise _error(text, found.start(), f"the control character {found[0]!r}")
+    if "Piece" not in declared(text):
         raise ValueError("should be a file that declares Piece, as in '#declare Piece = sphere { 0.5*y, 0.5 }'")
     return text.removesuffix("\n") + "\n"
 
 
-def _code(text: str) -> str:
-    """Return the text without its comments, which can be nested, and strings. Raises ValueError if one does not end."""
-    code, at, depth, opened = "", 0, 0, 0
-    while found := re.compile(r"/\*|\*/" if depth else r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*', re.DOTALL).search(text, at):
-        if not depth:
-            code, opened = f"{code}{text[at : found.start()]} ", found.start()
-        depth += {"/*": 1, "*/": -1}.get(found[0], 0)
+class _Opened(NamedTuple):
+    """A bracket, or a directive with a body, that is not closed yet."""
+
+    token: str
+    at: int  # in the text
+    breaks: bool  # whether #break, which skips the rest of a loop, may stand there: it must not skip a bracket
+
+
+@lru_cache(maxsize=64)
+def declared(text: str) -> Sequence[str]:
+    """Return the names that a piece's text declares. Raises ValueError if it could change the rest of the scene.
+
+    The time is proportional to the text's length.
+    """
+    names, opened = set(), list[_Opened]()
+    tokens, following, second = tee(chain(_tokens(text), [(len(text), "")] * 2), 3)
+    for (at, token), (_, after), (_, then) in zip(
+        tokens, islice(following, 1, None), islice(second, 2, None), strict=False
+    ):
+        if fault := _fault(token, after, then, opened[-1:]):
+            raise _error(text, at, fault)
+        if token in ENDS:
+            around = bool(opened) and opened[-1].breaks
+            opened.append(_Opened(token, at, token in LOOPS or token in CONDITIONS and around))
+        elif token in ENDS.values():
+            opened.pop()
+        elif token in ("#declare", "#local"):
+            names.add(after)
+        if token == "#macro":
+            names.add(after)
+        elif token == "#for":
+            names.add(then)
+    if opened:
+        raise _error(text, opened[-1].at, f"{opened[-1].token!r} is not closed")
+    return sorted(names)
+
+
+def _fault(token: str, after: str, then: str, around: Sequence[_Opened]) -> str:
+    """Return what is wrong with a token, or no text. `after` and `then` are the next two tokens."""
+    end = ENDS[around[0].token] if around else ""
+    if token in ENDS.values() and token != end or token in PARTS and end != "#end":
+        return f"{token!r}, but {around[0].token!r} is open" if around else f"{token!r}, but nothing is open"
+    if token == "#break" and not (around and around[0].breaks):
+        return "'#break' inside brackets, or outside a loop"
+    if token == "#include" and (around or after.strip('"') not in INCLUDES):
+        return f"'#include'; allowed, outside all brackets: {', '.join(INCLUDES)}"
+    if token in ("#declare", "#local") and then not in ("=", "["):
+        return f"{token!r} without a name and '='"
+    if token[:1] == "#" and token not in DIRECTIVES or REFUSED.fullmatch(token):
+        return f"{token!r}, which could change the rest of the scene"
+    if f"#{token}" in DIRECTIVES and token != "version":
+        return f"{token!r} without '#'"
+    return ""
+
+
+def _tokens(text: str) -> Iterator[tuple[int, str]]:
+    """Yield each token and its place in the text, without comments, which can be nested."""
+    at = 0
+    while found := TOKEN.search(text, at):
         at = found.end()
-    if depth:
-        line = text.count("\n", 0, opened) + 1
-        raise ValueError(f"should be a file whose comments end, but that in line {line} does not")
-    return code + text[at:]
+        token = found[0]
+        if token == "/*":
+            at = _comment_end(text, found.start())
+        elif token == '"':
+            raise _error(text, found.start(), "a string that does not end")
+        elif not token.startswith("//"):
+            yield found.start(), "#" + token[1:].strip() if token[0] == "#" else token
+
+
+def _comment_end(text: str, start: int) -> int:
+    """Return where the comment that starts there ends. Raises ValueError if it does not."""
+    depth = 0
+    for found in re.compile(r"/\*|\*/").finditer(text, start):
+        depth += 1 if found[0] == "/*" else -1
+        if not depth:
+            return found.end()
+    raise _error(text, start, "a comment that does not end")
+
+
+def _error(text: str, at: int, fault: str) -> ValueError:
+    line = text.count("\n", 0, at) + 1
+    return ValueError(f"should be a file of objects and declarations, but in line {line} is {fault}")

@@ -1,7 +1,7 @@
 """Templates: a scene becomes the text that POV-Ray reads, movies become a page. Only this module uses Jinja2."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from shlex import quote
@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from povgen import __version__
 from povgen.errors import InputError
 from povgen.scene import limits, prediction
-from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Chess, Scene, checked_scene
+from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
 
@@ -91,13 +91,13 @@ def to_pov(
     )
 
 
-def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, file: str) -> str:
-    """Return the text with which POV-Ray writes to a file where lines cross a piece's surface.
+def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
+    """Return the text with which POV-Ray writes to the file `crossings` where lines cross a piece's surface.
 
     The grid's points are numbered along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
     """
     template = _environment().get_template("probes/crossings.pov.j2")
-    return template.render(piece=piece, grid=grid, limit=limit, file=file)
+    return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)
 
 
 def to_live(data: Mapping[str, object]) -> str:
@@ -122,22 +122,20 @@ def to_caption(number: int, data: dict[str, object]) -> str:
     return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 
 
-def origin_of(scene: Scene, source: str, line: int) -> tuple[str, int | None]:
-    """Return where a line, counted from 1, of the scene's text (`to_pov`) comes from.
+def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:
+    """Return where a line, counted from 1, of a text with these pieces (`to_pov`, `to_crossings`) comes from.
 
     This is a user's file (`PieceFile`) and the line there, or a template and None. Each template's text begins with its
-    name. After a user's file, the file is named as well, because povgen's own text has no errors.
+    name.
     """
-    above = []
-    for piece in [standing.piece for standing in scene.pieces] if isinstance(scene, Chess) else []:
+    for piece in pieces:
         if isinstance(piece, PieceFile):
             first = source.partition(f"union {{\n{piece.text}object {{ Piece }}\n}}\n")[0].count("\n") + 2
             last = first + piece.text.count("\n") - 1
             if first <= line <= last + 2:  # the last two lines use `Piece` and end the union
                 return repr(piece.path), min(line, last) - first + 1
-            above.append(repr(piece.path))
     name = "header.pov.j2"
     for text in source.split("\n")[:line]:  # POV-Ray ends a line only there
         if text.startswith("// ---- ") and text.endswith(") ----"):
             name = text[text.rindex("(") + 1 : -len(") ----")]
-    return (f"{name}, or what {' or '.join(dict.fromkeys(above))} leaves open" if above else name), None
+    return name, None

@@ -164,7 +164,7 @@ class MovieSpec(Model):
             if not stdin and file.suffix != ".toml" and not file.exists():
                 file = MOVIES / f"{path}.toml"
             with open(0, "rb", closefd=False) if stdin else file.open("rb") as opened:
-                data = opened.read(MAX_BYTES + 1)
+                data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
             if len(data) > MAX_BYTES:
                 raise ValueError(f"longer than {MAX_BYTES} bytes")
             text = data.decode("utf-8-sig")  # some editors begin a file with a byte order mark

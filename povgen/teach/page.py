@@ -35,9 +35,10 @@ def demo(
     """Write the page, an .html file, and return its path. `pieces` are files of the user's own chess pieces.
 
     With `movies`, POV-Ray's movies are rendered as well. Their names are the page's name and the movie's, as in
-    demo-vary-alpha.mp4. `workers` frames are rendered at once, and `progress=False` shows no progress bar. Options are
-    the fields of `Rendering`, for the movies. Raises InputError for a request that is not allowed, before anything is
-    rendered. Raises PovrayError if POV-Ray fails.
+    demo-vary-alpha.mp4. `workers` pieces are measured at once, and as many frames rendered; `progress=False` shows no
+    progress bar. Options are the fields of `Rendering`: `timeout` is also for each piece, the others are for the
+    movies. Raises InputError for a request that is not allowed, before anything is rendered, and for an empty piece.
+    Raises PovrayError if POV-Ray fails.
     """
     page, workers = checked_output(Path(output), [".html"]), worker_count(workers)
     given: dict[str, Any] = options
@@ -48,7 +49,7 @@ def demo(
         build.checked_movie(file, specs[name], Rendering(**given).quality)
     each = [live.pieces(Chess(piece=piece)) for piece in (*PIECES, *pieces)]  # in one scene they would overlap
     shown = {name: piece for found in each for name, piece in found.items()}
-    shapes = volumes(shown)
+    shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)
     quality = Rendering(**given).quality
@@ -70,12 +71,12 @@ def demo(
 
 
 def check_options(movies: bool, options: dict[str, Any]) -> None:
-    """Raise InputError for options of a rendering if no movie is rendered, and for two eyes."""
+    """Raise InputError for options of a rendering (except `timeout`) if no movie is rendered, and for two eyes."""
     rendering = Rendering(**options)
     if rendering.stereo != "none":
         raise InputError(f"stereo = {rendering.stereo!r}: the page shows what one eye sees; allowed: 'none'")
     for name, value in options.items():
-        if not movies:
+        if not movies and name != "timeout":
             raise InputError(f"{name} = {value}: only movies are rendered; allowed: with --movies")
 
 

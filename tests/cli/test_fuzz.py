@@ -400,7 +400,7 @@ def place(tmp_path_factory):
         patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
         patch.setattr(spec, "MOVIES", movies)
         patch.setattr(page, "MOVIES", ("vary-z1",))
-        patch.setattr(page, "volumes", lambda pieces: {})
+        patch.setattr(page, "volumes", lambda pieces, **options: {})
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(frames, "is_whole", lambda png, size: True)  # though smaller than was asked for
         patch.setattr(encode, "encode", encoded)
@@ -491,6 +491,8 @@ def tried(line, stdin=b""):
     changed = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
     assert "Traceback" not in err
     assert status in (0, 2), (status, err)
+    # a terminal gets povgen's own colours, and no other characters that it would obey
+    assert Stream.terminal or all(text.isprintable() for text in (out + err).split("\n")), (out, err)
     if status == 2:
         *said, message = err.splitlines()  # a choice or warnings may come first
         assert all(text.startswith("povgen: ") for text in said), err
@@ -881,7 +883,8 @@ def test_a_closed_standard_output(monkeypatch):
 def test_names_of_files_are_not_markup(monkeypatch):
     """And they may be no valid text."""
     monkeypatch.setattr(Stream, "terminal", True)
-    for name, shown in (("[bold]x.gif", "[bold]x.gif"), ("\udcff.gif", r"\udcff.gif")):
+    names = {"[bold]x.gif": "[bold]x.gif", "\udcff.gif": r"\udcff.gif", "\x1b[31m\x9b1m.gif": r"\x1b[31m\x9b1m.gif"}
+    for name, shown in names.items():
         status, out, err = tried(["movie", "spec.toml", "--size=32x32", f"--output={name}"])
         assert status == 0 and shown in err and f"wrote {shown}\n" == out
 

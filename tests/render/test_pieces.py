@@ -13,7 +13,7 @@ from povgen.errors import PovrayError
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import rotation
 from povgen.rendering import frames, povray
-from povgen.scene.pieces import PIECES
+from povgen.scene.pieces import INCLUDES, PIECES
 from povgen.scene.spec import MovieSpec
 from povgen.video import overlay
 
@@ -157,24 +157,27 @@ def test_a_piece_does_not_change_the_rest_of_the_scene(tmp_path):
     old.write_text(CUBE)
     scene = Chess(prisms=20, z1=[2, 3, 4], x=[-0.8, 0, 0.8], piece=[own, "king", old])
     names = set(re.findall(r"\b[A-Z]\w*", re.sub("//.*", "", to_pov(scene)))) - {"Piece", "OwnPiece_1", "OwnPiece_2"}
-    kinds = ("#declare {} = 5;\n", "#macro {}() 5 #end\n", "#declare {} = texture {{ pigment {{ rgb 1 }} }}\n")
-    declared = "".join(kinds[n % 3].format(name) for n, name in enumerate(sorted(names)))
+    kinds = (
+        "#declare {} = 5;\n",
+        "#macro {}() 5 #end\n",
+        "#for ({}, 0, 1) #end\n",
+        "#declare {} = texture {{ pigment {{ rgb 1 }} }}\n",
+    )
+    declared = "".join(kinds[n % 4].format(name) for n, name in enumerate(sorted(names)))
     own.write_text(declared + CUBE)
-    old.write_text("#version 3.1;\n" + CUBE)
+    old.write_text("#version 3.1;\n" + "".join(f'#include "{file}"\n' for file in INCLUDES) + CUBE)
     assert (render(scene, **SMALL) == render(scene.replace(piece=[own, "king", old]), **SMALL)).all()
 
 
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("#declare Piece = union {\n  sphere { 0, 1 }\n", "', line 2: "),
         ("#declare Piece =\n3;\n", "', line 2: "),
         ("#declare Piece = texture { pigment { rgb 1 } }\n", "', line 1: "),
         (CUBE + "camera { location 0 }\n", "', line 3: "),
         (CUBE + "global_settings { assumed_gamma 2 }\n", "', line 3: "),
-        (CUBE + '#declare Text = "abc\n', "', line 3: "),
-        (CUBE + "}\n", "', line 3: "),
-        (CUBE + "#if (1)\n", "' leaves open, in the frame with sheet = 'none', piece = "),
+        (CUBE + "fog { distance 9 }\n", "', line 3: "),
+        (CUBE + "background { rgb 1 }\n", "', line 3: "),
     ],
 )
 def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_path):
@@ -216,10 +219,10 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
         (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
         (b"/* /* */ #declare Piece = 1; */", "declares Piece"),
-        (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "comments end, but that in line 2 does not"),
-        (CUBE.encode() + b"#default { finish { ambient 1 } }", "without '#default'"),
-        (CUBE.encode() + b"light_source { 0, 1 }", "without 'light_source'"),
-        (b"#declare Piece = sphere { 0, 1 } // \0", "declares Piece"),
+        (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "line 2 is a comment that does not end"),
+        (CUBE.encode() + b"#default { finish { ambient 1 } }", "line 3 is '#default', which could change the rest"),
+        (CUBE.encode() + b"light_source { 0, 1 }", "line 3 is 'light_source'"),
+        (b"#declare Piece = sphere { 0, 1 } // \0", "the control character"),
         (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
         ("folder", "file"),
         ("fifo", "regular file"),

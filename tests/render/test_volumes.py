@@ -1,13 +1,15 @@
 """Chess pieces as distance fields, which POV-Ray measures."""
 
 import base64
+import re
+import threading
 import zlib
 
 import numpy as np
 import pytest
 from conftest import run_povgen
 
-from povgen import InputError
+from povgen import InputError, PovrayError
 from povgen.rendering import cache, povray, volumes
 from povgen.scene.pieces import PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
@@ -24,8 +26,12 @@ def points(volume):
     return np.array(volume.place[:3]) + volume.place[3] * np.moveaxis(np.indices(volumes.GRID), 0, -1)
 
 
+def volume(piece):
+    return volumes.volumes({"it": piece})["it"]
+
+
 def own(text):
-    return volumes.volume(PieceFile("own.inc", f"#declare Piece = {text}\n"))
+    return volume(PieceFile("own.inc", f"#declare Piece = {text}\n"))
 
 
 def test_a_sphere_has_its_distance():
@@ -55,7 +61,7 @@ def test_hollows_and_hidden_surfaces():
 @pytest.mark.parametrize("piece", PIECES)
 def test_pieces_are_solid(piece):
     """A piece's field has no single points that differ from all around them, as missed surfaces would leave."""
-    inside = stored(volumes.volume(piece)) < 0
+    inside = stored(volume(piece)) < 0
     assert 20000 < inside.sum() < 200000
     around = np.zeros(inside.shape, int)
     for axis in range(3):
@@ -65,7 +71,7 @@ def test_pieces_are_solid(piece):
 
 def test_a_field_is_kept_in_the_cache(monkeypatch):
     made = own("sphere { 0.3*y, 0.3 }")
-    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("POV-Ray ran again"))
+    monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("POV-Ray ran again"))
     assert own("sphere { 0.3*y, 0.3 }") == made
 
 
@@ -82,7 +88,7 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
     assert volumes.volumes(pieces) == made and not kept.exists()
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
-    monkeypatch.setattr(povray, "run", lambda *_: pytest.fail("POV-Ray ran before the cache was checked"))
+    monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("POV-Ray ran before the cache was checked"))
     with pytest.raises(InputError, match="POVGEN_CACHE = "):
         volumes.volumes(pieces)
 
@@ -92,5 +98,54 @@ def test_an_empty_piece_is_refused():
         own("sphere { 3*x, 0.3 }")
 
 
+def test_a_piece_with_too_many_surfaces_is_refused(monkeypatch):
+    monkeypatch.setattr(volumes, "MAX_CROSSINGS", 1 << 16)
+    with pytest.raises(InputError, match="'own.inc': too many surfaces"):
+        own("sphere { 0.35*y, 0.35 }")
+
+
+def test_a_pieces_names_are_its_own():
+    """Whatever it declares, it has the same shape. As in the scene, objects beside the declared one belong to it."""
+    names = set(re.findall(r"\b[A-Z]\w*", to_crossings("pawn", volumes.GRID, 0.5, "x"))) - {"Piece"}
+    assert {"Grid", "Limit", "Line", "Crossings", "Voxel", "J", "Axis"} <= names
+    kinds = ("#declare {} = <90, 200, 90>;", "#macro {}() 5 #end", "#for ({}, 0, 1) #end", '#declare {} = "a";')
+    declared = "".join(kinds[n % 4].format(name) for n, name in enumerate(sorted(names)))
+    spheres = "sphere { 0.2*y, 0.2 }", "sphere { 0.7*y, 0.2 }"
+    assert own(f"{spheres[0]} {declared} {spheres[1]}") == own(f"union {{ {spheres[0]} {spheres[1]} }}")
+
+
+@pytest.mark.parametrize(
+    ("text", "timeout", "said"),
+    [
+        ("sphere { 0, 0.3 }\n\nsphere { 0 }", 100, r"^POV-Ray: 'ow\\x1bn.inc', line 3: Expected"),
+        ("sphere { 0, 0.3 } #while (1) #end", 0.5, r"took longer than 0.5 s \(--timeout\)"),
+    ],
+)
+def test_an_error_names_the_piece_and_its_line(text, timeout, said):
+    with pytest.raises(PovrayError, match=said) as error:
+        volumes.volumes({"it": PieceFile("ow\x1bn.inc", f"#declare Piece = {text}\n")}, timeout=timeout)
+    assert str(error.value).endswith("\n  in the shape of the piece 'ow\\x1bn.inc'")
+
+
+def test_as_many_pieces_are_measured_at_once_as_there_are_workers(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    two, running, most = threading.Barrier(2), [], []
+
+    def run(runner, source, rendering, folder):
+        running.append(folder)
+        most.append(len(running))
+        two.wait(100)
+        running.remove(folder)
+        (folder / povray.DATA).write_text("0,0,0,1\n0,30,30,30\n0,30,30,40\n")
+        return folder / "frame.png"
+
+    monkeypatch.setattr(povray.Runner, "run", run)
+    assert [*volumes.volumes({n: n for n in PIECES}, workers=2, progress=True)] == [*PIECES]
+    assert max(most) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == "shapes: 6/6 pieces"
+    volumes.volumes({n: n for n in PIECES}, progress=True)
+    assert not capsys.readouterr().err  # they are in the cache
+
+
 def test_the_probe_says_what_it_is():
-    assert "a piece from 'own.inc'" in to_crossings(PieceFile("own.inc", "sphere"), volumes.GRID, 0.5, "x").lower()
+    assert "the text of 'own.inc'" in to_crossings(PieceFile("own.inc", "sphere"), volumes.GRID, 0.5, "x")

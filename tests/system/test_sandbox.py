@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import threading
+import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -44,11 +45,11 @@ def refused(tried, folder, *words):
 
 
 def test_what_a_scene_may_do(tmp_path):
-    """It may read POV-Ray's own include files, and write and read files in the work folder."""
-    own = '#fopen F "own.txt" write #write(F, "7,") #fclose F #fopen F "own.txt" read #read(F, N) #fclose F'
+    """It may read POV-Ray's own include files, and write and read one file in the work folder."""
+    own = '#fopen F "data.txt" write #write(F, "7,") #fclose F #fopen F "data.txt" read #read(F, N) #fclose F'
     includes = '#include "colors.inc" #include "textures.inc" sphere { 0, N texture { Polished_Chrome } }'
     assert run(f"{own}\n{includes}", tmp_path).is_file()
-    assert (tmp_path / "work/1/own.txt").read_text() == "7,"
+    assert (tmp_path / "work/1" / povray.DATA).read_text() == "7,"
 
 
 @landlock
@@ -81,6 +82,40 @@ def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeyp
 
 
 @landlock
+@pytest.mark.parametrize("name", ["new.txt", "a/new.txt", "scene.pov", ".povray/3.7/povray.conf", "povray.ini"])
+def test_a_scene_makes_no_file_and_changes_none_of_povgens(name, tmp_path):
+    """So the sum of what it writes is bounded by the limit for a file, however many names it tries."""
+    refused(f'#fopen F "{name}" write #write(F, "x")', tmp_path, "line 2", "Cannot open")
+    made = {path.name for path in (tmp_path / "work/1").iterdir()}
+    assert made == {"scene.pov", "fatal.log", "data.txt", "frame.png", "frame.pov-state", ".povray"}
+
+
+def test_of_long_messages_only_the_ends_are_read(tmp_path):
+    """A scene can write to the file of POV-Ray's messages. Characters that a terminal would obey become codes."""
+    with open(tmp_path / povray.FATAL, "w") as log:
+        log.write("File: scene.pov  Line: 2\n")
+        log.truncate(1 << 30)
+        log.seek(1 << 30)
+        log.write("Fatal Error: Parse Error: halted \x1b[31m\x9bred\n")
+    tracemalloc.start()
+    failure = povray._failure(TINY, tmp_path, 1, "")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert str(failure) == r"POV-Ray: scene.pov, line 2: halted \x1b[31m\x9bred" and peak < 1 << 20
+
+
+def test_of_other_messages_only_the_end_is_kept():
+    reads, writes = os.pipe()
+    last = bytearray()
+    reader = threading.Thread(target=povray._read_last, args=(open(reads, "rb"), last))
+    reader.start()
+    with open(writes, "wb") as pipe:
+        pipe.write(b"x" * (1 << 22) + b"the end")
+    reader.join()
+    assert last == b"x" * (povray.MAX_MESSAGES - 7) + b"the end"
+
+
+@landlock
 def test_no_link_leads_out(tmp_path, monkeypatch):
     """A link in the work folder gives no access to what it points to."""
     (tmp_path / "secret.txt").write_text('"hidden"\n')
@@ -90,13 +125,13 @@ def test_no_link_leads_out(tmp_path, monkeypatch):
 
 def in_work_folder(monkeypatch, prepare):
     """Call `prepare` on POV-Ray's work folder right before POV-Ray starts there."""
-    start = povray.Runner._process
+    within = sandbox.within
 
-    def prepared(runner, arguments, folder, timeout):
-        prepare(folder)
-        return start(runner, arguments, folder, timeout)
+    def prepared(work, *, read, run, write):
+        prepare(write[0].parent)
+        return within(work, read=read, run=run, write=write)
 
-    monkeypatch.setattr(povray.Runner, "_process", prepared)
+    monkeypatch.setattr(sandbox, "within", prepared)
 
 
 @pytest.mark.parametrize("place", ["povray.ini", ".povray/3.7/povray.ini"])
@@ -242,11 +277,11 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     refused(
-        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end',
+        '#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end',
         tmp_path,
         "limit for a file, 1 MiB, is exceeded",
     )
-    assert [file.stat().st_size for file in tmp_path.rglob("own.txt")] == [1 << 20]  # and is not tried again
+    assert [file.stat().st_size for file in tmp_path.rglob(povray.DATA)] == [1 << 20]  # and is not tried again
 
 
 def test_a_picture_is_not_larger_than_its_share(tmp_path, monkeypatch):
@@ -269,7 +304,9 @@ def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
     refused(HUNGRY["array"], tmp_path, "out of memory: its limit is 300 MiB")
     (tmp_path / "work").rename(tmp_path / "done")
     refused(
-        '#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path, "for a file, 0.5 MiB, is exceeded"
+        '#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end',
+        tmp_path,
+        "for a file, 0.5 MiB, is exceeded",
     )
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from povgen.errors import InputError
+from povgen.progress import tell
 
 
 def command(
@@ -26,18 +27,18 @@ def command(
     cache.check()
     if what == "clear":
         found = [path for _, _, path in cache.by_last_use()]
-        print(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
+        tell(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
         if removed := cache.remove_leftovers():
-            print(f"removed {removed} folders that killed povgens left")
+            tell(f"removed {removed} folders that killed povgens left")
         if kept := sum(path.exists() for path in found):
             raise PermissionError(EACCES, f"files that could not be removed: {kept}", str(cache.folder()))
     else:
         files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30
         counts = _counts([path for _, _, path in files])
-        print(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
+        tell(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
         if sizes := cache.leftover_sizes():
-            print(f"{len(sizes)} folders that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
+            tell(f"{len(sizes)} folders that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
 
 
 def _counts(files: list[Path]) -> str:

@@ -2,10 +2,12 @@
 
 import typer
 
+from povgen.progress import tell
+
 
 def command() -> None:
     """Test POV-Ray, cache, sandbox and encoder with a small frame and movie, and say how to mend what does not work."""
     from povgen.cli.checkup import faults
 
-    if list(faults(print)):
+    if list(faults(tell)):
         raise typer.Exit(1)

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import Quiet, Workers, split, takes
+from povgen.progress import tell
 
 
 @takes("rendering")
@@ -18,7 +19,9 @@ def command(
     movies: Annotated[
         bool,
         typer.Option(
-            "--movies", help="render POV-Ray's three movies as well, beside the page; the other options are for them"
+            "--movies",
+            help="render POV-Ray's three movies as well, beside the page; the other options are for them; --workers "
+            "and --timeout also for the pieces",
         ),
     ] = False,
     workers: Workers = None,
@@ -33,4 +36,4 @@ def command(
     count = worker_count(workers)
     page = demo(output, pieces=piece or (), movies=movies, workers=count, progress=not quiet, **options)
     if not quiet:
-        print(f"wrote {page}")
+        tell(f"wrote {page}")

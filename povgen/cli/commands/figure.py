@@ -7,6 +7,7 @@ import typer
 
 from povgen.cli.options import made_folder
 from povgen.errors import InputError
+from povgen.progress import tell
 
 
 def command(
@@ -32,4 +33,4 @@ def command(
 
     for number in numbers:
         for path in save_figure(int(number), folder, rendering):
-            print(f"wrote {path}")
+            tell(f"wrote {path}")

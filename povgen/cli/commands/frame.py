@@ -7,6 +7,7 @@ import typer
 
 from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
 from povgen.cli.report import warn, warn_unused
+from povgen.progress import tell
 
 
 @takes("scenes", "rendering")
@@ -39,4 +40,4 @@ def command(
         warn([made], rendering)
     save(png(made, rendering), output)
     if not quiet:
-        print(f"wrote {output}")
+        tell(f"wrote {output}")

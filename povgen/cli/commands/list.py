@@ -1,5 +1,7 @@
 """The command povgen list."""
 
+from povgen.progress import tell
+
 
 def command() -> None:
     """List the scenes with their parameters, the chess pieces, and povgen's own movies."""
@@ -9,9 +11,9 @@ def command() -> None:
     from povgen.scene.spec import MOVIES, MovieSpec
 
     for name, scene in SCENES.items():
-        print(f"{name}: {scene.subject}")
+        tell(f"{name}: {scene.subject}")
         for field, info in scene.model_fields.items():
-            print(f"    --{field.replace('_', '-'):17}{described(info)}")
-    print(f"pieces: {', '.join(PIECES)}")
+            tell(f"    --{field.replace('_', '-'):17}{described(info)}")
+    tell(f"pieces: {', '.join(PIECES)}")
     for path in sorted(MOVIES.glob("*.toml")):
-        print(f"movie {path.stem}: {MovieSpec.load(path).title}")
+        tell(f"movie {path.stem}: {MovieSpec.load(path).title}")

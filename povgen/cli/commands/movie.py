@@ -9,7 +9,7 @@ import typer
 from povgen.cli.options import Quiet, Tolerance, Values, Workers, auto_tolerance, chosen, split, takes
 from povgen.cli.report import warn, warn_unused
 from povgen.errors import InputError
-from povgen.progress import bar
+from povgen.progress import bar, tell
 
 if TYPE_CHECKING:
     from povgen.scene.models import Scene
@@ -108,7 +108,7 @@ def command(
         logging.getLogger("povgen").setLevel("ERROR")
     make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)
     if not quiet:
-        print(f"wrote {output}")
+        tell(f"wrote {output}")
 
 
 def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> "MovieSpec":
@@ -136,4 +136,4 @@ def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", coun
         for _ in render_all(scenes, rendering, count, done):
             pass
     if not quiet:
-        print(f"rendered shard {part}: {len(scenes)} frames")
+        tell(f"rendered shard {part}: {len(scenes)} frames")
