@@ -23,17 +23,25 @@ LOCK_FILE = "lock"  # in each work folder; the process that uses the folder hold
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
-def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "output") -> Path:
-    """Return the path if a file with one of these suffixes can be written there.
+def checked_output(
+    path: str | Path, suffixes: Iterable[str], option: str = "output", inputs: Iterable[str | Path | int] = ()
+) -> Path:
+    """Return the path if a file with one of these suffixes can be written there, and is none of the inputs.
 
-    Raises InputError if not, which names the option that states the path.
+    The inputs are paths or descriptors of the files that povgen reads. Raises InputError, which names the option that
+    states the path.
     """
     if not isinstance(path, (str, os.PathLike)):
         raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
     path = Path(path)
     name = f"{option} = {str(path)!r}"
     if path.suffix.lower() not in suffixes:
+        if path.name.lower() in suffixes:
+            raise InputError(f"{name}: an ending without a name; allowed: NAME{path.name}")
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
+    for given in inputs:
+        if _is_same(path, given):
+            raise InputError(f"{name}: povgen reads this file; allowed: another file")
     try:
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
             raise ValueError("it exists and cannot be written to")
@@ -42,6 +50,14 @@ def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "out
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle; ValueError: NUL in a name
         reason = getattr(error, "strerror", error)
         raise InputError(f"{name}: {reason}; allowed: a file in a folder that can be written to") from None
+
+
+def _is_same(path: Path, other: str | Path | int) -> bool:
+    """Return whether both are the same file, perhaps through links. `other` can be a descriptor."""
+    try:
+        return os.path.samefile(path, other)
+    except (OSError, ValueError):  # one of them does not exist; ValueError: NUL in a name
+        return False
 
 
 def checked_folder(path: Path) -> Path:
