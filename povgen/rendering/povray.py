@@ -11,11 +11,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from functools import cache
 from math import ceil
 from pathlib import Path
 
-from povgen import stopping
+from povgen import files, stopping
 from povgen.errors import PovrayError, TransientError
 from povgen.rendering import light, sandbox
 from povgen.settings import Rendering
@@ -35,6 +37,7 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
+POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
@@ -219,10 +222,15 @@ class Runner:
             )
             self._running.add(process)
             stopping.processes.add(process)
+        end = time.monotonic() + timeout
         try:
-            _, messages = process.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired:
-            raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped") from None
+            while (left := end - time.monotonic()) > 0:
+                with suppress(subprocess.TimeoutExpired):
+                    _, messages = process.communicate(timeout=min(left, POLL))
+                    break
+                folder.stat()  # raises FileNotFoundError: POV-Ray hangs if its folder has been removed
+            else:
+                raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped")
         finally:
             process.kill()
             process.wait()
@@ -259,7 +267,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
     # POV-Ray does not report a full disk. Another failed frame may since have freed the space of one picture.
-    if shutil.disk_usage(folder).free < 2**16 + 3 * rendering.supersampling**2 * width * height:
+    if files.is_full(folder, 2**16 + round(3 * rendering.supersampling**2 * width * height)):
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")

@@ -1,5 +1,6 @@
 """Make a movie from its spec."""
 
+import logging
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
@@ -11,7 +12,7 @@ from pydantic import Field
 
 from povgen import __version__
 from povgen.errors import InputError, shown
-from povgen.files import checked_output, save
+from povgen.files import checked_output, save, unless_removed
 from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
@@ -98,21 +99,25 @@ def movie(
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
     }
     target = output.resolve()
-    with ExitStack() as opened:
-        cluster = None
-        if scheduler is not None:
-            from povgen.rendering.cluster import Cluster
 
-            cluster = opened.enter_context(Cluster(scheduler))
-            workers = workers or cluster.frames
-        done = opened.enter_context(bar(output.name, len(scenes), not progress))
-        frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
-        opened.enter_context(closing(frames))
-        part = folder / f"movie{output.suffix.lower()}"
-        pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
-        encode.encode(pictures, part, rate, tags)
-        save(part, target)
+    def write() -> None:
+        with ExitStack() as opened:
+            cluster = None
+            if scheduler is not None:
+                from povgen.rendering.cluster import Cluster
+
+                cluster = opened.enter_context(Cluster(scheduler))
+            done = opened.enter_context(bar(output.name, len(scenes), not progress))
+            frames = render_all(scenes, rendering, workers or (cluster.frames if cluster else None), done, cluster)
+            folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
+            opened.enter_context(closing(frames))
+            part = folder / f"movie{output.suffix.lower()}"
+            pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
+            encode.encode(pictures, part, rate, tags)
+            save(part, target)
+
+    removed = "povgen: warning: the cache was removed; the movie is made once more"
+    unless_removed(write, lambda: logging.getLogger("povgen").warning(removed))
     return Movie(target)
 
 
