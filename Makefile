@@ -5,6 +5,7 @@ QUALITY ?= standard
 # more options for povgen's command line, such as --size 64x48
 OPTIONS ?=
 VENV := .venv
+$(if $(filter-out 1,$(words $(VENV))),$(error VENV = '$(VENV)': allowed: the name of a folder, without spaces))
 POVGEN := $(VENV)/bin/povgen
 # those beyond the paper
 BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4)
@@ -13,8 +14,11 @@ GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms predic
   pieces imaging refraction black-tops page))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
-# This file says that make created the environment. Only then may make remove it.
-CREATED := $(VENV)-made-by-make
+# This file says that make created the environment. Only then may make remove it. It lies in the environment: if a user
+# replaces the environment by another, the file is gone.
+CREATED := $(VENV)/made-by-make
+# removes all else in the environment, so that make can continue after an interruption
+empty-venv = find $(VENV)/ -mindepth 1 -maxdepth 1 ! -name made-by-make -exec rm -rf {} +
 # Debian's packages that are missing
 MISSING := $(if $(shell command -v povray),,povray) \
   $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
@@ -28,10 +32,17 @@ install = $(if $(strip $(CAN_INSTALL)),$(SUDO) apt-get update -qq && $(SUDO) apt
 # A finished environment's READY file holds this text: its Python and its folder. The text differs after an upgrade of
 # Python, and in a copy of the checkout, whose .venv runs the code of the original. Make then creates a new environment.
 FINISHED = $$(python3 -VV) in $(CURDIR)
-$(if $(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" && $(VENV)/bin/python -c '' 2> /dev/null \
-  || echo stale),$(shell rm -f $(READY) $(VENV)/*-ready $(VENV)/mitsuba/ready))
+# A prerequisite of all that is installed: FORCE if make has to create the environment, otherwise nothing.
+NEW := $(if $(strip $(MISSING))$(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" \
+  && $(VENV)/bin/python -c '' 2> /dev/null || echo new),FORCE)
 # Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
+
+# `make clean` removes the files that recipes have noted here with their checksums, if nobody has changed them since. A
+# recipe calls `begin` before it makes files, and then `note` with names or folders: it notes what is new there.
+MADE := build/.make/made
+begin = @mkdir -p build/.make && touch build/.make/$@
+note = @find $(1) -type f -newer build/.make/$@ -exec sha256sum {} + >> $(MADE)
 
 .PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
   cluster-bench auto-check clean help
@@ -41,15 +52,19 @@ movies: $(MOVIES)  ## the paper's three movies, into movies/
 
 movies-beyond: $(BEYOND)  ## movies of windows in series and of other ideal sheets, into movies/
 
-movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY)
+movies/%.mp4: movies/%.toml $(SOURCES) build/.make/options | $(READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)
+	@sha256sum $@ >> $(MADE)
 
 frame: | $(READY)  ## one frame, frame.png: a chess piece and its predicted image
+	$(begin)
 	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) $(OPTIONS) -o frame.png
+	$(call note,frame.png)
 
 demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, beside the equations; works offline
-	@mkdir -p build
+	$(begin)
 	$(POVGEN) demo -o build/demo.html $(OPTIONS)
+	$(call note,build -maxdepth 1 -name 'demo*')
 
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
@@ -97,30 +112,41 @@ lint: $(VENV)/test-ready  ## checks by ruff and mypy
 	$(VENV)/bin/mypy
 
 verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; stability maps in stability/
+	$(begin)
 	$(POVGEN) verify
 	$(POVGEN) verify --stability
+	$(call note,stability \( -name '*.png' -o -name '*.csv' \))
 	cp stability/stability.png docs
 
 chart: $(VENV)/charts-ready $(VENV)/live-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
 
 docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html
+	$(begin)
 	$(VENV)/bin/python docs/api.py build/api
+	$(call note,build/api)
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## CPU time of povgen and of other programs: a table, and build/bench.json
-	@mkdir -p build
+	$(begin)
 	$(VENV)/bin/python benchmarks/bench.py $(VENV)/mitsuba/bin/python
+	$(call note,build/bench.json)
 
 cluster-bench: $(VENV)/cluster-ready  ## time of a movie on a Dask cluster: tables, and build/cluster.json
-	@mkdir -p build
+	$(begin)
 	$(VENV)/bin/python benchmarks/cluster_bench.py
+	$(call note,build/cluster.json)
 
 auto-check: $(VENV)/charts-ready  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
+	$(begin)
 	$(VENV)/bin/python benchmarks/auto_check.py
+	$(call note,build/auto-check)
 
-clean:  ## remove movies, frame.png and the virtual environment (rendered frames stay in povgen's cache)
-	$(if $(wildcard $(CREATED)),rm -rf $(VENV) $(CREATED))
-	rm -rf build stability frame.png movies/*.mp4 movies/*.gif movies/*.webm .pytest_cache
+clean:  ## remove what make made: movies, frame.png, pages, the virtual environment (frames stay in povgen's cache)
+	$(if $(wildcard $(CREATED)),$(empty-venv) && rm -rf $(VENV))
+	@LC_ALL=C sha256sum --check $(MADE) 2> /dev/null | sed -n 's/: OK$$//p' | xargs -r -d '\n' sh -c \
+	  'rm -f "$$@"; for file; do rmdir -p "$$(dirname "$$file")"; done 2> /dev/null; true' sh
+	rm -rf build/.make .pytest_cache
+	@rmdir build 2> /dev/null; true
 
 help:  ## this list
 	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), OPTIONS='more options of povgen'"
@@ -128,16 +154,16 @@ help:  ## this list
 	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 
 # changes when QUALITY or OPTIONS change
-build/options: FORCE
-	@mkdir -p build
+build/.make/options: FORCE
+	@mkdir -p build/.make
 	@echo "$(QUALITY) $(OPTIONS)" | cmp -s - $@ || echo "$(QUALITY) $(OPTIONS)" > $@
 FORCE:
 
-$(READY): pyproject.toml $(if $(strip $(MISSING)),FORCE)
-	$(if $(strip $(MISSING)),$(call install,$(strip $(MISSING))))
+$(READY): pyproject.toml $(NEW)
 	@test -e $(CREATED) -o ! -e $(VENV) || { echo "povgen: $(VENV) was not made by make; allowed: remove it, or name" \
 	  "another folder, as in make VENV=.venv-povgen" >&2; exit 2; }
-	@touch $(CREATED) && rm -rf $(VENV)
+	$(if $(strip $(MISSING)),$(call install,$(strip $(MISSING))))
+	@mkdir -p $(VENV) && touch $(CREATED) && $(empty-venv)
 	python3 -m venv $(VENV)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .)
 
@@ -148,17 +174,17 @@ test-deps:
 	$(if $(strip $(TEST_PACKAGES)),$(call install,$(strip $(TEST_PACKAGES))))
 
 # Mitsuba, which the benchmark compares povgen with, has an environment of its own.
-$(VENV)/mitsuba/ready: | $(READY)
+$(VENV)/mitsuba/ready: pyproject.toml $(NEW) | $(READY)
 	python3 -m venv --clear $(VENV)/mitsuba
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
 # uv installs the many packages of the tests faster than pip does.
-$(VENV)/test-ready: pyproject.toml | $(READY)
+$(VENV)/test-ready: pyproject.toml $(NEW) | $(READY)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check uv \
 	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])
 	@touch $@
 
-$(VENV)/%-ready: pyproject.toml | $(READY)
+$(VENV)/%-ready: pyproject.toml $(NEW) | $(READY)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .[$*])
 	@touch $@

@@ -5,35 +5,48 @@ its work folder. If a process is killed, its work folder remains, but the lock i
 can lock this file: it then knows that the folder is a leftover, and removes it.
 """
 
+import errno
 import fcntl
 import os
 import re
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from povgen import stopping
 from povgen.errors import InputError, shown
 
+Result = TypeVar("Result")
 WORK_PREFIX = ".povgen-"  # a work folder's name begins with this
 LOCK_FILE = "lock"  # in each work folder; the process that uses the folder holds a lock on it
+REMOVALS = 3
+NO_INODES = "no inodes left, which means too many files (df -i)"
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
-def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "output") -> Path:
-    """Return the path if a file with one of these suffixes can be written there.
+def checked_output(
+    path: str | Path, suffixes: Iterable[str], option: str = "output", inputs: Iterable[str | Path | int] = ()
+) -> Path:
+    """Return the path if a file with one of these suffixes can be written there, and is none of the inputs.
 
-    Raises InputError if not, which names the option that states the path.
+    The inputs are paths or descriptors of the files that povgen reads. Raises InputError, which names the option that
+    states the path.
     """
     if not isinstance(path, (str, os.PathLike)):
         raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
     path = Path(path)
     name = f"{option} = {str(path)!r}"
     if path.suffix.lower() not in suffixes:
+        if path.name.lower() in suffixes:
+            raise InputError(f"{name}: an ending without a name; allowed: NAME{path.name}")
         raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
+    for given in inputs:
+        if _is_same(path, given):
+            raise InputError(f"{name}: povgen reads this file; allowed: another file")
     try:
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
             raise ValueError("it exists and cannot be written to")
@@ -42,6 +55,14 @@ def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "out
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle; ValueError: NUL in a name
         reason = getattr(error, "strerror", error)
         raise InputError(f"{name}: {reason}; allowed: a file in a folder that can be written to") from None
+
+
+def _is_same(path: Path, other: str | Path | int) -> bool:
+    """Return whether both are the same file, perhaps through links. `other` can be a descriptor."""
+    try:
+        return os.path.samefile(path, other)
+    except (OSError, ValueError):  # one of them does not exist; ValueError: NUL in a name
+        return False
 
 
 def checked_folder(path: Path) -> Path:
@@ -56,27 +77,71 @@ def checked_folder(path: Path) -> Path:
         raise InputError(f"{name}: {reason}; allowed: a folder that can be written to") from None
 
 
+class Removed(FileNotFoundError):
+    """Somebody has removed a folder while povgen worked in it."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(errno.ENOENT, "removed while povgen used it", str(folder))
+
+
+def unless_removed(work: Callable[[], Result], warn: Callable[[], object] = lambda: None) -> Result:
+    """Return the result of `work`. If it raises Removed, call `warn` and then `work` again, up to REMOVALS times."""
+    for _ in range(REMOVALS):
+        with suppress(Removed):
+            return work()
+        warn()
+    return work()
+
+
 @contextmanager
 def work_folder(parent: Path) -> Iterator[Path]:
-    """Yield a new folder for unfinished files, and remove it at the end. Remove leftovers in `parent` first."""
+    """Yield a new folder for unfinished files, and remove it at the end. Remove leftovers in `parent` first.
+
+    Raises Removed in place of any other error if the folder, or `parent`, has been removed meanwhile.
+    """
     remove_leftovers(parent)
     with ExitStack() as held, ExitStack() as made:  # the lock is held until the folder has been removed
-        while True:
-            with stopping.lock:
-                stopping.check()
-                folder = Path(tempfile.mkdtemp(prefix=WORK_PREFIX, dir=parent))
-                stopping.folders.add(str(folder))
-            made.callback(_forget, folder)
-            # another process may have removed the folder before it was locked: then make another folder
-            with suppress(FileNotFoundError, BlockingIOError):
-                opened = held.enter_context(_opened(folder))
-                made.callback(_remove_locked, folder, opened)
-                lock = os.open(LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600, dir_fd=opened)
-                held.callback(os.close, lock)
-                _lock(lock)
-                os.write(lock, MARK)
-                break
-        yield folder
+        folder = parent
+        try:
+            folder = _locked_folder(parent, held, made)
+            yield folder
+        except Exception as error:
+            if not os.path.lexists(folder):
+                raise Removed(folder) from None
+            if isinstance(error, OSError) and error.errno == errno.ENOSPC and _has_no_inodes(folder):
+                error.strerror = NO_INODES
+            raise
+
+
+def _locked_folder(parent: Path, held: ExitStack, made: ExitStack) -> Path:
+    """Return a new folder. `made` removes the folder when it is closed, and `held` then releases the lock."""
+    while True:
+        with stopping.lock:
+            stopping.check()
+            folder = Path(tempfile.mkdtemp(prefix=WORK_PREFIX, dir=parent))
+            stopping.folders.add(str(folder))
+        made.callback(_forget, folder)
+        # another process may have removed the folder before it was locked: then make another folder
+        with suppress(FileNotFoundError, BlockingIOError):
+            opened = held.enter_context(_opened(folder))
+            made.callback(_remove_locked, folder, opened)
+            lock = os.open(folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+            held.callback(os.close, lock)
+            _lock(lock)
+            os.write(lock, MARK)
+            return folder
+
+
+def is_full(folder: Path, size: int = 2**16) -> bool:
+    """Return whether a folder's file system has no room for `size` bytes, or for one more file."""
+    disk = os.statvfs(folder)
+    return disk.f_bavail * disk.f_frsize < size or _has_no_inodes(folder)
+
+
+def _has_no_inodes(folder: Path) -> bool:
+    """Return whether a folder's file system can hold no more files. Some file systems have no such limit."""
+    disk = os.statvfs(folder)
+    return disk.f_files > 0 and not disk.f_favail
 
 
 def _forget(folder: Path) -> None:

@@ -23,7 +23,8 @@ USED_BY = {
 def message_of(error: Exception) -> str:
     """Return an error's message. For a file it is the file's name and the reason, without errno."""
     if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        file = error.filename2 or error.filename  # of two files, the second is written
+        return f"{file}: {error.strerror}" if file else error.strerror
     return str(error)
 
 

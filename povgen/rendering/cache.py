@@ -89,8 +89,8 @@ def max_bytes() -> float:
 def check() -> None:
     """Check the settings before any work is done.
 
-    Raises InputError for a limit that is no number, and for a folder that is not povgen's. Raises PermissionError for
-    a folder among temporary files that other users can use.
+    Raises InputError for a limit that is no number, for a folder that is not povgen's, and for another user's folder to
+    which every user can write. Raises PermissionError for a folder among temporary files that other users can use.
     """
     max_bytes()
     path = folder()
@@ -109,6 +109,12 @@ def check() -> None:
         mark = b""
     except OSError:
         mark = b"unreadable"
+    owner = os.stat(path)
+    if owner.st_uid != os.geteuid() and owner.st_mode & stat.S_IWOTH:
+        raise InputError(
+            f"POVGEN_CACHE = {str(path)!r}: another user's folder, to which every user can write; "
+            "allowed: a folder of your own, or one to which only some users can write"
+        )
     # Another povgen may be about to write the mark, or was killed before it did. The mark is written before all else.
     if mark != MARK and (mark or names - {TAG}):
         raise InputError(
@@ -120,7 +126,7 @@ def check() -> None:
 def work_folder() -> AbstractContextManager[Path]:
     """Make the cache if it is missing. Return a work folder in it, as files.work_folder does.
 
-    Raises what `check` raises, and OSError if the cache cannot be made.
+    Raises what `check` raises, OSError if the cache cannot be made, and files.Removed if it is removed meanwhile.
     """
     path = folder()
     try:
@@ -131,7 +137,10 @@ def work_folder() -> AbstractContextManager[Path]:
         raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
     check()
     # two povgens that make the cache at once write the same mark
-    tag = os.open(path / TAG, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    try:
+        tag = os.open(path / TAG, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    except FileNotFoundError:
+        raise files.Removed(path) from None
     with open(tag, "wb") as file:
         if os.fstat(tag).st_size < len(MARK):
             file.write(MARK)
@@ -159,9 +168,9 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
 
 
 def store(made: Path, path: Path) -> bool:
-    """Move a finished file to its path in the cache. Return False if something that is not povgen's is there."""
-    # each of these means that something else is there
-    with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError):
+    """Move a finished file to its path in the cache. Return whether it is there now: something else may be there."""
+    # each of these means that something else is there; FileNotFoundError: the cache has been removed
+    with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError, FileNotFoundError):
         path.parent.mkdir(exist_ok=True)
         free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
         if free and not path.is_symlink():

@@ -6,7 +6,6 @@ A worker gets a scene's text and returns a PNG file's bytes. It needs povgen and
 import asyncio
 import concurrent.futures
 import logging
-import re
 import warnings
 from collections.abc import Coroutine
 from contextlib import suppress
@@ -38,14 +37,12 @@ class Cluster:
 
     A worker from which the scheduler hears nothing is removed. Other workers render its frames.
 
-    Raises InputError if the scheduler's address is not valid. Raises PovrayError if no scheduler answers, if it has no
+    The address is as `checked_scheduler` returns it. Raises PovrayError if no scheduler answers, if it has no
     workers, or if a worker has another version of povgen, POV-Ray or Dask than this machine. The message names that
     worker.
     """
 
     def __init__(self, scheduler: str) -> None:
-        if not re.fullmatch(r"(tcp|tls)://[^\s/]+:[0-9]{1,5}", scheduler):
-            raise InputError(f"scheduler = {scheduler!r}: allowed: its address, such as tcp://192.0.2.1:8786")
         self._scheduler = scheduler
         self._no_workers = f"scheduler {scheduler}: it has no workers"
         self._versions = versions()

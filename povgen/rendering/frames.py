@@ -2,6 +2,7 @@
 
 import re
 import struct
+import zlib
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError, PovrayError, TransientError, shown
+from povgen.files import unless_removed
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.rendering.views import views
@@ -31,21 +33,29 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
     Raises PovrayError, whose message states the scene's parameters.
     """
     path = cache.frame_path(source, rendering)
-    if _cached(path, rendering):
+    png = _read(path, rendering)
+    if png and is_whole(png, rendering.size):
         return path
     png, stored = _rendered(scene, rendering, source, runner)
     return path if stored else png
 
 
-def _cached(path: Path, rendering: Rendering) -> bytes | None:
-    """Return the PNG file at a path in the cache, or None if the file is missing or damaged."""
+def _read(path: Path, rendering: Rendering) -> bytes | None:
+    """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    png = cache.read(path, most=2**20 + 6 * width * height)  # 1 MiB more than twice the size of the pixels' colours
-    return png if png and is_whole(png, rendering.size) else None
+    return cache.read(path, most=2**20 + 6 * width * height)  # 1 MiB more than twice the size of the pixels' colours
 
 
 def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
-    """Render the scene and store the PNG file. Return the file's bytes, and whether the cache contains it now."""
+    """Render the scene and store the PNG file. Return the file's bytes, and whether the cache contains it now.
+
+    If the cache is removed meanwhile, the scene is rendered again.
+    """
+    return unless_removed(lambda: _rendered_once(scene, rendering, source, runner))
+
+
+def _rendered_once(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
+    """Do what `_rendered` does. Raises Removed if the cache is removed meanwhile."""
     with cache.work_folder() as folder:
         try:
             picture = runner.run(source, rendering, folder)
@@ -62,18 +72,31 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
 
 
 def is_whole(png: bytes, size: tuple[int, int]) -> bool:
-    """Return whether this is a complete PNG file of 8-bit RGB and this size. Pillow verifies each part's checksum."""
-    from PIL import Image
-
-    # check the header first: a wrong header could state a size that is larger than memory
-    if not png.startswith(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + struct.pack(">IIBB", *size, 8, 2)):
-        return False
+    """Return whether this is a complete PNG file of 8-bit RGB and this size, whose pixels can be decoded."""
+    width, height = size
+    row = 1 + 3 * width  # bytes: the number of a filter, and three for each pixel
     try:
-        with Image.open(BytesIO(png), formats=["PNG"]) as image:
-            image.verify()
-        return True
-    except (OSError, SyntaxError, ValueError):  # what Pillow raises
+        parts = list(_parts(png))
+        packed = b"".join(data for name, data in parts if name == b"IDAT")
+        # without a limit, a damaged file could unpack to more than memory holds
+        pixels = zlib.decompressobj().decompress(packed, height * row + 1)
+    except (struct.error, ValueError, zlib.error):
         return False
+    header = b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    framed = png.startswith(b"\x89PNG\r\n\x1a\n") and (parts[0], parts[-1]) == (header, (b"IEND", b""))
+    return framed and len(pixels) == height * row and max(pixels[::row]) <= 4  # the last filter
+
+
+def _parts(png: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Yield the name and the data of each part of a PNG file. Raises ValueError or struct.error for a damaged file."""
+    start = 8
+    while start < len(png) or start == 8:
+        (length,) = struct.unpack_from(">I", png, start)
+        name, data = png[start + 4 : start + 8], png[start + 8 : start + 8 + length]
+        start += 12 + length
+        if struct.unpack_from(">I", png, start - 4) != (zlib.crc32(name + data),):
+            raise ValueError("a wrong checksum")
+        yield name, data
 
 
 def render_all(
@@ -108,7 +131,7 @@ def render_all(
                     try:
                         png = frame.result()
                         if isinstance(png, Path):  # another process may just have removed the file
-                            png = _cached(png, rendering) or _rendered(scene, rendering, source, runner)[0]
+                            png = _read(png, rendering) or _rendered(scene, rendering, source, runner)[0]
                         pngs.append(png)
                     except TransientError as fault:
                         faults.append(str(fault))

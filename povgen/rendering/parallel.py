@@ -40,6 +40,14 @@ def worker_count(value: object) -> int | None:
     return None if value is None else int(text)
 
 
+def checked_scheduler(value: object) -> str | None:
+    """Return the address of a Dask scheduler that a user gave, or None if the user gave None. Raises InputError."""
+    found = re.fullmatch(r"(?:tcp|tls)://[^\s/]+:([0-9]{1,5})", value) if isinstance(value, str) else None
+    if value is not None and not (found and int(found[1]) < 2**16):
+        raise InputError(f"scheduler = {shown(value)}: allowed: its address, such as tcp://192.0.2.1:8786")
+    return None if value is None else str(value)
+
+
 def default_workers() -> int:
     """Return how many POV-Rays run at once if --workers does not say."""
     return POVRAYS_PER_CORE * cores()

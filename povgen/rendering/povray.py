@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterable
 from functools import cache
 from math import ceil
@@ -18,7 +19,7 @@ from pathlib import Path
 from threading import Thread
 from typing import IO
 
-from povgen import stopping
+from povgen import files, stopping
 from povgen.errors import PovrayError, TransientError, one_line
 from povgen.rendering import light, sandbox
 from povgen.scene.pieces import PieceFile
@@ -41,6 +42,7 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
+POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 MAX_FILE = 1 << 30  # bytes in each file that it writes
@@ -233,9 +235,12 @@ class Runner:
             stopping.processes.add(process)
         messages = bytearray()
         reader = Thread(target=_read_last, args=(process.stderr, messages))
+        end = time.monotonic() + timeout
         try:
             reader.start()
-            reader.join(timeout)
+            while (left := end - time.monotonic()) > 0 and reader.is_alive():
+                reader.join(min(left, POLL))
+                folder.stat()  # raises FileNotFoundError: POV-Ray hangs if its folder has been removed
             if reader.is_alive():
                 raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped")
             process.wait()
@@ -284,7 +289,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
     # POV-Ray does not report a full disk. Another failed frame may since have freed the space of one picture.
-    if shutil.disk_usage(folder).free < 2**16 + 3 * rendering.supersampling**2 * width * height:
+    if files.is_full(folder, 2**16 + round(3 * rendering.supersampling**2 * width * height)):
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
         return refused(said or "failed")

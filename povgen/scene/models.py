@@ -5,7 +5,7 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations, pairwise
 from math import hypot, radians, remainder
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
@@ -675,6 +675,12 @@ def checked_scene(scene: object) -> Scene:
     if not isinstance(scene, Scene):
         raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
     return scene
+
+
+def piece_files(scenes: Iterable[Scene]) -> set[str]:
+    """Return the paths of the files that declare the scenes' pieces."""
+    pieces = [piece for scene in scenes if isinstance(scene, Chess) for piece in _tuple(scene.piece)]
+    return {piece.path for piece in pieces if isinstance(piece, PieceFile)}
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

@@ -159,11 +159,9 @@ class MovieSpec(Model):
             raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
         stdin = str(path) == "-"
         name = "standard input" if stdin else str(path) or "''"
-        file = Path(path)
         try:
-            if not stdin and file.suffix != ".toml" and not file.exists():
-                file = MOVIES / f"{path}.toml"
-            with open(0, "rb", closefd=False) if stdin else file.open("rb") as opened:
+            file = spec_file(path)
+            with open(file, "rb", closefd=not stdin) as opened:
                 data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
             if len(data) > MAX_BYTES:
                 raise ValueError(f"longer than {MAX_BYTES} bytes")
@@ -172,7 +170,7 @@ class MovieSpec(Model):
             own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
             reason = "not UTF-8" if isinstance(error, UnicodeError) else getattr(error, "strerror", error)
             raise InputError(f"{name}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
-        return cls.parse(text, name, "" if stdin else file.parent, fixed)
+        return cls.parse(text, name, file.parent if isinstance(file, Path) else "", fixed)
 
     @classmethod
     def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, object] = {}) -> Self:
@@ -289,6 +287,14 @@ class MovieSpec(Model):
         if rate := QUALITIES[quality].frame_rate:
             return rate
         return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
+
+
+def spec_file(path: str | Path) -> Path | int:
+    """Return the file that `MovieSpec.load` reads. It is 0, standard input, for the path "-"."""
+    if str(path) == "-":
+        return 0
+    file = Path(path)
+    return file if file.suffix == ".toml" or file.exists() else MOVIES / f"{path}.toml"
 
 
 def swept_numbers(scene: type[Scene]) -> dict[str, int]:

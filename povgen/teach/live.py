@@ -1,11 +1,12 @@
 """The live view of a scene: in Jupyter, or as a page of its own."""
 
+from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 
 from povgen import files
 from povgen.rendering.volumes import page
-from povgen.scene.models import Scene, checked_scene
+from povgen.scene.models import Scene, checked_scene, piece_files
 
 
 class Live:
@@ -15,8 +16,9 @@ class Live:
     pixels.
     """
 
-    def __init__(self, html: str, width: int, height: int) -> None:
+    def __init__(self, html: str, width: int, height: int, inputs: Iterable[str] = ()) -> None:
         self.html, self.width, self.height = html, width, height
+        self._inputs = inputs  # the files that were read for it; `save` replaces none of them
 
     def _repr_html_(self) -> str:
         size = f'width="{self.width}" height="{self.height}"'
@@ -26,7 +28,7 @@ class Live:
 
     def save(self, path: str | Path) -> Path:
         """Write the page to an .html file and return its path. Raises InputError if it cannot be written."""
-        output = files.checked_output(Path(path), [".html"])
+        output = files.checked_output(Path(path), [".html"], inputs=self._inputs)
         files.save(self.html.encode(), output)
         return output
 
@@ -38,4 +40,4 @@ def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
     a pixel, which does not split. Raises
     PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """
-    return Live(page(checked_scene(scene)), width, height)
+    return Live(page(checked_scene(scene)), width, height, piece_files([scene]))

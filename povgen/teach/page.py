@@ -12,7 +12,7 @@ from povgen.files import checked_output, save
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import GRID, volumes
 from povgen.scene import limits, live
-from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
 from povgen.scene.pieces import PIECES, Piece, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
@@ -40,15 +40,16 @@ def demo(
     movies. Raises InputError for a request that is not allowed, before anything is rendered, and for an empty piece.
     Raises PovrayError if POV-Ray fails.
     """
-    page, workers = checked_output(Path(output), [".html"]), worker_count(workers)
+    scenes = [Chess(piece=piece) for piece in (*PIECES, *pieces)]  # in one scene they would overlap
+    inputs = piece_files(scenes)
+    page, workers = checked_output(Path(output), [".html"], inputs=inputs), worker_count(workers)
     given: dict[str, Any] = options
     check_options(movies, given)
     specs = {name: MovieSpec.load(name) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
-        build.checked_movie(file, specs[name], Rendering(**given).quality)
-    each = [live.pieces(Chess(piece=piece)) for piece in (*PIECES, *pieces)]  # in one scene they would overlap
-    shown = {name: piece for found in each for name, piece in found.items()}
+        build.checked_movie(file, specs[name], Rendering(**given).quality, inputs)
+    shown = {name: piece for scene in scenes for name, piece in live.pieces(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)

@@ -1,7 +1,8 @@
 """Make a movie from its spec."""
 
+import logging
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from html import escape
@@ -11,15 +12,15 @@ from pydantic import Field
 
 from povgen import __version__
 from povgen.errors import InputError, shown
-from povgen.files import checked_output, save
+from povgen.files import checked_output, save, unless_removed
 from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.frames import render_all
-from povgen.rendering.parallel import worker_count
+from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
-from povgen.scene.models import Scene, checked_scene
-from povgen.scene.spec import FrameRate, MovieSpec
+from povgen.scene.models import Scene, checked_scene, piece_files
+from povgen.scene.spec import FrameRate, MovieSpec, spec_file
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.still import picture
@@ -69,23 +70,24 @@ def movie(
     fails.
     """
     rendering = Rendering(**options)
-    workers = worker_count(workers)
+    workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
     if isinstance(spec, (list, tuple)):
         rate = _FrameRate(**{} if frame_rate is None else {"frame_rate": frame_rate}).frame_rate
         scenes = [checked_scene(scene) for scene in spec]
         if not scenes:
             raise InputError("no scenes; allowed: one or more")
-        title, comment = "", f"first frame: {scenes[0].model_dump_json(exclude_none=True)}"
+        title, comment, inputs = "", f"first frame: {scenes[0].model_dump_json(exclude_none=True)}", []
     elif isinstance(spec, (MovieSpec, str, Path)):
-        spec = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
-        spec = spec if frame_rate is None else spec.replace(frame_rate=frame_rate)
+        loaded = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
+        inputs = [] if isinstance(spec, MovieSpec) else [spec_file(spec)]
+        spec = loaded if frame_rate is None else loaded.replace(frame_rate=frame_rate)
         scenes, rate = spec.scenes(rendering.quality), spec.rate(rendering.quality)
         title, comment = spec.title, spec.model_dump_json(exclude_none=True)
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
-    output = _checked_output(output, len(scenes), rate)
+    output = _checked_output(output, len(scenes), rate, [*inputs, *piece_files(scenes)])
     eyes = (
         ""
         if rendering.stereo == "none"
@@ -97,21 +99,25 @@ def movie(
         "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
     }
     target = output.resolve()
-    with ExitStack() as opened:
-        cluster = None
-        if scheduler is not None:
-            from povgen.rendering.cluster import Cluster
 
-            cluster = opened.enter_context(Cluster(scheduler))
-            workers = workers or cluster.frames
-        done = opened.enter_context(bar(output.name, len(scenes), not progress))
-        frames = render_all(scenes, rendering, workers, done, cluster)
-        folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
-        opened.enter_context(closing(frames))
-        part = folder / f"movie{output.suffix.lower()}"
-        pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
-        encode.encode(pictures, part, rate, tags)
-        save(part, target)
+    def write() -> None:
+        with ExitStack() as opened:
+            cluster = None
+            if scheduler is not None:
+                from povgen.rendering.cluster import Cluster
+
+                cluster = opened.enter_context(Cluster(scheduler))
+            done = opened.enter_context(bar(output.name, len(scenes), not progress))
+            frames = render_all(scenes, rendering, workers or (cluster.frames if cluster else None), done, cluster)
+            folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
+            opened.enter_context(closing(frames))
+            part = folder / f"movie{output.suffix.lower()}"
+            pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
+            encode.encode(pictures, part, rate, tags)
+            save(part, target)
+
+    removed = "povgen: warning: the cache was removed; the movie is made once more"
+    unless_removed(write, lambda: logging.getLogger("povgen").warning(removed))
     return Movie(target)
 
 
@@ -123,13 +129,16 @@ def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
         views(scene, rendering)
 
 
-def checked_movie(output: Path, spec: MovieSpec, quality: str) -> Path:
-    """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError."""
-    return _checked_output(output, spec.count(quality), spec.rate(quality))
+def checked_movie(output: Path, spec: MovieSpec, quality: str, inputs: Iterable[str | Path | int]) -> Path:
+    """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError.
+
+    The inputs are the files that povgen reads for the movie.
+    """
+    return _checked_output(output, spec.count(quality), spec.rate(quality), inputs)
 
 
-def _checked_output(output: str | Path, frames: int, rate: float) -> Path:
-    output = checked_output(output, encode.FORMATS)
+def _checked_output(output: str | Path, frames: int, rate: float, inputs: Iterable[str | Path | int]) -> Path:
+    output = checked_output(output, encode.FORMATS, inputs=inputs)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
     return output

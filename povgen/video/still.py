@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from povgen import files
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.views import composed, views
-from povgen.scene.models import Scene, checked_scene
+from povgen.scene.models import Scene, checked_scene, piece_files
 from povgen.settings import Rendering
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def save(scene: Scene, path: str | Path, **options: object) -> Path:
     Options and errors are `render`'s. Raises InputError, before anything is rendered, if the file cannot be written.
     """
     scene, rendering = checked_scene(scene), Rendering(**options)
-    output = files.checked_output(path, [".png"])
+    output = files.checked_output(path, [".png"], inputs=piece_files([scene]))
     target = output.resolve()  # the current folder may change meanwhile
     files.save(png(scene, rendering), target)
     return output

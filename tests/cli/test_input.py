@@ -8,10 +8,13 @@ import pytest
 from conftest import povgen, refused, run_povgen
 from PIL import Image
 
-from povgen import Chess, MovieSpec, Rendering, Spheres, movie, to_pov
+from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_pov
 from povgen.cli.report import USED_BY
+from povgen.measure import auto
 from povgen.rendering import povray
-from povgen.scene.models import SheetModel
+from povgen.scene.models import SheetModel, piece_files
+from povgen.scene.spec import MOVIES
+from povgen.teach.live import Live
 from povgen.video import still
 
 SPEC = """
@@ -86,6 +89,7 @@ stop = 180
         (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),
         (["-o", "x" * 300 + ".png"], ["output", "too long"]),
         (["-o", "."], ["output", ".png"]),
+        (["-o", ".PNG"], ["output = '.PNG': an ending without a name; allowed: NAME.PNG"]),
         (["--colour", "red"], ["--colour"]),
     ],
 )
@@ -156,6 +160,97 @@ def test_spec_with_scenes_own_words(tmp_path):
     assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
     assert "scene" in refused(["pov", "circus"], tmp_path)
     assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)
+
+
+@pytest.fixture
+def unmeasured(monkeypatch):
+    """With --sheet auto, a refusal must come before anything is measured."""
+    monkeypatch.setattr(auto, "choose", lambda *_: pytest.fail("measured"))
+
+
+PIECE = "#declare Piece = sphere { 0.4*y, 0.4 }\n"
+SWEEP = ["chess", "--sweep", "alpha=0:9"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["pov", "chess", "--piece", "king.pov", "-o", "king.pov"],
+        ["pov", "chess", "--piece", "king.pov", "-o", "link.pov"],
+        ["pov", "chess", "--piece", "link.pov", "-o", "king.pov"],
+        ["pov", "chess", "--piece", "king", "--piece", "hard.pov", "--x", "0", "--x", "1", "-o", "king.pov"],
+        ["frame", "chess", "--piece", "p.png", "-o", "../here/p.png"],
+        ["frame", "chess", "--piece", "p.png", "-o", "p.png", "--sheet", "auto", "--tolerance", "1px"],
+        ["demo", "--piece", "mine.html", "-o", "mine.html"],
+        ["demo", "--piece", "mine-spheres.mp4", "-o", "mine.html", "--movies"],
+        ["movie", "a.mp4", "-o", "a.mp4"],
+        ["movie", "a.mp4"],
+        ["movie", "a.toml", "-o", "b.mp4"],
+        ["movie", *SWEEP, "--piece", "b.mp4", "-o", "b.mp4", "--sheet", "auto", "--tolerance", "1px"],
+        ["movie", "vary-z1", "-o", "own.mp4"],
+    ],
+)
+def test_an_output_that_is_an_input(arguments, unmeasured, tmp_path):
+    """Also through links, and for a piece that a movie's file names."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    for name in ("king.pov", "p.png", "mine.html", "mine-spheres.mp4", "b.mp4"):
+        (folder / name).write_text(PIECE)
+    (folder / "link.pov").symlink_to("king.pov")
+    (folder / "hard.pov").hardlink_to(folder / "king.pov")
+    (folder / "own.mp4").symlink_to(MOVIES / "vary-z1.toml")
+    (folder / "a.mp4").write_text(SPEC)
+    (folder / "a.toml").write_text(SPEC.replace("z1 = 2", "piece = 'b.mp4'"))
+    assert re.search("output = '.*': povgen reads this file; allowed: another file\n$", refused(arguments, folder))
+
+
+def test_a_movie_from_standard_input_is_not_written_over_it(tmp_path):
+    (tmp_path / "a.mp4").write_text(SPEC)
+    with (tmp_path / "a.mp4").open() as spec:
+        done = run_povgen("movie", "-", "-o", "a.mp4", cwd=tmp_path, status=2, stdin=spec)
+    assert "output = 'a.mp4': povgen reads this file" in done.stderr
+    assert (tmp_path / "a.mp4").read_text() == SPEC
+
+
+def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("p.png", "p.mp4", "p.html"):
+        (tmp_path / name).write_text(PIECE)
+    (tmp_path / "a.mp4").write_text(SPEC)
+    scenes = {name: Chess(piece=name) for name in ("p.png", "p.mp4", "p.html")}
+    shown = Live("", 1, 1, piece_files([scenes["p.html"]]))
+    for write in (
+        lambda: still.save(scenes["p.png"], "p.png"),
+        lambda: movie([Chess(), scenes["p.mp4"]], "p.mp4"),
+        lambda: movie("a.mp4", "a.mp4"),
+        lambda: shown.save("p.html"),
+    ):
+        with pytest.raises(InputError, match="povgen reads this file; allowed: another file"):
+            write()
+    assert {path.read_text() for path in tmp_path.iterdir()} == {PIECE, SPEC}
+
+
+@pytest.mark.parametrize(
+    "address", ["", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:65536", 5]
+)
+def test_an_address_that_is_none(address, unmeasured, tmp_path):
+    """It is refused before anything is measured or rendered."""
+    with pytest.raises(InputError, match=re.escape(f"scheduler = {address!r}: allowed: its address, such as tcp://")):
+        movie("vary-z1", tmp_path / "a.mp4", scheduler=address)
+    command = ["movie", "vary-z1", "--sheet", "auto", "--tolerance", "1px", "--scheduler", str(address)]
+    assert "scheduler" in refused(command, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--shard", "1/3", "-o", "a.mp4"], "shard = '1/3', output = 'a.mp4': a shard makes no movie; allowed: one of"),
+        (["--shard", "1/3", "--scheduler", "tcp://a:1"], "shard = '1/3', scheduler = 'tcp://a:1': a shard makes no"),
+        (["--shard", "4/3"], "shard = '4/3': allowed: i/n"),
+    ],
+)
+def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path):
+    assert words in refused(["movie", "vary-z1", "--sheet", "auto", "--tolerance", "1px", *options], tmp_path)
 
 
 @pytest.mark.parametrize(

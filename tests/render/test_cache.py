@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import pwd
 import re
+import shutil
 import stat
 import struct
 import subprocess
@@ -111,6 +112,20 @@ def test_a_cache_is_marked(begun, place):
     assert tree(place) == before
 
 
+@pytest.mark.parametrize(("mode", "another", "allowed"), [(0o777, 1, False), (0o775, 1, True), (0o777, 0, True)])
+def test_another_users_cache(mode, another, allowed, monkeypatch, place):
+    """Into one that every user can write to, everyone could put pictures."""
+    rendered()
+    place.chmod(mode)
+    user = os.geteuid() + another
+    monkeypatch.setattr(os, "geteuid", lambda: user)
+    if allowed:
+        assert not rendered()[1]
+    else:
+        with pytest.raises(InputError, match="POVGEN_CACHE = .*: another user's folder, to which every user can write"):
+            rendered()
+
+
 def test_several_make_a_cache_at_once(place):
     def work(ready, outcomes):
         try:
@@ -156,12 +171,13 @@ def test_a_user_without_a_home(monkeypatch, tmp_path):
 # ---- what counts as kept
 
 
-def png_of(width, height, depth, colour, data):
+def png_of(width, height, depth, colour, data, interlace=0):
     def chunk(name, content):
         return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
 
-    header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+    header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlace)
+    pixels = b"" if data is None else chunk(b"IDAT", data)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + pixels + chunk(b"IEND", b"")
 
 
 WRONG = {
@@ -172,6 +188,14 @@ WRONG = {
     "16 bits": png_of(32, 34, 16, 2, zlib.compress(bytes(34 * (1 + 6 * 32)))),
     "a bomb": png_of(30000, 30000, 8, 2, zlib.compress(bytes(10**6))),
     "no PNG": b"GIF89a" + bytes(1000),
+    # these have the right checksums
+    "pixels that are no data": png_of(32, 34, 8, 2, b"pixels"),
+    "too few pixels": png_of(32, 34, 8, 2, zlib.compress(bytes(33 * (1 + 3 * 32)))),
+    "an unknown filter": png_of(32, 34, 8, 2, zlib.compress(34 * (b"\t" + bytes(3 * 32)))),
+    "no pixels": png_of(32, 34, 8, 2, None),
+    "no parts": file(COLOURS)[:8],
+    "a wrong checksum": file(COLOURS)[:-1] + b"x",
+    "interlaced": png_of(32, 34, 8, 2, zlib.compress(bytes(34 * (1 + 3 * 32))), interlace=1),
 }
 
 
@@ -258,6 +282,56 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
     found = [frames.read_png(png) for (png,) in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
+
+
+class Removing(StandIn):
+    """Removes the cache before or after it has rendered, the first few times."""
+
+    def __init__(self, place, when, times):
+        self.place, self.when, self.times = place, when, times
+
+    def run(self, source, rendering, folder):
+        if self.when == "before" and self.ran < self.times:
+            shutil.rmtree(self.place)
+        picture = super().run(source, rendering, folder)
+        if self.when == "after" and self.ran <= self.times:
+            os.rename(picture, self.place.parent / "picture")
+            shutil.rmtree(self.place)
+        return picture
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_a_cache_that_is_removed_while_a_frame_is_rendered(when, place):
+    runner = Removing(place, when, 2)
+    ((png,),) = frames.render_all([SCENE], SMALL, runner=runner)
+    assert np.array_equal(frames.read_png(png), COLOURS) and runner.ran == 3
+    assert not rendered()[1]
+    with pytest.raises(FileNotFoundError) as removed:
+        list(frames.render_all([Chess(sheet="none", z1=3)], SMALL, runner=Removing(place, when, 99)))
+    assert removed.value.strerror == "removed while povgen used it"
+
+
+def test_a_frame_whose_shelf_is_removed_is_delivered(monkeypatch, place):
+    store = cache.store
+    monkeypatch.setattr(cache, "store", lambda *given: shutil.rmtree(place) or store(*given))
+    assert np.array_equal(rendered()[0], COLOURS)
+
+
+def test_a_cache_that_is_removed_while_a_movie_is_encoded(monkeypatch, tmp_path, place, caplog):
+    encoded, own = [], encode.encode
+
+    def removed(pictures, output, *others):
+        pictures = list(pictures)
+        encoded.append(len(pictures))
+        if len(encoded) == 1:
+            shutil.rmtree(place)
+        own(pictures, output, *others)
+
+    monkeypatch.setattr(encode, "encode", removed)
+    movie([Chess(sheet="none", z1=z1) for z1 in (2, 3)], tmp_path / "a.gif", size=(32, 32), antialias="off")
+    assert encoded == [2, 2] and "the cache was removed" in caplog.text
+    with Image.open(tmp_path / "a.gif") as made:
+        assert made.n_frames == 2
 
 
 # ---- ray traces

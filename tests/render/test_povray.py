@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import shutil
 import signal
 import stat
 import subprocess
@@ -125,6 +126,25 @@ def test_killed(kills, tmp_path):
         with pytest.raises(PovrayError, match="killed by signal 9, 2 times"):
             runner.run(to_pov(Chess()), Rendering(quality="high"), tmp_path)
     killer.join()
+
+
+def test_its_folder_is_removed(tmp_path, monkeypatch):
+    """POV-Ray itself hangs then."""
+    monkeypatch.setattr(povray, "POLL", 0.05)
+    monkeypatch.setattr(povray, "TRIES", 1)
+    runner, folder = povray.Runner(), tmp_path / "work"
+    folder.mkdir()
+
+    def remove():
+        (process,) = wait_for(lambda: runner._running)
+        process.send_signal(signal.SIGSTOP)
+        shutil.rmtree(folder)
+
+    remover = threading.Thread(target=remove)
+    remover.start()
+    with pytest.raises(FileNotFoundError):
+        runner.run(to_pov(Chess()), Rendering(quality="high", timeout=30), folder)
+    remover.join()
 
 
 def test_what_povgen_stops_is_not_tried_again(tmp_path):

@@ -368,9 +368,6 @@ def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
 
 def test_no_scheduler(monkeypatch, tmp_path):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    for address in ("", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:123456"):
-        with pytest.raises(InputError, match=f"scheduler = '{address}': allowed: its address, such as tcp://"):
-            Cluster(address)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         for port in (1, silent.getsockname()[1]):  # where nobody listens, and where nobody answers
             with pytest.raises(PovrayError, match=f"scheduler tcp://127.0.0.1:{port}: no Dask scheduler answers"):

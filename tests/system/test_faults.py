@@ -357,7 +357,7 @@ def test_a_killed_povray_is_tried_again(place, monkeypatch):
     met, communicate = [], subprocess.Popen.communicate
 
     def struck(process, *arguments, **options):
-        if "+WT1" in process.args:  # a POV-Ray that renders
+        if "+WT1" in process.args and process not in met:  # a POV-Ray that renders
             met.append(process)
             if len(met) in (1, 3, 5):  # the first try of three frames
                 process.kill()

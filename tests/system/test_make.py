@@ -7,7 +7,7 @@ import sys
 
 import imageio_ffmpeg
 import pytest
-from conftest import PROJECT
+from conftest import PROJECT, tree
 from uv import find_uv_bin
 
 pytestmark = pytest.mark.timeout(1500)  # packages come over the network
@@ -33,17 +33,119 @@ def interrupted(project):
     programs.mkdir(parents=True)
     (programs / "python").symlink_to("/nowhere/python3.9")
     (programs / "python3").symlink_to("python")
-    (project / ".venv-made-by-make").touch()
+    (project / ".venv" / "made-by-make").touch()
 
 
-def test_make_keeps_an_environment_that_it_did_not_create(project):
-    own = project / ".venv" / "own"
-    own.mkdir(parents=True)
-    for target in ("frame", "clean"):
-        done = subprocess.run(["make", target], cwd=project, capture_output=True, text=True, timeout=100)
-        assert own.is_dir()
-        assert (done.returncode, "remove it" in done.stderr) == ((2, True) if target == "frame" else (0, False))
-    shutil.rmtree(project / ".venv")
+@pytest.fixture
+def bare(tmp_path):
+    """A project where make installs nothing. The povgen of its environment writes its arguments into its output."""
+    for file in ("Makefile", "pyproject.toml", "movies/spheres.toml", "povgen/__init__.py", "templates/floor.pov.j2"):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        shutil.copy2(PROJECT / file, tmp_path / file)
+    programs = tmp_path / ".venv" / "bin"
+    programs.mkdir(parents=True)
+    (programs / "python").symlink_to(sys.executable)
+    (programs / "povgen").write_text('#!/bin/sh\necho "$@" > "$(echo "$*" | sed "s/.*-o \\([^ ]*\\).*/\\1/")"\n')
+    (programs / "povgen").chmod(0o755)
+    python = subprocess.run(["python3", "-VV"], capture_output=True, text=True).stdout.strip()
+    (tmp_path / ".venv" / "ready").write_text(f"{python} in {tmp_path}\n")
+    (tmp_path / ".venv" / "made-by-make").touch()
+    return tmp_path
+
+
+@pytest.mark.parametrize("arguments", [["help"], ["clean"], ["-n", "movies", "bench"], ["frame"], ["lint"]])
+def test_make_keeps_an_environment_that_it_did_not_create(arguments, bare):
+    """Also one that took the place of make's own."""
+    for folder in (".venv", "mine"):
+        shutil.rmtree(bare / folder, ignore_errors=True)
+        for file in ("ready", "charts-ready", "test-ready", "mitsuba/ready", "thesis"):
+            (bare / folder / file).parent.mkdir(parents=True, exist_ok=True)
+            (bare / folder / file).write_text("own")
+        (bare / f"{folder}-made-by-make").touch()  # where make's mark once was
+        before = tree(bare)
+        command = ["make", *arguments, f"VENV={folder}"]
+        done = subprocess.run(command, cwd=bare, capture_output=True, text=True, timeout=100)
+        refused = arguments in (["frame"], ["lint"])
+        assert done.returncode == 2 * refused and ("remove it" in done.stderr) == refused, done.stderr
+        assert {path: kept for path, kept in tree(bare).items() if path != bare / "build"} == before
+
+
+@pytest.mark.parametrize("name", ["", "my env", " "])
+def test_a_name_that_is_no_folder_for_an_environment(name, bare):
+    before = tree(bare)
+    for target in ("help", "clean", "frame"):
+        done = subprocess.run(["make", target, f"VENV={name}"], cwd=bare, capture_output=True, text=True, timeout=100)
+        assert done.returncode == 2 and f"VENV = '{name.strip()}': allowed: " in done.stderr
+    assert tree(bare) == before
+
+
+def test_clean_removes_what_make_made(bare):
+    """And neither other files there, nor files that a user has changed or put in their place."""
+    make(bare, "frame", "demo", "movies")
+    (bare / "movies" / "vary-z1.toml").touch()
+    make(bare, "movies/vary-z1.mp4")
+    own = (
+        "movies/holiday.mp4",
+        "movies/a b.gif",
+        "build/thesis.tex",
+        "build/demo-notes",
+        "stability/mine.csv",
+        "holiday",
+    )
+    for file in own:
+        (bare / file).parent.mkdir(exist_ok=True)
+        (bare / file).write_text("own")
+    made = {"frame.png", "build/demo.html", "movies/spheres.mp4", "movies/vary-z1.mp4"}
+    assert all((bare / file).exists() for file in made)
+    (bare / "frame.png").write_text("another picture")
+    before = tree(bare)
+    make(bare, "clean")
+    gone = {str(path.relative_to(bare)) for path in before.keys() - tree(bare).keys()}
+    assert {path for path in gone if not path.startswith((".venv", "build/.make"))} == made - {"frame.png"}
+    assert {".venv", "build/.make"} < gone
+    make(bare, "clean")
+    assert (bare / "build" / "thesis.tex").exists()
+
+
+def test_clean_leaves_no_empty_folder(bare):
+    before = tree(bare).keys()
+    make(bare, "demo")
+    make(bare, "clean")
+    assert tree(bare).keys() == {path for path in before if ".venv" not in path.parts}
+
+
+@pytest.mark.parametrize("why", ["interrupted", "cut short", "another Python", "a copy", "POV-Ray is missing"])
+def test_a_new_environment_gets_its_packages_again(why, bare):
+    ready = bare / ".venv" / "ready"
+    for file in ("charts-ready", "mitsuba/ready"):
+        (bare / ".venv" / file).parent.mkdir(exist_ok=True)
+        (bare / ".venv" / file).touch()
+    assert "pip" not in make(bare, "--dry-run", "bench")
+    path, text = os.environ["PATH"], ready.read_text()
+    if why == "POV-Ray is missing":
+        path = str(bare / "bin")
+        (bare / "bin").mkdir()
+        for program in ("sh", "cat", "find", "id", "python3", "sed"):
+            (bare / "bin" / program).symlink_to(shutil.which(program))
+    elif why == "interrupted":
+        ready.unlink()
+    else:
+        stale = {
+            "another Python": ("Python 3", "Python 2"),
+            "a copy": (" in ", " in /elsewhere"),
+            "cut short": (text, ""),
+        }
+        ready.write_text(text.replace(*stale[why]))
+    done = subprocess.run(
+        [shutil.which("make"), "--dry-run", "bench"], cwd=bare, env={**os.environ, "PATH": path},
+        capture_output=True, text=True, timeout=100,
+    )  # fmt: skip
+    for line in (
+        "python3 -m venv .venv\n",
+        "--editable .[charts]",
+        "install --quiet --disable-pip-version-check mitsuba",
+    ):
+        assert line in done.stdout, done.stdout + done.stderr
 
 
 def test_targets(project):
@@ -77,15 +179,6 @@ def test_targets(project):
     assert (project / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert all(word in make(project, "help") for word in ("movies", "frame", "demo", "test-fast", "clean", "QUALITY"))
 
-    # make creates a new environment after an interruption, for another Python, and in a copy of the checkout
-    ready = project / ".venv" / "ready"
-    whole = ready.read_text()
-    for stale in ("", whole.replace("Python 3", "Python 2"), whole.replace(" in ", " in /elsewhere"), None):
-        ready.unlink() if stale is None else ready.write_text(stale)
-        (project / ".venv" / "charts-ready").touch()
-        assert "python3 -m venv .venv" in make(project, "--dry-run", "bench")
-        assert "[charts]" in make(project, "--dry-run", "bench")  # and installs again what it had
-        ready.write_text(whole)
     make(project, "clean")
     assert not list(project.rglob("*.mp4")) and not (project / ".venv").exists()
 

@@ -169,7 +169,14 @@ FAR = "alpha=66,z=25,sheet=detailed"
         ({"alpha": 0, "window": FAR, "sheet": "ideal"}, [1]),
         ({"alpha": 0, "window": "alpha=66,z=25"}, [0, 1]),
         ({"alpha": 80, "window": ["alpha=-80,z=3", FAR], "sheet": "ideal", "eye": (0.4, -0.3), "z2": 15}, [2]),
-        ({"alpha": 20, "window": ["alpha=-140,z=9,sheet=detailed", "alpha=70,z=14,sheet=detailed"], "sheet": "ideal"}, [1]),
+        (
+            {
+                "alpha": 20,
+                "window": ["alpha=-140,z=9,sheet=detailed", "alpha=70,z=14,sheet=detailed"],
+                "sheet": "ideal",
+            },
+            [1],
+        ),
     ],
 )
 def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values, seen, rng):

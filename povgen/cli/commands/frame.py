@@ -23,15 +23,17 @@ def command(
     """Render a scene to a PNG file. --sheet auto chooses the cheapest sheet model within --tolerance."""
     from povgen.files import checked_output, save
     from povgen.rendering import cache
+    from povgen.scene.models import piece_files
     from povgen.settings import Rendering
     from povgen.video.still import png
 
     values, options = split(values)
-    output = checked_output(output, [".png"])
-    if (limit := auto_tolerance(values, tolerance)) is not None:
-        prisms = scene_of(scene, values | {"sheet": "detailed"})
-        values["sheet"], options["antialias"] = chosen([prisms], options, limit, quiet)
-    made = scene_of(scene, values)
+    limit = auto_tolerance(values, tolerance)
+    made = scene_of(scene, values if limit is None else values | {"sheet": "detailed"})
+    output = checked_output(output, [".png"], inputs=piece_files([made]))
+    if limit is not None:
+        values["sheet"], options["antialias"] = chosen([made], options, limit, quiet)
+        made = scene_of(scene, values)
     rendering = Rendering(**options)
     cache.check()
     if not quiet:

@@ -72,7 +72,9 @@ def command(
     """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
     from povgen.rendering import cache
     from povgen.rendering.frames import shard
-    from povgen.rendering.parallel import worker_count
+    from povgen.rendering.parallel import checked_scheduler, worker_count
+    from povgen.scene.models import piece_files
+    from povgen.scene.spec import spec_file
     from povgen.settings import Rendering
     from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
@@ -81,21 +83,22 @@ def command(
     given = {"frames": frames, "frame_rate": frame_rate, "loop": loop}
     given = {name: value for name, value in given.items() if value is not None}
     loaded = _movie_of(spec, sweep, given, {name: value for name, value in values.items() if value != "auto"})
-    count = worker_count(workers)
+    count, scheduler = worker_count(workers), checked_scheduler(scheduler)
+    limit = auto_tolerance(values, tolerance)
+    made = loaded.with_fixed(values if limit is None else values | {"sheet": "detailed"})
+    rendering = Rendering(**options)
+    scenes = made.scenes(rendering.quality)
+    if part is not None:
+        _check_shard(part, scheduler, output)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
-        checked_movie(output, loaded, Rendering(**options).quality)
-    elif scheduler is not None:
-        raise InputError(f"shard = {part!r}, scheduler = {scheduler!r}: allowed: one of them")
-    if (limit := auto_tolerance(values, tolerance)) is not None:
-        prisms = loaded.with_fixed(values | {"sheet": "detailed"})
-        asked = Rendering(**options)
-        through_prisms = prisms.scenes(asked.quality)
-        check_views(through_prisms, asked)
-        values["sheet"], options["antialias"] = chosen(through_prisms, options, limit, quiet)
-    made = loaded.with_fixed(values)
-    rendering = Rendering(**options)
-    scenes = made.scenes(rendering.quality) if part is None else shard(made.scenes(rendering.quality), part)
+        checked_movie(output, made, rendering.quality, [*piece_files(scenes), *([] if sweep else [spec_file(spec)])])
+    if limit is not None:
+        check_views(scenes, rendering)
+        values["sheet"], options["antialias"] = chosen(scenes, options, limit, quiet)
+        made, rendering = loaded.with_fixed(values), Rendering(**options)
+        scenes = made.scenes(rendering.quality)
+    scenes = scenes if part is None else shard(scenes, part)
     check_views(scenes, rendering)
     cache.check()
     if not quiet:
@@ -126,6 +129,16 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values
     if spec not in SCENES:
         raise InputError(f"sweep = {sweeps[0]!r}: not for the movie {spec!r}; allowed: for {' or '.join(SCENES)}")
     return MovieSpec.of_sweeps(spec, sweeps, values)
+
+
+def _check_shard(part: str, scheduler: str | None, output: Path | None) -> None:
+    """Raise InputError if a shard is not i/n, or for an option that has no use with it."""
+    from povgen.rendering.frames import shard
+
+    shard([], part)
+    for name, value in (("scheduler", scheduler), ("output", output)):
+        if value is not None:
+            raise InputError(f"shard = {part!r}, {name} = {str(value)!r}: a shard makes no movie; allowed: one of them")
 
 
 def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:

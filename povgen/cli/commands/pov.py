@@ -20,14 +20,17 @@ def command(
     The source's header states a command, which makes the same picture as povgen frame with these options.
     """
     from povgen.files import checked_output, save
+    from povgen.scene.models import piece_files
     from povgen.scene.sdl import to_pov
 
     values, options = split(values)
     made = scene_of(scene, values)
+    if output is not None:
+        checked_output(output, [".pov"], inputs=piece_files([made]))
     text = to_pov(made, file="scene.pov" if output is None else output.name, **options)
     warn_unused(values, [made])
     warn([made])
     if output is None:
         print(text, end="")
     else:
-        save(text.encode(), checked_output(output, [".pov"]))
+        save(text.encode(), output)
