@@ -32,6 +32,8 @@ stop = 180
     "test",
 )
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
+WORK = {"width": 1000, "height": 640}  # a small canvas costs less
+COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
 settings.register_profile("povgen", deadline=None, derandomize=True, database=None)
@@ -115,3 +117,80 @@ def browser():
 
     with chromium() as started:
         yield started
+
+
+# ---- The teaching page ----
+
+
+@pytest.fixture(scope="module")
+def demo_file(tmp_path_factory):
+    """The teaching page, in a folder whose name has to be quoted in a URL."""
+    from povgen.teach.page import demo
+
+    return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
+
+
+class Faults(list):
+    """What the console says, and the requests for anything but the page's own files."""
+
+    def watch(self, page, folder):
+        page.set_default_timeout(60_000)
+        page.on("console", lambda message: self.append(message.text))
+        page.on("pageerror", lambda error: self.append(str(error)))
+        page.on("request", lambda request: request.url.startswith((folder, "data:")) or self.append(request.url))
+        return self
+
+
+def opened(browser, file, hash_="", **options):
+    """Open the teaching page, with few rays: those of a coarse display."""
+    page = browser.new_page(viewport=WORK, **options)
+    faults = Faults().watch(page, file.parent.as_uri())
+    page.goto(file.as_uri() + hash_)
+    page.evaluate("LiveView.RAYS = 1; view.ready")
+    page.evaluate(COARSE)
+    return page, faults
+
+
+@pytest.fixture(scope="module")
+def shared_page(browser, demo_file):
+    page, faults = opened(browser, demo_file)
+    assert page.evaluate("Boolean(view.gl)"), "no WebGL 2"
+    page.evaluate("view.ready.then(draw)")
+    yield page, faults
+    page.close()
+
+
+@pytest.fixture
+def page(shared_page):
+    """The teaching page, as it is when it has just been opened. The test fails if the page has an error."""
+    page, faults = shared_page
+    page.evaluate(COARSE)
+    page.set_viewport_size(WORK)
+    page.emulate_media(reduced_motion="no-preference", forced_colors="none")
+    page.evaluate(
+        """() => {
+          player.pause();
+          player.preset = data.presets[0];
+          state.question = -1;
+          lastQuestion = 0;
+          fromHash("");
+          $("loop").checked = false;
+          $("shortcuts").checked = true;
+          document.activeElement.blur();
+          scrollTo(0, 0);
+          draw();
+        }"""
+    )
+    yield page
+    assert not faults
+    faults.clear()
+
+
+def show(page, **values):
+    """Change the page's state and draw it."""
+    page.evaluate("(values) => { change(values); draw(); }", values)
+
+
+def sentence(page, **values):
+    """Change the page's state, and return what the page will say of it. It draws nothing, which costs less."""
+    return page.evaluate("(values) => { change(values); return explanation(moment()); }", values)

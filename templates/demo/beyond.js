@@ -2,7 +2,7 @@
 
 // What is chosen beside the paper's window, and the values with which it begins.
 const BEYOND = {
-  none: { windows: 1, sheet: "ideal", ...pick(OPENING, "alpha", "z2") },
+  none: { windows: 1, sheet: "ideal" },
   series: { windows: 2, sheet: "ideal", alpha: 120, alpha2: 120, d: 2, z1: 2, z2: 8 },
   axis: { windows: 1, sheet: "axis", alpha: 20, axis: [0, 1, 0], ...pick(OPENING, "z2") },
   refraction: { windows: 1, sheet: "refraction", alpha: 40, ratio: 0.7, ...pick(OPENING, "z2") },
@@ -18,6 +18,14 @@ const LABELS = {
   mirror: { alpha: "twice the angle of the mirror line" },
 };
 const OTHER_SHEETS = ["axis", "refraction", "lenslets", "mirror"];
+
+let own = {};  // the user's own values of the choices that have been left
+
+// Choose the paper's window, or what is beyond it. Each choice keeps its own values.
+function chooseBeyond(name) {
+  own[chosenBeyond()] = pick(state, "windows", "sheet", "alpha", "alpha2", "d", "ratio", "axis", "z1", "z2");
+  replace({ ...BEYOND[name], ...own[name] }, ["windows", "sheet"]);
+}
 
 const chosenBeyond = () => (OTHER_SHEETS.includes(state.sheet) ? state.sheet : inSeries() ? "series" : "none");
 
@@ -39,9 +47,11 @@ function imagePlace(W, z2, name) {
 
 function seenThrough(now) {
   const { sheet, M, degrees } = now;
-  if (sheet === "none") return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
+  if (sheet === "none" && contents(now).has("thing")) return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
   if (now.Z) return seenInSeries(now);
   const does = Math.abs(Math.sin(radians(degrees) / 2)) < 1e-9 && sheet === "axis" ? "At this angle the sheet does nothing." : WORK[sheet](now);
+  if (now.nearPole) return `${does} ${poleSentence(now)}`;
+  if (!contents(now).has("thing")) return `${does} ${absent(now)}`;
   if (!(M > 0) || !Number.isFinite(M)) return does;
   const which = state.scene === "spheres" ? ` at z₁ = ${brief(now.z1)}` : "";
   if (sheet === "lenslets") return `${does} The ${thing()}${which} appears ${timesText(M)} times as large as if it stood in the window.`;
@@ -70,12 +80,12 @@ const WORK = {
 function seenInSeries(now) {
   const { sheet, M, nu, z1 } = now;
   if (now.beside) return `Light from L to the eye passes beside the second window: there the ${thing()} is not where the windows would show it.`;
-  if (M > NEAR_POLE) return poleSentence(now);
+  if (now.nearPole) return poleSentence(now);
+  if (!contents(now).has("thing")) return absent(now);
   const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(z1)} appears, about E,` : `${thing()} appears`;
   const large = `${timesText(M)} times as large as if it stood in the first window`;
-  const asked = state.question >= 0 && !revealed.has(state.question);  // the class is to find it
   const unsafe = sheet === "detailed" && unsure(now) ? ` ${UNSURE}` : "";
-  return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}.${asked ? "" : ` ${imageSentence(now)}`}${unsafe}`;
+  return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}. ${imageSentence(now)}${unsafe}`;
 }
 
 // Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.

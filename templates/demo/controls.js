@@ -75,9 +75,24 @@ function given(values) {
   refresh();
 }
 
-for (const input of document.querySelectorAll(".choice input")) input.addEventListener("change", () => given({ [input.name]: input.value }));
+for (const input of document.querySelectorAll(".choice input")) {
+  input.addEventListener("change", () => {
+    player.pause();
+    replace({ [input.name]: input.value }, [input.name]);
+    refresh();
+  });
+}
 for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
-$("beyond").addEventListener("change", () => given(BEYOND[$("beyond").value]));
+$("beyond").addEventListener("change", () => {
+  player.pause();
+  chooseBeyond($("beyond").value);
+  refresh();
+});
+$("undo").addEventListener("click", () => {
+  given(pick(replaced.before, "scene", ...Object.keys(SETTINGS)));
+  replaced = null;
+  $("reset").focus();
+});
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
 for (const name of SWITCHES) {
   $(`show-${name}`).addEventListener("change", (event) => {
@@ -126,8 +141,9 @@ function showNumbers(now) {
   const some = now.two || now.Z || now.sheet === "none";
   $("value-r").textContent = size(now.r);
   $("value-Z").textContent = now.Z ? point(now.Z) : "–";
-  const where = finite(now.place) ? `(${placeText(now.place)})` : now.Z ? "∞" : "–";
-  $("value-P").textContent = now.beyond ? where : some ? point(now.P) : "–";
+  const where = finite(now.place) ? `(${placeText(now.place)})` : now.nearPole ? "∞" : "–";
+  const same = abs(minus(now.L, now.E)) < 1e-9;  // then no point is L = 0 and E = 1
+  $("value-P").textContent = now.beyond ? where : some && !same ? point(now.P) : "–";
   $("about-P").textContent = now.Z ? "crosses the first window" : "crosses the sheets";
   $("value-nu").textContent = some ? angle(now.nu) : "–";
   $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
@@ -138,6 +154,7 @@ function showNumbers(now) {
   $("paper-diagram").textContent = now.Z ? "complex depth" : "as in the paper";
   $("of-prisms").hidden = now.sheet !== "detailed";
   $("sentence").textContent = explanation(now);
+  $("undo").hidden = isAsked() || !replacedNames().length;
 }
 
 // ---- Marked quantities: in the picture, the diagram and the sketch ----

@@ -68,6 +68,7 @@ function showDiagram(parts, now) {
 function diagramName(now) {
   if (now.Z && orientation() === "paper") return `The complex depth Z = ${point(now.Z)}, as the sum of three steps.`;
   if (!now.two) return "The points L and E, projected onto the window.";
+  if (abs(minus(now.L, now.E)) < 1e-9) return "L and E are at the same point: no triangle.";
   const P = finite(now.P) ? point(now.P) : "∞, infinitely far away";
   const nu = angle(equations.nu(now.r, now.alpha));
   return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;

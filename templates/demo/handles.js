@@ -10,7 +10,7 @@ const pointerAt = (event, box) => [event.clientX - box.left - box.width / 2, eve
 // What a pointer takes hold of in the picture: the object's image, or else the eye.
 function underPointer(event, at, now) {
   const handle = event.target.closest(".handle");
-  if (handle) return handle.dataset.moves;
+  if (handle && state.position) return handle.dataset.moves;  // otherwise it is not seen
   if (state.scene === "spheres") {
     const found = sphereAt(at, now);
     if (found === undefined) return "E";
@@ -55,7 +55,8 @@ function holdInDiagram(event) {
 function hold(event, what, toTiles, map) {
   event.preventDefault();
   document.activeElement.blur();
-  event.target.closest(".handle")?.focus();
+  const handle = event.target.closest(".handle");
+  if (handle?.dataset.moves === what) handle.focus();
   player.pause();
   held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };
   event.currentTarget.setPointerCapture(event.pointerId);

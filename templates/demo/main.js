@@ -43,8 +43,14 @@ function speak(now) {
   silent = false;
 }
 
+// Whether something is being dragged, such as a slider: the address follows when it is released.
+let pressed = false;
+for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
+  addEventListener(event, ({ buttons }) => (pressed = Boolean(buttons & 1)), true);
+}
+
 function keepAddress() {
-  if (held) return later("address", 400, keepAddress);
+  if (pressed) return later("address", 400, keepAddress);
   if (toHash() === kept) return;
   kept = toHash();
   location.hash = kept;  // in Jupyter's frames history.pushState is forbidden

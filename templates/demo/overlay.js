@@ -10,32 +10,41 @@ const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 function drawOverlay(now) {
   const box = { width: stage.clientWidth, height: stage.clientHeight };
   if (!box.width) return;
-  const rem = Math.max(11, box.height / 36);
+  const rem = Math.max(12, box.height / 36);
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(marked))) parts.push(...paths(now));
   parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
-  if (now.shows !== undefined) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
+  if (now.nearPole && !isAsked()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
-  if (state.caption) parts.push(words("say caption", [0, box.height / 2 - 1.1 * rem], caption(now)));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
   overlay.style.fontSize = `${rem}px`;
   overlay.replaceChildren(...parts);
-  shrunk(overlay.querySelector(".caption"), box.width - rem);
+  if (state.caption) drawCaption(caption(now), box, rem);
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
   $("hint").classList.toggle("covered", state.caption || povray.shown);
   stage.classList.toggle("has-marks", state.position);
 }
 
-// Text that is too wide gets a smaller font.
-function shrunk(text, width) {
-  const wide = text?.getComputedTextLength() ?? 0;
-  if (wide > width) text.style.fontSize = `${width / wide}em`;
+// The caption, in as many lines as it needs. They end above the lower edge.
+function drawCaption(parts, { width, height }, rem) {
+  const text = overlay.appendChild(words("say caption", [0, 0], ""));
+  const lines = [];
+  for (const part of parts) {
+    const longer = [...lines.slice(-1), part].join("\u2003");
+    text.textContent = longer;
+    if (lines.length && text.getComputedTextLength() <= width - rem) lines[lines.length - 1] = longer;
+    else lines.push(part);
+  }
+  const top = height / 2 - (1.3 * lines.length - 0.2) * rem;
+  text.replaceChildren(...lines.map((line, n) => svg("tspan", { x: 0, y: top + 1.3 * n * rem }, line)));
 }
 
-function poleText({ M, seen, shows }) {
-  if (!shows) return `nothing of the ${thing()} is seen`;
-  const what = shows === "thing" ? thing() : shows;
+function poleText(now) {
+  const { M, seen } = now;
+  if (imagingPole(now.scene, now.z1, now.z2) === "line") return `one line of the ${thing()}’s plane fills the window`;
+  const what = contents(now).has("thing") ? thing() : contents(now).has("pedestal") ? "pedestal" : "";
+  if (!what) return `nothing of the ${thing()} is seen`;
   return Number.isFinite(M) ? `${rough(seen)} tiles of the ${what} fill the window` : `one point of the ${what} fills the window`;
 }
 

@@ -57,8 +57,8 @@ $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
 $("reset").addEventListener("click", () => {
   player.reset();
-  explored = null;
+  [explored, own] = [null, {}];
   const { scene } = state;
-  change({ ...OPENING, scene, ...START[scene] });
+  replace({ ...OPENING, scene, ...START[scene] });
   refresh();
 });

@@ -31,7 +31,7 @@ const player = {
   choose(preset) {
     this.pause();
     this.preset = preset;
-    change(this.fixed(state.sheet === "detailed" ? "detailed" : "ideal"));
+    replace(this.fixed(state.sheet === "detailed" ? "detailed" : "ideal"), [preset.parameter]);
     this.seek(0);
     if (!reducedMotion.matches) this.play();
   },
@@ -111,6 +111,8 @@ for (const [n, { name, scene, parameter }] of data.presets.entries()) {
   button.addEventListener("click", () => player.choose(data.presets[n]));
   $("presets").append(button);
 }
+// While the page is hidden no frames are drawn: the movie then goes on where it was.
+document.addEventListener("visibilitychange", () => (player.since = performance.now()));
 $("play").addEventListener("click", () => (player.playing ? player.pause() : player.play()));
 $("stop").addEventListener("click", () => player.stop());
 $("scrub").addEventListener("input", () => {
@@ -130,7 +132,7 @@ const povray = {
 
   toggle() {
     this.shown = !this.shown;
-    if (this.shown) change({ ...player.fixed("detailed"), [player.preset.parameter]: player.value(player.part()) });
+    if (this.shown) replace({ ...player.fixed("detailed"), [player.preset.parameter]: player.value(player.part()) }, ["sheet"]);
     refresh();
   },
 

@@ -30,7 +30,7 @@ function mostTurned(z1, z2) {
 }
 
 // Each: the question; what the page shows with it; the choices and the number of the right one, or a number; what the page
-// then shows; and why.
+// then shows; why; and what the sentence beside the picture says first.
 const QUESTIONS = [
   {
     ask: "A single sheet of prisms is put into the window. What happens to the sky and the floor?",
@@ -50,6 +50,7 @@ const QUESTIONS = [
     before: { ...UP, alpha: 0 }, after: { alpha: 66 }, choices: ["0°", "15°", "66°"],
     answer: () => [0, 15, 66].map((x) => Math.abs(nuDegrees(1e9, 6, 66) - x)).reduce((best, gap, k, gaps) => (gap < gaps[best] ? k : best), 0),
     why: () => "Far away, r = z₂/z₁ tends to 0, and ν to α: the light comes from one direction, which the sheets turn by α.",
+    says: ({ alpha }) => `The mountains appear ${turnedBy(alpha)}.`,
   },
   {
     ask: "At α = 90° the knight moves away, from z₁ = 2 to 12 tiles. What happens to its angle?",
@@ -86,7 +87,7 @@ const QUESTIONS = [
     ask: "At α = 180° the knight moves to z₁ = z₂ = 6. What fills the window?",
     before: { ...UP, alpha: 180 }, after: { z1: 6 }, choices: ["nothing: it is dark", "the whole knight, very small", "one point of the knight"],
     answer: () => (Number.isFinite(equations.M(1, Math.PI)) ? 1 : 2),
-    why: () => "Its image lies in the eye. All light that reaches the eye passes through one point of the knight: the pole, where P is infinite.",
+    why: () => "You see only wood: one spot of the knight, straight before the eye, fills the window. All light to the eye passes through it, because the knight's image lies in the eye: the pole, where P is infinite.",
   },
   {
     ask: "Two windows of 120° each stand 2 tiles apart. How far in front of the first window is the image of a knight 2 tiles behind the second one?",
@@ -96,9 +97,11 @@ const QUESTIONS = [
   },
 ];
 
-const revealed = new Set();
+const revealed = new Map();  // the numbers of the questions, and the predictions that were made
 let explored = null;   // what the page showed before the questions
 let lastQuestion = 0;
+
+const isAsked = () => state.question >= 0 && !revealed.has(state.question);
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 function openQuestion(n) {
@@ -106,10 +109,10 @@ function openQuestion(n) {
   player.pause();
   endGlide();
   if (state.question < 0) explored = { ...state };
+  replaced = null;
   if (n >= 0) {
     lastQuestion = n;
-    revealed.delete(n);
-    change({ ...QUESTIONS[n].before, question: n });
+    ask(n);
   } else {
     const shows = Object.fromEntries(["diagram", ...SWITCHES].map((name) => [name, state[name]]));
     change({ ...explored, ...shows, question: -1 });
@@ -118,13 +121,21 @@ function openQuestion(n) {
   refresh();
 }
 
+// Show a question as before its answer.
+function ask(n) {
+  endGlide();
+  revealed.delete(n);
+  drawnQuestion = -1;
+  change({ ...QUESTIONS[n].before, question: n });
+}
+
 let asksForNumber = false;
 
+// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
 function reveal() {
-  const question = QUESTIONS[state.question];
-  revealed.add(state.question);
-  const { after } = question;
-  glide(typeof after === "function" ? after() : after);
+  const { before, after } = QUESTIONS[state.question];
+  revealed.set(state.question, new FormData($("question-form")).get("prediction"));
+  glide({ ...before, ...(typeof after === "function" ? after() : after) });
 }
 
 let gliding = null;  // the values that the page is going to
@@ -173,6 +184,13 @@ function drawQuestion() {
     asksForNumber = false;
   }
   $("reveal").hidden = revealed.has(n);
+  $("again").hidden = !revealed.has(n);
+  for (const input of $("prediction").querySelectorAll("input")) {
+    input.disabled = revealed.has(n);
+    const made = revealed.get(n);
+    if (made && input.type === "radio") input.checked = input.value === made;
+    else if (made) input.value = made;
+  }
   const said = document.createElement("p");
   said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? ["Type a number first."] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
@@ -197,7 +215,7 @@ function numberInput({ unit, tolerance }) {
 // Whether the class is right, the answer, and why.
 function answerText(question) {
   const right = question.answer();
-  const given = new FormData($("question-form")).get("prediction");
+  const given = revealed.get(QUESTIONS.indexOf(question));
   const isRight = question.choices ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
   const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
   const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
@@ -214,6 +232,12 @@ $("question-form").addEventListener("submit", (event) => {
   drawQuestion();
   if (asksForNumber) field.focus();
   else ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
+});
+$("again").addEventListener("click", () => {
+  ask(state.question);
+  drawQuestion();
+  refresh();
+  $("ask").focus();
 });
 for (const [id, aside] of [["previous", -1], ["next", 1]]) {
   $(id).addEventListener("click", () => {

@@ -61,6 +61,23 @@ function change(values) {
   state.E = [limited("x of E", E[0], aside), limited("y of E", E[1], heights[1], why(E[1], heights[1]))];
 }
 
+// ---- Settings that a movie, another choice or Reset replaces ----
+
+let replaced = null;  // all values before, and the new values of those that were the user's own
+
+// Change values, and keep what the user had set, for Undo. `chosen`: names of values that the user has chosen.
+function replace(values, chosen = []) {
+  const before = { ...state };
+  const usual = { ...OPENING, ...START[state.scene], ...BEYOND[chosenBeyond()] };
+  change(values);
+  const lost = Object.keys(SETTINGS).filter((name) =>
+    !chosen.includes(name) && [state, usual].every((other) => String(other[name]) !== String(before[name])));
+  if (lost.length) replaced = { before, values: pick(state, ...lost) };
+}
+
+// The names of the settings that still have the values that replaced the user's own.
+const replacedNames = () => Object.entries(replaced?.values ?? {}).filter(([name, value]) => String(state[name]) === String(value)).map(([name]) => name);
+
 // ---- The scene ----
 
 // The least distance of the eye: just in front of the window frame, or far enough to see through a deep one.
@@ -102,10 +119,10 @@ function moment() {
   now.place = apparentPosition(now);
   Object.assign(now, appearance(now));
   // whether the light from L, on its way through the first window, misses the second one
-  const outside = (point) => point.some((x) => Math.abs(x) > scene.aperture / 2);
-  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place) && outside(atSecondWindow(now));
-  now.seen = now.M > NEAR_POLE ? scene.aperture / now.M : Infinity;  // width of the part of the object's plane in the window
-  if ((now.two || now.Z) && now.M > NEAR_POLE) now.shows = poleShows(now);
+  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(atSecondWindow(now), scene);
+  // near the pole, the window shows a small part of the object's plane: its width
+  now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || sheet === "lenslets" || now.M === Infinity);
+  now.seen = scene.aperture / now.M;
   return now;
 }
 const NEAR_POLE = 12;  // a larger M is near the pole
@@ -113,29 +130,18 @@ const NEAR_POLE = 12;  // a larger M is near the pole
 // The point of the plane z = 0 at which the sheets show a point, by default L.
 function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
   const { E, prism, behind } = now;
+  if (imagingPole(now.scene, z1, z2)) return [Infinity, 0];
   if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.scene);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
 }
 
-// What is seen in the window near the pole, where only a small part of the object's plane is: "thing", "pedestal" or "".
-function poleShows({ scene, sheet, L, E, z1, z2, alpha, objects, radii, prism, behind }) {
-  const half = scene.aperture / 2;
-  const depths = sheet === "ideal" ? { slab_shift: 0, separation: 0 } : prism;
-  const places = [0, -0.9, -0.45, 0.45, 0.9].flatMap((x, _, all) => all.map((y) => [x * half, y * half]));
-  const points = places.map((place) => minus(equations.behind(place, E, z1, z2, alpha, depths, behind), L));
-  if (state.scene === "spheres") return points.some((point) => abs(point) <= radii[objects.indexOf(z1)]) ? "thing" : "";
-  const lines = outlineOf(state.piece);
-  if (!lines.length || points.some((point) => within(point, lines))) return "thing";  // the outline may not be known yet
-  const wide = data.pedestals[state.piece];
-  return points.some(([x, y]) => Math.abs(x) <= wide && y <= 0 && y >= FLOOR - L[1]) ? "pedestal" : "";
-}
-
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
 // of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.
 function appearance(now) {
   const { sheet, z1, z2, alpha, prism, behind } = now;
+  if (imagingPole(now.scene, z1, z2)) return { nu: NaN, M: Infinity };
   if (OTHER_SHEETS.includes(sheet)) return { nu: NaN, M: Math.sqrt(Math.abs(determinant(shownSteps(now)))) };
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
   if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
@@ -209,5 +215,6 @@ function fromHash(hash) {
   if (QUESTIONS[question]) Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
+  [replaced, own] = [null, {}];
 }
 const isNumber = (text) => Boolean(text?.trim()) && Number.isFinite(Number(text));

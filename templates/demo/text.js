@@ -2,17 +2,25 @@
 
 const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d", ratio: "|η|" };
 
+// The names of the settings that can be replaced.
+const SETTINGS = {
+  ...pick(SYMBOL, "alpha", "z1", "z2", "prisms", "alpha2", "d", "ratio"), L: "L", E: "E", axis: "axis", piece: "piece", sheet: "sheets", windows: "windows",
+};
+
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
-// The number that someone has typed, with a decimal point or a decimal comma. NaN if it is none.
+// The number that someone has typed, with a decimal point or comma, as a fraction, or with a unit. NaN if it is none.
 function readNumber(text) {
-  const plain = text.trim().replace(",", ".").replace("−", "-");
-  return plain ? Number(plain) : NaN;
+  const plain = text.replaceAll(",", ".").replaceAll("−", "-").replace(/(°|degrees?|tiles?|times)\s*$/, "");
+  const parts = plain.split("/");
+  if (parts.length > 2 || !parts.every((part) => part.trim())) return NaN;
+  const [above, below = 1] = parts.map(Number);
+  return above / below;
 }
 
 // The text of toFixed, toPrecision or toExponential with typographic signs. A number that rounds to 0 has no sign.
 function printed(text) {
-  const [digits, power] = text.replace("-", "").split("e");
+  const [digits, power] = text.replace(/^-/, "").split("e");
   const sign = text.startsWith("-") && Number(digits) ? "−" : "";
   return sign + digits + (power ? ` × 10${raised(Number(power))}` : "");
 }
@@ -46,9 +54,11 @@ function turnedBy(nu) {
 
 const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2));
 
-// What is seen, in a sentence or two.
+// What is seen, in a sentence or two. While a question is asked, the class is to find it.
 function explanation(now) {
-  return [seen(now), ...remarks(now)].join(" ");
+  if (isAsked()) return ["What is seen is said with the answer.", ...refusals].join(" ");
+  const first = QUESTIONS[state.question]?.says?.(now);
+  return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
 
 const UNSURE = "Here the prediction can be wrong by pixels: the prisms are large, or the pole is near.";
@@ -57,28 +67,36 @@ function seen(now) {
   if (now.beyond) return seenThrough(now);
   const { sheet, M, nu, height, z1, z2 } = now;
   const large = `${timesText(M)} times as large as if it stood in the window`;
+  if (sheet === "single" && !Number.isFinite(height)) {
+    return `z₁ = z₂: one height fills the window from top to bottom, that of the eye. What is there is ${timesText(M)} times as wide as if it`
+      + " stood in the window.";
+  }
+  if (now.nearPole) return poleSentence(now);
+  if (!contents(now).has("thing")) return absent(now);
   if (sheet === "none") return `Nothing is in the window: the ${thing()} is seen as it is, ${large}.`;
   if (sheet === "single") {
-    if (!Number.isFinite(height)) {
-      return `z₁ = z₂: one height fills the window from top to bottom, that of the eye. What is there is ${timesText(M)} times as wide as if it`
-        + " stood in the window.";
-    }
     const across = `${timesText(M)} times as wide and ${timesText(height)} times as high as if it stood in the window`;
     return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
-  if (M > NEAR_POLE) return poleSentence(now);
   if (sheet === "detailed" && unsure(now)) return UNSURE;
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
 }
 
-function poleSentence({ M, seen, shows }) {
+function poleSentence(now) {
+  const { M, seen } = now;
   const exact = !Number.isFinite(M), name = thing();
   const pole = exact ? "The pole" : "Near the pole";
   const part = exact ? "one point, straight before the eye" : `a part that is only ${rough(seen)} tiles wide`;
-  if (!shows) return `${pole}: all light to the eye passes the ${name}’s plane in ${part}. The ${name} is not there, so nothing of it is seen.`;
-  if (shows === "pedestal") return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
+  if (imagingPole(now.scene, now.z1, now.z2) === "line") {
+    return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(now.degrees / 2, 1)}°, through the point straight before the eye.`
+      + (contents(now).has("thing") ? " Each of its points is drawn out across the window." : ` ${absent(now)}`);
+  }
+  if (!contents(now).has("thing") && !contents(now).has("pedestal")) {
+    return `${pole}: all light to the eye passes the ${name}’s plane in ${part}. The ${name} is not there: the window shows ${windowShows(now)}.`;
+  }
+  if (!contents(now).has("thing")) return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
   return exact
     ? `The pole: one point of the ${name} fills the whole window, the point straight before the eye.`
     : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
@@ -87,7 +105,7 @@ function poleSentence({ M, seen, shows }) {
 function remarks(now) {
   const { sheet, z1, z2, scene, degrees } = now;
   const found = [];
-  if (now.two && Math.abs(Math.abs(degrees) - 180) < 0.05 && z1 < z2 * 0.95) {
+  if (now.two && Math.abs(Math.abs(degrees) - 180) < 0.05 && z1 < z2 * 0.95 && contents(now).has("thing")) {
     found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
   }
   const depth = geometry.depth(scene);
@@ -96,11 +114,17 @@ function remarks(now) {
   if (state.scene === "chess" && state.z1 < z1 * 0.999) limits.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
   if (now.d && state.d < now.d * 0.999) limits.push(`d is at least ${brief(now.d)}: the windows would touch.`);
   if (state.z2 < z2 * 0.999) limits.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
-  if (OTHER_SHEETS.includes(sheet) && !finite(now.place)) limits.push("No path of light from L to the eye was found.");
-  if (limits.length) found.push(...limits);
-  else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
-    found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : `the ${thing()}’s foot`} is not seen.`);
+  if (OTHER_SHEETS.includes(sheet) && !finite(now.place) && !now.nearPole && contents(now).has("thing")) {
+    const filled = contents(now).size === 1 ? `The ${thing()} fills the window` : `Parts of the ${thing()} are in the window`;
+    limits.push(`${filled}, but no path of light from L to the eye was found.`);
   }
+  if (limits.length) found.push(...limits);
+  else if (!now.nearPole && !unsure(now) && finite(now.place) && outside(now.place, scene) && contents(now).has("thing")) {
+    found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere’s middle" : `the ${thing()}’s foot`} is not seen.`);
+  }
+  const names = replacedNames();
+  const one = names.length === 1 && !["sheet", "windows"].includes(names[0]);
+  if (names.length) found.push(`Your ${listed(names.map((name) => SETTINGS[name]))} ${one ? "is" : "are"} replaced.`);
   if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(UNSURE);
   return found;
 }
@@ -119,17 +143,17 @@ function describe(now) {
     + ` The object L is at ${placeText(now.L)}, the eye E at ${placeText(now.E)}. ${explanation(now)}`;
 }
 
-// The caption on the picture.
+// The parts of the caption on the picture.
 function caption(now) {
   const sheets = { axis: "axis", refraction: "refraction", lenslets: "lenslets", mirror: "mirror", none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
   const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
-  if (!now.two && !now.beyond) return parts.join("\u2003");
+  if (!now.two && !now.beyond) return parts;
   if (now.Z) parts.splice(1, 0, ...(now.sheet === "none" ? [] : [`α₂ = ${fixed(state.alpha2, 1)}°`]), `d = ${brief(now.d)}`);
   if (now.sheet !== "none") parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
   if (OTHER_SHEETS.includes(now.sheet)) {
     const own = { axis: `axis ${placeText(state.axis)}`, refraction: `|η| = ${brief(state.ratio)}`, lenslets: `|η| = ${brief(state.ratio)}` }[now.sheet];
-    return [...parts, ...(own ? [own] : [])].join("\u2003");
+    return [...parts, ...(own ? [own] : [])];
   }
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
-  return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`].join("\u2003");
+  return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];
 }
