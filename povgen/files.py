@@ -23,17 +23,24 @@ LOCK_FILE = "lock"  # in each work folder; the process that uses the folder hold
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
+def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
+    """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
+    try:
+        path = Path(path)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}") from None
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{option} = {str(path)!r}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
+    return path
+
+
 def checked_output(path: str | Path, suffixes: Iterable[str], option: str = "output") -> Path:
     """Return the path if a file with one of these suffixes can be written there.
 
     Raises InputError if not, which names the option that states the path.
     """
-    if not isinstance(path, (str, os.PathLike)):
-        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
-    path = Path(path)
+    path = as_path(path, suffixes, option)
     name = f"{option} = {str(path)!r}"
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     try:
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
             raise ValueError("it exists and cannot be written to")

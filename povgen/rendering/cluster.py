@@ -15,7 +15,7 @@ from threading import Thread
 from typing import Any, TypeVar
 
 from povgen import __version__
-from povgen.errors import InputError, PovrayError, TransientError
+from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import temporary_folder
 from povgen.rendering import povray
 from povgen.settings import Rendering
@@ -44,8 +44,8 @@ class Cluster:
     """
 
     def __init__(self, scheduler: str) -> None:
-        if not re.fullmatch(r"(tcp|tls)://[^\s/]+:[0-9]{1,5}", scheduler):
-            raise InputError(f"scheduler = {scheduler!r}: allowed: its address, such as tcp://192.0.2.1:8786")
+        if not (isinstance(scheduler, str) and re.fullmatch(r"(tcp|tls)://[^\s/]+:[0-9]{1,5}", scheduler)):
+            raise InputError(f"scheduler = {shown(scheduler)}: allowed: its address, such as tcp://192.0.2.1:8786")
         self._scheduler = scheduler
         self._no_workers = f"scheduler {scheduler}: it has no workers"
         self._versions = versions()
