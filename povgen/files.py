@@ -28,6 +28,20 @@ NO_INODES = "no inodes left, which means too many files (df -i)"
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
+def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
+    """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
+    try:
+        path = Path(path)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}") from None
+    name = f"{option} = {str(path)!r}"
+    if path.suffix.lower() not in suffixes:
+        if path.name.lower() in suffixes:
+            raise InputError(f"{name}: an ending without a name; allowed: NAME{path.name}")
+        raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
+    return path
+
+
 def checked_output(
     path: str | Path, suffixes: Iterable[str], option: str = "output", inputs: Iterable[str | Path | int] = ()
 ) -> Path:
@@ -36,14 +50,8 @@ def checked_output(
     The inputs are paths or descriptors of the files that povgen reads. Raises InputError, which names the option that
     states the path.
     """
-    if not isinstance(path, (str, os.PathLike)):
-        raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}")
-    path = Path(path)
+    path = as_path(path, suffixes, option)
     name = f"{option} = {str(path)!r}"
-    if path.suffix.lower() not in suffixes:
-        if path.name.lower() in suffixes:
-            raise InputError(f"{name}: an ending without a name; allowed: NAME{path.name}")
-        raise InputError(f"{name}: not a kind that povgen writes; allowed: {', '.join(suffixes)}")
     for given in inputs:
         if _is_same(path, given):
             raise InputError(f"{name}: povgen reads this file; allowed: another file")

@@ -1,6 +1,6 @@
 """The base of povgen's models: values are checked, errors have one line, and help() names each parameter."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from inspect import Parameter, Signature, cleandoc
 from typing import Any, Self, get_type_hints
@@ -34,13 +34,29 @@ class Model(BaseModel):
     @classmethod
     def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (passed on to pydantic)
         """Return a model made from a dictionary. Raises InputError."""
-        with _errors(cls, obj if isinstance(obj, dict) else {}):
+        with _errors(cls):
             return super().model_validate(obj, **options)
 
-    def replace(self, /, **changes: object) -> Self:
+    @classmethod
+    def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401
+        """Return a model made from a JSON object's text. Raises InputError."""
+        with _errors(cls):
+            return super().model_validate_json(json_data, **options)
+
+    @classmethod
+    def model_validate_strings(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+        """Return a model made from a dictionary of texts. Raises InputError."""
+        with _errors(cls):
+            return super().model_validate_strings(obj, **options)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy: with an update, what `replace` returns. Raises InputError."""
+        return self.replace(**update) if update else super().model_copy(deep=deep)
+
+    def replace(self, /, *unnamed: object, **changes: object) -> Self:
         """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
         given = {name: getattr(self, name) for name in self.model_fields_set}
-        return type(self)(**{**given, **changes})
+        return type(self)(*unnamed, **{**given, **changes})
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: object) -> None:
@@ -72,25 +88,36 @@ class Model(BaseModel):
 
 
 @contextmanager
-def _errors(model: type[BaseModel], values: dict[str, object]) -> Iterator[None]:
+def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterator[None]:
     """Raise InputError in place of pydantic's error, and for a Boolean in place of a number or a name."""
     for name, value in values.items():
         field = model.model_fields.get(name)
-        parts = value if isinstance(value, (list, tuple)) else [value]
         # pydantic would read it as 0 or 1
-        if field and field.annotation is not bool and any(isinstance(part, bool) for part in parts):
+        if field and field.annotation is not bool and _has_boolean(value):
             raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
     try:
         yield
     except ValidationError as error:
         raise InputError(_message(model, values, error.errors()[0])) from None
+    except TypeError as error:
+        if str(error) != "keywords must be strings":  # Python's words for a dictionary with a key that is no text
+            raise
+        raise InputError(f"{error}; allowed: the names of parameters, as in help()") from None
 
 
-def _message(model: type[BaseModel], values: dict[str, object], fault: ErrorDetails) -> str:
+def _has_boolean(value: object, depth: int = 2) -> bool:
+    """Return whether a value is a Boolean, or has one among its parts, or in lists of lists among their parts."""
+    value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
+    if depth and isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
+        return any(_has_boolean(part, depth - 1) for part in value)
+    return isinstance(value, bool)
+
+
+def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorDetails) -> str:
     """Return the message for one of pydantic's errors."""
     message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-    if not fault["loc"]:  # a check of several values together; its message names them
-        return message
+    if not fault["loc"]:  # no values at all, or a check of several values together, whose message names them
+        return message if fault["type"] == "value_error" else f"{shown(fault['input'])}: {message}"
     message = _reason(fault) or message
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":

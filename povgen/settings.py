@@ -2,7 +2,7 @@
 
 from typing import Annotated, ClassVar, Literal, NamedTuple, Self, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, PrivateAttr, model_validator
 
 from povgen.model import Model
 
@@ -83,6 +83,8 @@ class Sampling(Model):
         "(default: the quality's)",
     )
 
+    _prisms: bool = PrivateAttr(True)  # whether it is for pictures through prisms
+
     @model_validator(mode="after")
     def _follow_quality(self) -> Self:
         preset = QUALITIES[self.quality]
@@ -103,9 +105,15 @@ class Sampling(Model):
 
     def suited(self, prisms: bool) -> Self:
         """Return the sampling for a picture through prisms, or for one without. A given antialiasing stays."""
-        if "antialias" in self.model_fields_set:
-            return self
-        return self.model_copy(update={"antialias": QUALITIES[self.quality].antialias[not prisms]})
+        suited = self.model_copy()
+        BaseModel.__setattr__(suited, "_prisms", prisms)  # `Model` refuses changes
+        if "antialias" not in self.model_fields_set:
+            object.__setattr__(suited, "antialias", QUALITIES[self.quality].antialias[not prisms])
+        return suited
+
+    def replace(self, /, *unnamed: object, **changes: object) -> Self:
+        """Return a copy with these values changed, for the same pictures. Raises InputError if it is not allowed."""
+        return super().replace(*unnamed, **changes).suited(self._prisms)
 
     @property
     def supersampling(self) -> float:
@@ -130,6 +138,11 @@ class Sampling(Model):
         else:
             sampling = ["-A"]
         return [*self.format, f"+W{width}", f"+H{height}", *sampling]
+
+
+def preset_of(quality: str) -> Preset:
+    """Return what a quality decides. Raises InputError if there is no such quality."""
+    return QUALITIES[Sampling(quality=quality).quality]
 
 
 class Rendering(Sampling):

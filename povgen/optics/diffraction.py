@@ -23,7 +23,7 @@ from math import log, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.rotation import Floats, depth
+from povgen.optics.rotation import Floats, depth, real
 
 SINC = 0.8858929414  # full width at half maximum of sinc^2(x) = (sin(pi x)/(pi x))^2
 SHIFT = sqrt(2 / 3)  # RMS displacement of rays by two sheets, in pitches
@@ -33,17 +33,19 @@ SPREAD = sqrt(2) * SINC / (2 * sqrt(2 * log(2)))  # RMS angle of the diffraction
 def blur(pitch: ArrayLike, wavelength: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return the RMS blur, radians, in which an eye sees a point at the distance z1 behind a window.
 
-    All lengths are in one unit, alpha is in radians. At the pole, Z = 0, the blur is infinite.
+    All lengths are in metres, or in any other one unit, and alpha is in radians. At the pole, Z = 0, the blur is
+    infinite, and so it is for a pitch of 0. Raises ValueError for a negative length.
     """
-    pitch = np.asarray(pitch, float)
-    displacement = np.hypot(SHIFT * pitch, SPREAD * np.multiply(wavelength, z1) / pitch)
+    pitch, wavelength = real("pitch", pitch, 0), real("wavelength", wavelength, 0)
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     with np.errstate(divide="ignore"):
-        return displacement / np.abs(depth(z1, z2, alpha))
+        return np.hypot(SHIFT * pitch, SPREAD * wavelength * z1 / pitch) / np.abs(depth(z1, z2, alpha))
 
 
 def best_pitch(wavelength: ArrayLike, z1: ArrayLike) -> Floats:
     """Return the pitch of least blur, 0.81 sqrt(lambda z1), for objects at the distance z1 behind the window.
 
-    All lengths are in one unit. The place of the eye and alpha do not matter: they scale both kinds of blur equally.
+    All lengths are in metres, or in any other one unit. The place of the eye and alpha do not matter: they scale both
+    kinds of blur equally. Raises ValueError for a negative length.
     """
-    return np.sqrt(SPREAD / SHIFT * np.multiply(wavelength, z1))
+    return np.sqrt(SPREAD / SHIFT * real("wavelength", wavelength, 0) * real("z1", z1, 0))

@@ -17,15 +17,19 @@ from povgen.optics.prism import Prism
 from povgen.optics.rotation import Floats
 from povgen.optics.trace import End, Rays
 
-F, D, C = 0.48613, 0.58756, 0.65627  # Fraunhofer lines by which glasses are described, wavelengths in micrometres
+F, D, C = 486.13e-9, 587.56e-9, 656.27e-9  # Fraunhofer lines by which glasses are described, wavelengths in metres
+LEAST, MOST = 0.3e-6, 2.5e-6  # wavelengths, metres, for which the constants of N-BK7 hold
 
 
 def bk7(wavelength: ArrayLike) -> Floats:
     """Return the refractive index of the glass N-BK7: Sellmeier's formula with Schott's constants.
 
-    The wavelength is in micrometres, from 0.3 to 2.5.
+    The wavelength is in metres, from 0.3e-6 to 2.5e-6. Raises ValueError for any other.
     """
-    square = np.square(np.asarray(wavelength, float))
+    wavelength = np.asarray(wavelength, float)
+    if (outside := wavelength[(wavelength < LEAST) | (wavelength > MOST)]).size:
+        raise ValueError(f"wavelength = {outside[0]:g}; allowed: {LEAST:g} to {MOST:g} metres")
+    square = np.square(1e6 * wavelength)  # the constants are in square micrometres
     terms = ((1.03961212, 0.00600069867), (0.231792344, 0.0200179144), (1.01046945, 103.560653))
     return np.sqrt(1 + sum(B * square / (square - C) for B, C in terms))
 

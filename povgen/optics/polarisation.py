@@ -35,11 +35,13 @@ def reflection(n1: ArrayLike, n2: ArrayLike, cosine: ArrayLike) -> tuple[Complex
     return r_s, r_p
 
 
+@np.errstate(invalid="ignore")  # a complex NaN would warn
 def mean_transmission(direction: ArrayLike, angles: Sequence[float], prism: Prism) -> Floats:
     """Return the share of light that passes the designed path if it is unpolarised again after every face.
 
     This is what POV-Ray computes. Directions (..., 3) and `angles` are as for `jones`. In each sheet light meets both
-    facets at the same angle, and leaves with the component of its direction across the ridges reversed.
+    facets at the same angle, and leaves with the component of its direction across the ridges reversed. The share is
+    NaN where `jones` is.
     """
     k = np.asarray(direction, float)
     k = k / np.linalg.norm(k, axis=-1, keepdims=True)
@@ -49,7 +51,7 @@ def mean_transmission(direction: ArrayLike, angles: Sequence[float], prism: Pris
         r_s, r_p = reflection(1, prism.index, sin(slant) * np.abs(k[..., 2]) - cos(slant) * (k @ across))
         passes = passes * (1 - (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2) ** 2
         k = k - 2 * (k @ across)[..., None] * across
-    return passes
+    return np.where(np.isfinite(jones(direction, angles, prism)).all((-1, -2)), passes, np.nan)[()]
 
 
 @np.errstate(invalid="ignore")  # a complex NaN would warn

@@ -4,7 +4,7 @@ The paper states neither the base angle nor the refractive index. povgen's defau
 """
 
 from dataclasses import dataclass
-from math import asin, cos, radians, tan
+from math import asin, cos, inf, radians, tan
 
 
 @dataclass(frozen=True)
@@ -17,10 +17,22 @@ class Prism:
     """
 
     pitch: float  # from one prism to the next; a pitch of 0 is the limit of infinitely small prisms
-    index: float = 1.5  # refractive index n
-    base_angle: float = 45.0  # between the base and the slanted facets, degrees
+    index: float = 1.5  # refractive index n, above 1
+    base_angle: float = 45.0  # between the base and the slanted facets, degrees; below 90
     gap: float = 0.01  # air between neighbouring prisms, and between two sheets, in units of the pitch
     aspect: float = 1.0  # length, in units of the length at full aperture
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for a number outside its range. NaN is outside."""
+        for name, allowed, inside in (
+            ("pitch", "0 or more", 0 <= self.pitch < inf),
+            ("index", "above 1", 1 < self.index < inf),
+            ("base_angle", "above 0 and below 90", 0 < self.base_angle < 90),
+            ("gap", "0 or more, and below 1", 0 <= self.gap < 1),
+            ("aspect", "above 0", 0 < self.aspect < inf),
+        ):
+            if not inside:
+                raise ValueError(f"{name} = {getattr(self, name):g}; allowed: {allowed}")
 
     @property
     def height(self) -> float:

@@ -38,17 +38,17 @@ def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
 
     theta is the angle between the ray and the sheet's normal.
     """
-    return np.multiply(z1, np.tan(theta))
+    return real("z1", z1, 0) * np.tan(real("theta", theta))
 
 
 def p2(z2: ArrayLike, theta: ArrayLike) -> Floats:
     """Return eq. 2: the distance between P and E in projection onto the sheet. The sheet does not change theta."""
-    return np.multiply(z2, np.tan(theta))
+    return real("z2", z2, 0) * np.tan(real("theta", theta))
 
 
 def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
     """Return eq. 3: the ratio of distances z2/z1 = p2/p1. It is infinite for z1 = 0, and NaN if z2 = 0 as well."""
-    z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(z2, z1)
 
@@ -63,12 +63,12 @@ def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
 
 def E_minus_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return eq. 5: r exp(i alpha) P, the projection of the ray from P to E onto the sheet. P and r are finite."""
-    return np.multiply(_real("r", r, 0), np.exp(1j * _real("alpha", alpha)) * P)
+    return np.multiply(real("r", r, 0), np.exp(1j * real("alpha", alpha)) * P)
 
 
 def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return eq. 6: P (1 + r exp(i alpha)), where the ray through P meets the eye's plane. P and r are finite."""
-    return np.multiply(P, _sum(1.0, _real("r", r, 0), _real("alpha", alpha)))
+    return np.multiply(P, _sum(1.0, real("r", r, 0), real("alpha", alpha)))
 
 
 def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
@@ -126,11 +126,11 @@ def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) 
     For one window Z = z2 + z1 exp(-i alpha), without cancellation. For several windows a Z as small as the rounding
     errors, ROUNDING times the sum of the distances, is given as 0. Distances of either sign are allowed.
     """
-    Z, behind = _real("z1", z1), tuple(behind)
+    Z, behind = real("z1", z1), tuple(behind)
     size = abs(Z)
     for distance, turn in reversed([(z2, alpha), *behind]):
-        distance = _real("distance", distance)
-        Z, size = _sum(distance, Z, -_real("alpha", turn)), size + abs(distance)
+        distance = real("distance", distance)
+        Z, size = _sum(distance, Z, -real("alpha", turn)), size + abs(distance)
     return np.where(abs(Z) <= ROUNDING * size, 0, Z)[()] if behind else Z
 
 
@@ -143,7 +143,7 @@ def apparent_position(
     are in one unit. At the pole, Z = 0, the result is the complex infinity. For L = E it is NaN there, because the eye
     then sees L in every direction.
     """
-    z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     return np.asarray(E) + _divide(np.subtract(L, E) * z2, depth(z1, z2, alpha, behind))
 
 
@@ -154,7 +154,7 @@ def object_position(
 
     P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
-    z1, z2 = _real("z1", z1, 0), _real("z2", z2, 0)
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     with np.errstate(invalid="ignore"):  # complex NaN would warn
         return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
 
@@ -166,11 +166,11 @@ def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
     with z > 0 runs away from the eye, as a camera's rays do: it is turned by -alpha, because a reversed ray retraces
     its path. Raises ValueError for light parallel to the sheet, z = 0.
     """
-    direction = _real("direction", direction)
+    direction = real("direction", direction)
     if (direction[..., 2] == 0).any():
         raise ValueError("direction: z = 0, parallel to the sheet; allowed: any other z")
     sense = np.where(direction[..., 2] > 0, -1, 1)
-    return _with_transverse(direction, _transverse(direction) * np.exp(1j * sense * _real("alpha", alpha)))
+    return _with_transverse(direction, _transverse(direction) * np.exp(1j * sense * real("alpha", alpha)))
 
 
 def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
@@ -179,12 +179,15 @@ def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
     `angle` is the angle between the prisms' ridges and the x axis. The transverse part d = x + iy is mirrored about the
     ridges: it becomes exp(2i angle) conj(d).
     """
-    direction = _real("direction", direction)
-    return _with_transverse(direction, np.exp(2j * _real("angle", angle)) * _transverse(direction).conj())
+    direction = real("direction", direction)
+    return _with_transverse(direction, np.exp(2j * real("angle", angle)) * _transverse(direction).conj())
 
 
-def _real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.float64]:
-    """Return the values as floats. Raises TypeError if they are complex, ValueError if one is less than `least`."""
+def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.float64]:
+    """Return the values of a parameter as floats.
+
+    Raises TypeError if they are complex, and ValueError if one is less than `least`.
+    """
     values = np.asarray(values)
     if np.iscomplexobj(values):
         raise TypeError(f"{name} is complex; allowed: real numbers")
@@ -196,7 +199,7 @@ def _real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.fl
 
 def _checked(r: ArrayLike, alpha: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], Booleans]:
     """Return r and alpha as floats, and whether the object touches the sheet: r is infinite, and alpha is not NaN."""
-    r, alpha = _real("r", r, 0), _real("alpha", alpha)
+    r, alpha = real("r", r, 0), real("alpha", alpha)
     return r, alpha, np.isinf(r) & ~np.isnan(alpha)
 
 

@@ -156,8 +156,14 @@ def trace(
     With `partial`, which makes random numbers, a face that refracts light also reflects a part of it: the ray is
     reflected with a probability that is this part, by the Fresnel equations for unpolarised light. So each ray stands
     for an equal share of the light, and light is unpolarised again after every face.
-    Raises ValueError if a ray does not start outside the sheets, or does not run towards them.
+    Raises ValueError if a ray does not start outside the sheets, or does not run towards them. Raises ValueError for a
+    window or prisms without extent, for prisms without a top (`Prism.least_aspect`), and for `most` < 1.
     """
+    for name, value in (("window", window), ("pitch", prism.pitch), ("most", most)):
+        if not value > 0:
+            raise ValueError(f"{name} = {value:g}; allowed: above 0")
+    if prism.aspect < (1 - 1e-9) * prism.least_aspect:
+        raise ValueError(f"aspect = {prism.aspect:g}: facets cross; allowed: {prism.least_aspect:.4g} or more")
     glass = _Glass(window, prism)
     position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

@@ -672,7 +672,7 @@ class Spheres(Scene):
 
 def checked_scene(scene: object) -> Scene:
     """Return the scene. Raises InputError if it is none."""
-    if not isinstance(scene, Scene):
+    if not isinstance(scene, Scene) or not hasattr(scene, "name"):  # `Scene` itself has no name
         raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
     return scene
 

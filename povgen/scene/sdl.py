@@ -5,12 +5,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from shlex import quote
+from types import NoneType
 from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import __version__
-from povgen.errors import InputError
+from povgen.errors import InputError, shown
 from povgen.scene import limits, prediction
 from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
@@ -70,6 +71,13 @@ def to_pov(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'sky', 'black' or 'white'"
         )
+    for name, value, kinds, allowed in (
+        ("mosaic", mosaic, (Mosaic, NoneType), "a Mosaic"),
+        ("sheet_macro", sheet_macro, (str, NoneType), "text"),
+        ("file", file, str, "text"),
+    ):
+        if not isinstance(value, kinds):
+            raise InputError(f"{name} = {shown(value)}: should be {allowed}")
     sampling = Sampling(**options).suited(scene.has_prisms)
     return (
         _environment()

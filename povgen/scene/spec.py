@@ -13,7 +13,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.scene.models import MAX_WINDOWS, SCENES, Scene, Window, as_pair, as_windows
 from povgen.scene.pieces import from_folder
-from povgen.settings import QUALITIES, Sampling
+from povgen.settings import preset_of
 
 MOVIES = Path(__file__).parents[1] / "movies"
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
@@ -48,7 +48,7 @@ class Sweep(Model):
     @classmethod
     def parse(cls, text: str) -> Self:
         """Return the sweep that a text states, such as alpha=0:180 or eye=-1,0:1,0:cosine. Raises InputError."""
-        name, _, ends = text.partition("=")
+        name, _, ends = text.partition("=") if isinstance(text, str) else ("", "", "")
         if ":" not in ends:
             raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear, :log or :cosine")
         parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
@@ -178,6 +178,8 @@ class MovieSpec(Model):
 
         A piece's file is sought from the folder. The values in `fixed` replace those of the text.
         """
+        if not isinstance(text, str):
+            raise InputError(f"{name}: not TOML: {shown(text)}; allowed: text")
         try:
             values = tomllib.loads(text)
         except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
@@ -207,9 +209,11 @@ class MovieSpec(Model):
 
     def with_fixed(self, values: Mapping[str, object]) -> Self:
         """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
-        spec = self.model_copy(update={"fixed": {**self.fixed, **values}})
+        if not isinstance(values, Mapping):
+            raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
+        spec = self.replace(fixed={**self.fixed, **values})
         scene = spec.scenes("standard")[0]
-        return spec.model_copy(update={"fixed": {name: getattr(scene, name) for name in spec.fixed}})
+        return spec.replace(fixed={name: getattr(scene, name) for name in spec.fixed})
 
     def scenes(self, quality: str) -> list[Scene]:
         """Return the scene of every frame. Raises InputError if one of them is not allowed."""
@@ -268,10 +272,10 @@ class MovieSpec(Model):
 
     def _frames_there(self, quality: str) -> int:
         """Return the number of frames from start to stop."""
+        preset, steps = preset_of(quality), (self.frames or FRAMES) - 1
         for sweep in self.sweep:
             if sweep.values:
                 return len(sweep.values)
-        preset, steps = QUALITIES[Sampling(quality=quality).quality], (self.frames or FRAMES) - 1
         more = preset.frame_rate / self.frame_rate if preset.frame_rate else preset.frames
         return max(round(steps * more), 1) + 1
 
@@ -282,9 +286,10 @@ class MovieSpec(Model):
 
     def rate(self, quality: str) -> float:
         """Return the frames a second. The time from the first frame to the last is the same at each quality."""
+        rate = preset_of(quality).frame_rate
         if any(sweep.values for sweep in self.sweep):
             return self.frame_rate
-        if rate := QUALITIES[quality].frame_rate:
+        if rate:
             return rate
         return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
 

@@ -3,41 +3,56 @@
 from collections.abc import Iterable
 from html import escape
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
 
 from povgen import files
+from povgen.errors import InputError, shown
+from povgen.model import Model
 from povgen.rendering.volumes import page
-from povgen.scene.models import Scene, checked_scene, piece_files
+from povgen.scene.models import SCENES, Scene, checked_scene, piece_files
+
+Side = Annotated[int, Field(ge=32, le=7680)]
+
+
+class _Size(Model):
+    width: Side = Field(description="the view's width in Jupyter, 32 to 7680 pixels")
+    height: Side = Field(description="the view's height in Jupyter, 32 to 7680 pixels")
 
 
 class Live:
     """A scene's live view. Jupyter shows it; `save` writes it to an HTML file. It needs no network.
 
-    The view is drawn by the browser, which needs WebGL 2. The arguments are the view's width and height in Jupyter,
-    pixels.
+    The view is drawn by the browser, which needs WebGL 2.
     """
 
-    def __init__(self, html: str, width: int, height: int, inputs: Iterable[str] = ()) -> None:
-        self.html, self.width, self.height = html, width, height
+    def __init__(self, html: str, size: _Size, inputs: Iterable[str] = ()) -> None:
+        self.html, self.size = html, size
         self._inputs = inputs  # the files that were read for it; `save` replaces none of them
 
     def _repr_html_(self) -> str:
-        size = f'width="{self.width}" height="{self.height}"'
+        size = f'width="{self.size.width}" height="{self.size.height}"'
         return (
             f'<iframe {size} style="border: 0" title="The live view of a scene" srcdoc="{escape(self.html)}"></iframe>'
         )
 
     def save(self, path: str | Path) -> Path:
         """Write the page to an .html file and return its path. Raises InputError if it cannot be written."""
-        output = files.checked_output(Path(path), [".html"], inputs=self._inputs)
+        output = files.checked_output(path, [".html"], inputs=self._inputs)
         files.save(self.html.encode(), output)
         return output
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
-    """Return the scene's live view, which the browser draws.
+    """Return the scene's live view, which the browser draws. Its width and height in Jupyter are in pixels.
 
-    Raises InputError for anything but a scene, and for `fresnel`: the live view follows one ray
-    a pixel, which does not split. Raises
+    Raises InputError for anything but a scene of povgen's own classes: the view does not know what another class
+    shows. Raises InputError for `fresnel`: the live view follows one ray a pixel, which does not split. Raises
     PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """
-    return Live(page(checked_scene(scene)), width, height, piece_files([scene]))
+    size = _Size(width=width, height=height)
+    if type(checked_scene(scene)) not in SCENES.values():
+        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
+        raise InputError(f"scene = {shown(scene)}: the live view does not know this class; allowed: {allowed}")
+    return Live(page(scene), size, piece_files([scene]))

@@ -26,23 +26,24 @@ FACES = 60  # the page follows a ray through at most so many faces of prisms
 def demo(
     output: str | Path = "demo.html",
     *,
-    pieces: Sequence[Piece] = (),
+    pieces: Piece | Sequence[Piece] = (),
     movies: bool = False,
     workers: int | None = None,
     progress: bool = True,
     **options: object,
 ) -> Path:
-    """Write the page, an .html file, and return its path. `pieces` are files of the user's own chess pieces.
+    """Write the page, an .html file, and return its path.
 
-    With `movies`, POV-Ray's movies are rendered as well. Their names are the page's name and the movie's, as in
-    demo-vary-alpha.mp4. `workers` pieces are measured at once, and as many frames rendered; `progress=False` shows no
-    progress bar. Options are the fields of `Rendering`: `timeout` is also for each piece, the others are for the
-    movies. Raises InputError for a request that is not allowed, before anything is rendered, and for an empty piece.
-    Raises PovrayError if POV-Ray fails.
+    `pieces` are files of the user's own chess pieces, one or more. With `movies`, POV-Ray's movies are rendered as
+    well. Their names are the page's name and the movie's, as in demo-vary-alpha.mp4. `workers` pieces are measured at
+    once, and as many frames rendered; `progress=False` shows no progress bar. Options are the fields of `Rendering`:
+    `timeout` is also for each piece, the others are for the movies. Raises InputError for a request that is not
+    allowed, before anything is rendered, and for an empty piece. Raises PovrayError if POV-Ray fails.
     """
-    scenes = [Chess(piece=piece) for piece in (*PIECES, *pieces)]  # in one scene they would overlap
+    own = pieces if isinstance(pieces, (list, tuple)) else [pieces]
+    scenes = [Chess(piece=piece) for piece in (*PIECES, *own)]  # in one scene they would overlap
     inputs = piece_files(scenes)
-    page, workers = checked_output(Path(output), [".html"], inputs=inputs), worker_count(workers)
+    page, workers = checked_output(output, [".html"], inputs=inputs), worker_count(workers)
     given: dict[str, Any] = options
     check_options(movies, given)
     specs = {name: MovieSpec.load(name) for name in MOVIES}

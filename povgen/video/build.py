@@ -5,14 +5,13 @@ from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 from pydantic import Field
 
 from povgen import __version__
 from povgen.errors import InputError, shown
-from povgen.files import checked_output, save, unless_removed
+from povgen.files import as_path, checked_output, save, unless_removed
 from povgen.model import Model
 from povgen.progress import bar
 from povgen.rendering import cache, povray
@@ -36,15 +35,22 @@ class Movie:
 
     path: Path
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "path", as_path(self.path, encode.FORMATS, "path"))  # the class is frozen
+
     def __fspath__(self) -> str:
         return str(self.path)
 
     def _repr_html_(self) -> str:
-        """Return HTML that holds the movie itself, so that a saved notebook plays it as well."""
+        """Return HTML that holds the movie itself, so that a saved notebook plays it as well.
+
+        Raises InputError if the file cannot be read.
+        """
         try:
             kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
-        except OSError as error:
-            return f"<p>{escape(str(self.path))}: {error.strerror}</p>"
+        except (OSError, ValueError) as error:  # ValueError: a NUL in its name
+            reason = getattr(error, "strerror", error)
+            raise InputError(f"path = {str(self.path)!r}: {reason}; allowed: a movie's file") from None
         if kind == "gif":
             return f'<img src="data:image/gif;base64,{data}">'
         return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'

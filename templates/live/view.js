@@ -2,6 +2,8 @@
 //
 // view = new LiveView(canvas, scene, volumes); await view.ready; view.set({ alpha: 66 });
 //
+// It is ready when it can draw: not before the canvas is in sight.
+//
 // While values change it draws one ray a pixel, and fewer pixels where a frame takes long. At rest it adds rays, up to
 // RAYS a pixel, and then stops drawing. It adds them in strips, so that it can move again at once.
 
@@ -20,26 +22,66 @@ class LiveView {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
   // `failed` is called with a sentence if the view cannot be shown, and with null when it can be shown again.
   constructor(canvas, scene, volumes, failed = () => {}) {
-    this.canvas = canvas;
     this.scene = { ...scene };
     this.volumes = volumes;
     this.failed = failed;
     this.budget = 1e5;     // pixels that are drawn at once
     this.count = 0;        // rays a pixel in the sum
     this.row = 0;          // of the sum, up to which the next ray has been added
-    canvas.addEventListener("webglcontextlost", (event) => {
+    this.attach(canvas);
+    this.ready = this.load().then(
+      () => new Promise((done) => {
+        this.loaded = done;
+        this.hold();
+      }),
+      (error) => this.failed(`This browser cannot draw the live view: ${error.message}. A newer version may.`),
+    );
+  }
+
+  // Show the view on this canvas, and on no other any more.
+  attach(canvas) {
+    this.canvas = canvas;
+    const listen = (event, action) => canvas.addEventListener(event, (what) => canvas === this.canvas && action(what));
+    listen("webglcontextlost", (event) => {
       event.preventDefault();
       this.pending = null;
-      this.failed("The graphics processor has stopped this page. It starts again by itself, or after reloading the page.");
+      this.lost = true;
+      if (this.released) setTimeout(() => this.hold());  // the canvas may be in sight again; a handler cannot restore it
+      else this.failed("The browser has stopped this view. It starts again if you scroll it out of sight and back, or reload the page.");
     });
-    canvas.addEventListener("webglcontextrestored", () => this.start());
-    const observer = new ResizeObserver(() => this.resize());
+    listen("webglcontextrestored", () => this.start());
+    this.observers?.forEach((observer) => observer.disconnect());
+    const size = new ResizeObserver(() => this.resize());
     try {
-      observer.observe(canvas, { box: "device-pixel-content-box" });  // called for another pixel ratio, too
+      size.observe(canvas, { box: "device-pixel-content-box" });  // called for another pixel ratio, too
     } catch {
-      observer.observe(canvas);
+      size.observe(canvas);
     }
-    this.ready = this.load().then(() => this.start());
+    const sight = new IntersectionObserver((changes) => {
+      this.inSight = changes.at(-1).isIntersecting;
+      this.hold();
+    });
+    sight.observe(canvas);
+    this.observers = [size, sight];
+  }
+
+  // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16.
+  hold() {
+    if (!this.loaded) return;
+    if (!this.inSight) {
+      if (!this.gl || this.gl.isContextLost()) return;
+      this.released = true;
+      this.loss.loseContext();
+    } else if (!this.gl) {
+      this.start();
+    } else if (this.lost && this.released) {
+      this.loss.restoreContext();
+    } else if (this.lost) {  // the browser needed it for another view, and may not give it back: only a new canvas gets one
+      const canvas = this.canvas.cloneNode();
+      this.canvas.replaceWith(canvas);
+      this.attach(canvas);
+      this.start();
+    }
   }
 
   async load() {
@@ -70,12 +112,15 @@ class LiveView {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.
     const float = gl?.getExtension("EXT_color_buffer_float");
+    this.loaded();
     if (!float && !gl?.getExtension("EXT_color_buffer_half_float")) {
       this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
       return;
     }
     this.format = float ? gl.RGBA32F : gl.RGBA16F;
     this.gl = gl;
+    this.loss = gl.getExtension("WEBGL_lose_context");
+    this.lost = this.released = false;
     this.programs = {};
     this.targets = {};
     this.kinds = null;
@@ -85,6 +130,7 @@ class LiveView {
     this.failed(null);
     this.resize();
     this.again();
+    this.hold();
   }
 
   // All distance fields in one texture: three a row along x, the rows along z.

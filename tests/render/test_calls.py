@@ -5,13 +5,15 @@ import json
 import os
 import sys
 from base64 import b64decode
+from inspect import signature
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
 
-from povgen import Chess, InputError, Movie, movie, progress, render, save, show, to_pov
+from povgen import Chess, InputError, Movie, live, movie, progress, render, save, show, to_pov
+from povgen.teach.page import demo
 
 SCENE = Chess(sheet="none")
 SMALL = {"size": (32, 32), "antialias": "off"}
@@ -53,6 +55,7 @@ def test_the_same_picture_as_array_image_and_file(tmp_path):
         (lambda: movie("vary-alpha", 3), ["output = 3", ".mp4"]),
         (lambda: movie([SCENE], None), ["output = None", ".mp4"]),
         (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
+        (lambda: movie([SCENE], "a.mp4", scheduler=5), ["scheduler = 5", "tcp://"]),
     ],
 )
 def test_an_error_has_one_line_and_nothing_is_written(call, words, tmp_path, monkeypatch):
@@ -77,13 +80,27 @@ def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
         assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
 
 
+@pytest.mark.parametrize("call", [demo, live, movie, render, save, show, to_pov])
+def test_no_argument_takes_anything(call, tmp_path, monkeypatch):
+    """Each argument, but those that are yes or no, refuses what is of no type that it names."""
+    monkeypatch.chdir(tmp_path)
+    right = {"scene": SCENE, "spec": "vary-alpha", "path": "a.png", "output": "a.html" if call is demo else "a.mp4"}
+    names = {name for name, each in signature(call).parameters.items() if each.kind is not each.VAR_KEYWORD}
+    for name in names - {"movies", "progress"}:
+        given = {other: value for other, value in right.items() if other in names} | {name: object()}
+        with pytest.raises(InputError, match="<object object at .*allowed: |<object object at .*should"):
+            call(**given)
+    assert not os.listdir(tmp_path)
+
+
 def test_a_movie_is_found_from_another_folder_and_may_be_gone(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     made = movie([SCENE], "a&b.gif", **SMALL)
     monkeypatch.chdir("/")
     assert made == Movie(tmp_path / "a&b.gif") and made._repr_html_().startswith("<img")
     made.path.unlink()
-    assert made._repr_html_().endswith("a&amp;b.gif: No such file or directory</p>")
+    with pytest.raises(InputError, match="a&b.gif': No such file or directory; allowed: a movie's file$"):
+        made._repr_html_()
 
 
 def test_another_frame_rate_of_a_spec(tmp_path):

@@ -14,7 +14,7 @@ FRAME = "// ---- The window frame (frame.pov.j2) ----"
 
 
 def windows_at_random(count, rng):
-    """Scenes of 2 to 5 ideal windows. Half of the angles are multiples of 15 degrees: more edges then meet in a point."""
+    """Scenes of 2 to 5 ideal windows. Half of the angles are multiples of 15 degrees: more edges meet in a point."""
     for _ in range(count):
         windows = rng.integers(2, 6)
         alphas = np.where(

@@ -116,11 +116,18 @@ def test_equations_are_those_of_rotation(page):
     assert np.array(given["nu"]) == pytest.approx(rotation.nu(r, alpha), abs=1e-12, nan_ok=True)
 
 
+class Prisms(Prism):
+    """Prisms of many pitches, in an array."""
+
+    def __post_init__(self):
+        pass
+
+
 def test_positions_are_those_of_rotation_and_paraxial(page):
     rng = np.random.default_rng(3)
     L, E = (rng.uniform(-2, 2, 500) + 1j * rng.uniform(-2, 2, 500) for _ in range(2))
     z1, z2 = (rng.choice([0.5, 2, 6, *np.geomspace(0.3, 3000, 9)], 500) for _ in range(2))
-    alpha, prism = rng.choice(ALPHAS, 500), Prism(rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500), base_angle=40)
+    alpha, prism = rng.choice(ALPHAS, 500), Prisms(rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500), base_angle=40)
     lengths = zip(prism.slab_shift, prism.separation, strict=True)
     grid = [
         ([L.real, L.imag], [E.real, E.imag], *map(float, rest), {"slab_shift": shift, "separation": separation})

@@ -14,6 +14,7 @@ from povgen.scene.models import SCENES
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
+PATIENCE = 240_000  # ms, of what waits for a browser that draws without a GPU on a busy machine
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +33,7 @@ def page(browser, file):
     """The opened page. The test fails if the page has an error, or asks for anything but itself."""
     faults, requests = [], []
     opened = browser.new_page(viewport={"width": 160, "height": 120})
+    opened.set_default_timeout(PATIENCE)
     opened.on("console", lambda message: faults.append(message.text))
     opened.on("pageerror", lambda error: faults.append(str(error)))
     opened.on("request", lambda request: requests.append(request.url))
@@ -142,8 +144,8 @@ def canvas(page):
 
 
 def at_rest(page):
-    page.wait_for_function("view.converged()", timeout=240_000)
-    page.wait_for_function("!view.pending && !view.asked", timeout=60_000)
+    page.wait_for_function("view.converged()", timeout=PATIENCE)
+    page.wait_for_function("!view.pending && !view.asked", timeout=PATIENCE)
 
 
 def test_the_page_shows_the_scene_and_follows_it(page):
@@ -232,9 +234,15 @@ def test_at_rest_nothing_is_drawn(page):
     assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
 
 
-def test_a_lost_context_is_said_and_comes_back(page):
+def first_picture(page):
+    """Wait until the page shows a picture with one ray a pixel, and return it."""
+    page.evaluate("LiveView.RAYS = 1; view.budget = 1e9; view.again()")
     at_rest(page)
-    before = canvas(page)
+    return canvas(page)
+
+
+def test_a_lost_context_is_said_and_comes_back(page):
+    before = first_picture(page)
     page.evaluate("window.loss = view.gl.getExtension('WEBGL_lose_context'); loss.loseContext()")
     page.wait_for_function("document.getElementById('message').textContent.includes('starts again')")
     assert not page.evaluate("view.converged()")
@@ -243,6 +251,76 @@ def test_a_lost_context_is_said_and_comes_back(page):
     page.wait_for_function("document.getElementById('message').textContent === ''")
     at_rest(page)
     assert abs(canvas(page) - before).max() <= 1
+
+
+def test_a_context_that_the_browser_keeps_comes_back_in_sight(page):
+    """A browser that stops a view, because it needs its context for others, need not restore it."""
+    before = first_picture(page)
+    page.evaluate("document.body.append(Object.assign(document.createElement('div'), { style: 'height: 9999px' }))")
+    page.evaluate("view.gl.getExtension('WEBGL_lose_context').loseContext()")
+    page.wait_for_function("document.getElementById('message').textContent.includes('out of sight and back')")
+    page.evaluate("scrollTo(0, 9999)")
+    page.wait_for_function("!view.inSight")
+    page.evaluate("scrollTo(0, 0)")
+    page.wait_for_function("document.getElementById('message').textContent === ''")
+    at_rest(page)
+    assert abs(canvas(page) - before).max() <= 1
+    assert page.evaluate("view.canvas === document.getElementById('view')")
+    page.set_viewport_size({"width": 96, "height": 72})  # the new canvas's size is followed, too
+    page.wait_for_function("view.canvas.width === 96 && view.canvas.height === 72")
+
+
+def test_a_view_that_is_out_of_sight_for_a_moment_is_drawn_again(page):
+    """In sight again before the browser has said that the context is lost."""
+    before = first_picture(page)
+    moment = """() => {
+      view.inSight = false;
+      view.hold();
+      view.inSight = true;
+      view.hold();
+      return view.gl.isContextLost();
+    }"""
+    assert page.evaluate(moment)
+    at_rest(page)
+    assert abs(canvas(page) - before).max() <= 1
+    page.evaluate(
+        """view.canvas.addEventListener("webglcontextrestored", () => (view.inSight = false), { capture: true })"""
+    )
+    assert page.evaluate(moment)  # and out of sight again before it is restored
+    page.wait_for_function("!view.inSight && view.lost")
+    assert page.inner_text("#message") == ""
+
+
+def test_of_18_views_those_in_sight_hold_a_context(browser):
+    page = browser.new_page(viewport={"width": 160, "height": 200})
+    page.set_default_timeout(PATIENCE)
+    warnings = []
+    page.on("console", lambda message: warnings.append(message.text))
+    view = povgen.live(Spheres(sheet="none"), 96, 72)._repr_html_()
+    page.set_content(f"<div style='margin-bottom: 150px'>{view}</div>" * 18)
+    frames = page.frames[1:]
+    for frame in frames:
+        frame.evaluate("LiveView.RAYS = 1")
+    last = len(frames) - 1
+    for top, seen in ((0, {0}), (1e9, {last}), (0, {0})):
+        page.evaluate("(top) => scrollTo(0, top)", top)
+        for number, frame in enumerate(frames):
+            holds = "view.gl && !view.gl.isContextLost()"
+            frame.wait_for_function(holds if number in seen else f"!({holds})")
+            assert frame.inner_text("#message") == ""
+    assert [frame.evaluate("Boolean(view.gl)") for frame in frames] == [number in (0, last) for number in range(18)]
+    assert first_picture(frames[0]).std() > 10 and not warnings
+    page.close()
+
+
+def test_without_decompression_the_page_says_so(browser, file):
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE)
+    page.add_init_script("delete window.DecompressionStream")
+    page.goto(file.as_uri())
+    page.wait_for_function("document.getElementById('message').textContent.includes('DecompressionStream')")
+    page.evaluate("view.ready")  # whoever waits for it does not wait for ever
+    page.close()
 
 
 def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from povgen.optics import diffraction, rotation
+from povgen.optics import diffraction, dispersion, rotation
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
@@ -59,6 +59,22 @@ def test_blur_is_the_angle_in_which_the_eye_sees_a_displacement(z1, z2, alpha, d
     assert blur(pitch, 0.0, z1, z2, alpha) == pytest.approx(abs(seen) / z2)
 
 
+@pytest.mark.parametrize("name", ["pitch", "wavelength", "z1", "z2"])
+def test_negative_lengths_are_refused(name):
+    given = {"pitch": 1e-3, "wavelength": GREEN, "z1": 1.0, "z2": 1.0} | {name: [1.0, -0.5]}
+    with pytest.raises(ValueError, match=f"^{name} = -0.5; allowed: 0 or more$"):
+        blur(**given, alpha=ALPHA)
+    if name in ("wavelength", "z1"):
+        with pytest.raises(ValueError, match=f"^{name} = -0.5; allowed: 0 or more$"):
+            best_pitch(given["wavelength"], given["z1"])
+
+
+def test_blur_in_the_unit_of_the_lines_of_glasses():
+    """Wavelengths are in metres throughout the optics."""
+    assert best_pitch(dispersion.D, 1.0) == pytest.approx(0.6e-3, rel=0.05)
+
+
 def test_blur_at_the_pole_is_infinite_and_arrays_broadcast():
+    assert blur(0.0, GREEN, 1.0, 2.0, 1.0) == np.inf
     assert blur(1e-3, GREEN, 2.0, 2.0, np.pi) == np.inf
     assert blur(np.full((3, 1), 1e-3), GREEN, 2.0, np.array([1.0, 2]), 1.0).shape == (3, 2)

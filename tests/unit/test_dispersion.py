@@ -68,6 +68,13 @@ def test_the_index_of_bk7():
     assert (n[1] - 1) / (n[0] - n[2]) == pytest.approx(64.17, abs=0.01)
 
 
+def test_wavelengths_beyond_the_formulas_range_are_refused():
+    assert np.isfinite(dispersion.bk7([0.3e-6, 2.5e-6])).all() and np.isnan(dispersion.bk7(np.nan))
+    for wrong in (0.29e-6, 2.51e-6, -550e-9, 0.55, [550e-9, 0.55], np.inf):
+        with pytest.raises(ValueError, match=r"^wavelength = .*; allowed: 3e-07 to 2.5e-06 metres$"):
+            dispersion.bk7(wrong)
+
+
 def test_stray_light_is_coloured_and_the_designed_path_is_not():
     prism = Prism(WINDOW / 100, float(dispersion.bk7(dispersion.D)))
     first, second = colours(prism)

@@ -101,6 +101,8 @@ def test_the_range_of_the_designed_path(degrees, reflects):
     """Down by more than 49 degrees, light leaves by the base. Up by more than 45, it does not meet the facet."""
     J = jones([0, np.tan(np.radians(degrees)), 1], [0], DEFAULT)
     assert np.isfinite(J).all() == reflects
+    share = mean_transmission([0, np.tan(np.radians(degrees)), 1], [0], DEFAULT)
+    assert 0 < share < 1 if reflects else np.isnan(share)
 
 
 def test_light_that_is_unpolarised_after_every_face(rng):

@@ -1,6 +1,7 @@
 """Calls from Python: errors of one line, copies, and what help() says."""
 
 import inspect
+import json
 import pickle
 import pydoc
 from pathlib import Path
@@ -9,8 +10,11 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, MovieSpec, Rendering, Spheres
+from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, live, to_pov
 from povgen.model import Model
+from povgen.scene.models import Scene
+from povgen.scene.spec import Sweep
+from povgen.settings import QUALITIES
 from povgen.teach.page import demo
 
 MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
@@ -45,6 +49,40 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: MovieSpec.load(3), ["3: no movie spec"]),
         (lambda: MovieSpec.load("vary-alpha").scenes("nix"), ["quality = 'nix'", "draft"]),
         (lambda: MovieSpec(**{**MOVIE, "fixed": {"alfa": 3}}), ["'alfa': unknown", "alpha"]),
+        (lambda: MovieSpec.load("vary-alpha", fixed=3), ["fixed = 3: should be a dictionary"]),
+        (lambda: MovieSpec.load("vary-alpha", fixed={3: 3}), ["3 should be", "string"]),
+        (lambda: MovieSpec.load("vary-alpha").rate("nix"), ["quality = 'nix'", "draft"]),
+        (lambda: MovieSpec.load("vary-alpha").count("nix"), ["quality = 'nix'", "draft"]),
+        (lambda: MovieSpec.parse(b"", "a"), ["a: not TOML: b''; allowed: text"]),
+        (lambda: MovieSpec.of_sweeps("chess", [3], {}), ["sweep = 3", "NAME=START:STOP"]),
+        (lambda: Chess().replace(66), ["66: a value without a name"]),
+        (lambda: Chess.model_validate(3), ["3: should be a valid dictionary or instance of Chess"]),
+        (lambda: Chess.model_validate({3: 3}), ["keywords must be strings; allowed: the names"]),
+        (lambda: Chess(window=[{3: 3}]), ["keywords must be strings; allowed: the names"]),
+        (lambda: Chess.model_validate_json("{"), ["'{': Invalid JSON"]),
+        (lambda: Chess.model_validate_json("[1]"), ["[1]: should be an object"]),
+        (lambda: Chess.model_validate_json('{"z1": [2, true]}'), ["z1 = [2, True]", "true or false"]),
+        (
+            lambda: Sweep(parameter="eye", values=[(True, 0), (1, 2)]),
+            ["values = [(True, 0), (1, 2)]: should not be true"],
+        ),
+        (lambda: to_pov(Scene()), ["should be a scene", "Chess(...)"]),
+        (lambda: demo(3), ["output = 3", ".html"]),
+        (lambda: demo("page.html", pieces=3), ["piece = 3", "name or a file"]),
+        (lambda: demo("page.html", pieces="nix.inc"), ["piece = 'nix.inc'"]),
+        (lambda: live(Spheres()).save(3), ["output = 3", ".html"]),
+        (lambda: live(Spheres()).save("a.txt"), ["output = 'a.txt'", ".html"]),
+        *(
+            (lambda wrong=wrong: live(Spheres(), **wrong), [f"{name} = {value!r}", "32 to 7680 pixels"])
+            for wrong in [{"width": w} for w in (0, -5, 31, 7681, "x", 'x" onload=alert(1)', 99.5, True, None)]
+            + [{"height": 0}]
+            for name, value in wrong.items()
+        ),
+        (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
+        (lambda: Movie(3), ["path = 3: should be a path", ".mp4"]),
+        (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .gif"]),
+        (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
+        (lambda: Movie(Path("a\0.gif"))._repr_html_(), ["path = 'a\\x00.gif'"]),
     ],
 )
 def test_an_error_has_one_line(call, words):
@@ -54,6 +92,34 @@ def test_an_error_has_one_line(call, words):
     assert all(word in message for word in words), message
     assert len(message.splitlines()) == 1 and "pydantic" not in message
     assert raised.value.__suppress_context__ or not raised.value.__context__
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda values: Chess(**values),
+        lambda values: Chess().replace(**values),
+        lambda values: Chess().model_copy(update=values),
+        Chess.model_validate,
+        lambda values: Chess.model_validate_json(json.dumps(values)),
+        Chess.model_validate_strings,
+    ],
+    ids=["Chess", "replace", "model_copy", "model_validate", "model_validate_json", "model_validate_strings"],
+)
+def test_all_ways_to_make_a_model_check_it(make):
+    assert make({"alpha": "90"}) == Chess(alpha=90)
+    with pytest.raises(InputError, match="^alpha = '400': should be less than or equal to 360 .*$"):
+        make({"alpha": "400"})
+
+
+@pytest.mark.parametrize("model", [Chess, Spheres, Rendering, MovieSpec, Sweep])
+def test_no_parameter_takes_anything(model):
+    required = MOVIE if model is MovieSpec else {"parameter": "alpha", "start": 0, "stop": 1} if model is Sweep else {}
+    for name, field in model.model_fields.items():
+        booleans = [True, np.True_, [True], np.array([True]), [(True, 0), (1, 1)]]
+        for wrong in [object(), [object()], *(booleans if field.annotation is not bool else [])]:
+            with pytest.raises(InputError, match=f"^{name} = "):
+                model(**{**required, name: wrong})
 
 
 @pytest.mark.parametrize("several", [np.array([2, 3, 4]), range(2, 5), (2, 3, 4), [np.float64(2), "3", 4]])
@@ -70,6 +136,12 @@ def test_a_copy_with_changes():
     assert Rendering(quality="high").replace(caption=True) == Rendering(quality="high", caption=True)
     assert Rendering(quality="high").replace(quality="draft") == Rendering(quality="draft")  # its size as well
     assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
+    for prisms in (True, False):
+        for other in ("draft", "high"):
+            suited = Rendering(quality=other).suited(prisms).replace(quality="hd")
+            assert suited.antialias == QUALITIES["hd"].antialias[not prisms] == suited.replace(caption=True).antialias
+        assert Rendering(antialias="3x").suited(prisms).replace(quality="draft").antialias == "3x"
+    assert Rendering().suited(False).suited(True) == Rendering()
     for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy(), Chess.model_validate(scene)):
         assert copied == scene
 

@@ -198,3 +198,40 @@ def test_light_on_the_designed_path_with_partial_reflection():
     taken = drawn.designed[all_light.designed]
     assert taken.mean() == pytest.approx(expected.mean(), abs=4 * np.sqrt(0.2 * 0.8 / len(taken)))
     assert not (drawn.designed & ~all_light.designed).any()
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ({"pitch": -1}, "pitch = -1; allowed: 0 or more"),
+        ({"pitch": np.nan}, "pitch = nan; allowed: 0 or more"),
+        ({"pitch": np.inf}, "pitch = inf; allowed: 0 or more"),
+        ({"index": 0.5}, "index = 0.5; allowed: above 1"),
+        ({"index": 1}, "index = 1; allowed: above 1"),
+        ({"base_angle": 0}, "base_angle = 0; allowed: above 0 and below 90"),
+        ({"base_angle": 90}, "base_angle = 90; allowed: above 0 and below 90"),
+        ({"gap": -0.1}, "gap = -0.1; allowed: 0 or more, and below 1"),
+        ({"gap": 1}, "gap = 1; allowed: 0 or more, and below 1"),
+        ({"aspect": 0}, "aspect = 0; allowed: above 0"),
+    ],
+)
+def test_prisms_that_cannot_be_are_refused(shape, words):
+    with pytest.raises(ValueError, match=f"^{words}$"):
+        Prism(**{"pitch": 0.1, **shape})
+    assert Prism(0, index=1.01, base_angle=89, gap=0, aspect=0.1).length == 0
+
+
+@pytest.mark.parametrize(
+    ("window", "shape", "most", "words"),
+    [
+        (0, {}, 60, "window = 0; allowed: above 0"),
+        (-WINDOW, {}, 60, "window = -2.4; allowed: above 0"),
+        (WINDOW, {"pitch": 0}, 60, "pitch = 0; allowed: above 0"),
+        (WINDOW, {"aspect": 0.465}, 60, "aspect = 0.465: facets cross; allowed: 0.4655 or more"),
+        (WINDOW, {}, 0, "most = 0; allowed: above 0"),
+    ],
+)
+def test_windows_that_no_ray_can_pass_are_refused(window, shape, most, words):
+    prism = Prism(**{"pitch": 0.1, **shape})
+    with pytest.raises(ValueError, match=f"^{words}$"):
+        trace([[0, 0, -6]], [[0, 0, 1]], pair(1.0, prism), window, prism, most)
