@@ -172,6 +172,14 @@ def test_a_frame_in_the_middle_that_cannot_be_is_refused():
         spec.scenes("standard")
 
 
+def test_a_title_has_up_to_200_characters():
+    values = {"scene": "chess", "sweep": [Sweep.parse("alpha=0:1")]}
+    assert len(MovieSpec(title="é" * 200, **values).title) == 200
+    for title in ("é" * 201, ""):
+        with pytest.raises(InputError, match="^title = .* up to 200 characters"):
+            MovieSpec(title=title, **values)
+
+
 def test_too_many_frames_at_a_quality():
     slow = MovieSpec.of_sweeps("chess", ["alpha=0:180"], {"frames": 10000, "frame_rate": 0.1})
     with pytest.raises(InputError, match="quality = 'hd': 2999701 frames; allowed: up to 30000"):
