@@ -1,13 +1,16 @@
 """Scenes and processes that try what they must not: read or write other files, run commands, run or grow for ever."""
 
+import errno
 import os
 import resource
+import shutil
 import signal
 import socket
 import subprocess
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import POVGEN
@@ -237,6 +240,15 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
     assert ("its limit is 8192 MiB" in str(failure)) == ("out of mem" in expected)
     # only a transient error is worth another try
     assert isinstance(failure, TransientError) == ("killed" in expected)
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_disk_without_room_for_a_picture_is_full(missing, tmp_path, monkeypatch):
+    """POV-Ray does not say so. A picture takes up to 3 bytes for each pixel that POV-Ray renders, and 64 KiB."""
+    free = 2**16 + 3 * (2 * 64) * (2 * 48) - missing
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+    failure = povray._failure(Rendering(size=(64, 48), antialias="2x"), tmp_path, 1, "")
+    assert (getattr(failure, "errno", None) == errno.ENOSPC) == bool(missing)
 
 
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):

@@ -312,6 +312,7 @@ def test_letters_that_the_font_lacks_are_drawn():
         [Chess(alpha=alpha) for alpha in (7, 178.5)],
         [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (0.6, 6)],
         [Spheres(alpha=alpha, sheet="ideal", z1=[1, 6, 50]) for alpha in (0, 100, 180)],
+        [Spheres(alpha=alpha, sheet="ideal", z1=[1, 50]) for alpha in (0, 100)],
     ],
 )
 def test_a_movies_caption_stands_still(scenes, monkeypatch):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from povgen.optics import paraxial, rotation
 from povgen.optics.prism import Prism
-from povgen.optics.trace import pair, trace
+from povgen.optics.trace import Sheet, pair, trace
 
 ANGLE = st.floats(-np.pi, np.pi)
 DISTANCE = st.floats(0.5, 50)
@@ -54,6 +54,21 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
     found = A.conj() * z2 / size, -B * z2 / size
     thin = abs(rotation.one_minus_P(z2 / z1, alpha) - found[0]) + abs(found[1])
     assert abs(a - found[0]) + abs(b - found[1]) < 0.12 * thin
+
+
+def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
+    """Along the ridges and, on average over the prisms, across them."""
+    z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
+    prism = Prism(window / 50)
+    P = rng.uniform(-0.4, 0.4, (20_000, 2)) @ (1, 1j)
+    direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
+    rays = trace([[E.real, E.imag, -z2]], direction, (Sheet(0.0, 0.0),), window, prism)
+    end = rays.position + ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:]) * rays.direction
+    D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
+    along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
+    seen = (paraxial.mirrored_position(E + complex(along, across), E, z1, z2, prism) - E) / z2
+    assert seen.real == pytest.approx(1, abs=0.05 * prism.slab_shift / (z1 + z2))
+    assert seen.imag == pytest.approx(1, abs=0.01)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
