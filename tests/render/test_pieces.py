@@ -216,7 +216,7 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
         (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
         (b"/* /* */ #declare Piece = 1; */", "declares Piece"),
-        (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "comments end, but that in line 2 does not"),
+        (b"\n#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "comments end, but that in line 3 does not"),
         (CUBE.encode() + b"#default { finish { ambient 1 } }", "without '#default'"),
         (CUBE.encode() + b"light_source { 0, 1 }", "without 'light_source'"),
         (b"#declare Piece = sphere { 0, 1 } // \0", "declares Piece"),

@@ -34,6 +34,8 @@ def test_a_sphere_has_its_distance():
     near = abs(exact) < 0.5
     assert near.sum() > 10000
     assert abs(stored(made) - exact)[near].max() < 0.02  # of a voxel: the surface is curved
+    far = abs(exact) > 4
+    assert (stored(made)[far] == made.most * np.sign(exact[far])).all()
 
 
 def test_hollows_and_hidden_surfaces():

@@ -101,6 +101,13 @@ def test_the_window_frame_holds_the_sheets():
             Chess(**{"z1": scene.depth / 2, "z2": 50, **values})
 
 
+def test_sheets_are_up_to_100_tiles_deep():
+    thick = {"prisms": 1, "aperture": 10, "z1": 150, "z2": 150}
+    assert 99.9 < Chess(aspect=1.174, **thick).sheets_depth < 100
+    with pytest.raises(InputError, match="would be 100.1 tiles deep; allowed: up to 100 tiles"):
+        Chess(aspect=1.175, **thick)
+
+
 @pytest.mark.parametrize(("piece", "width", "height"), [("knight", 0.45, 1.55), ("bishop", 0.4, 1.68)])
 def test_the_whole_piece_is_well_inside_the_window(piece, width, height):
     """By eq. 7, in every frame of vary-alpha and of vary-z1."""
