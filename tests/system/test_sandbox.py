@@ -374,6 +374,13 @@ def test_what_is_started_is_confined_as_well(places):
     assert (places / "write/new").exists() and not (places / "outside/new").exists()
 
 
+@pytest.mark.parametrize("path", ["/etc/povray/3.7/povray.conf", "/etc/ld.so.cache"])
+def test_povray_reads_the_systems_configuration(path):
+    """It may forbid more than povgen does."""
+    if Path(path).exists():
+        assert sandbox.within(Path(path).read_bytes, read=povray.READ)
+
+
 @pytest.mark.skipif(sandbox.version() < 4, reason="this kernel's Landlock does not know of networks")
 def test_no_network():
     with socket.create_server(("127.0.0.1", 0)) as server:
