@@ -114,7 +114,7 @@ def _face(
     if total:
         after = k - 2 * cosine * normal
     else:
-        after = n1 / n2 * k + (np.sqrt(np.maximum(square, 0)) - n1 / n2 * cosine) * normal
+        after = n1 / n2 * k + (np.sqrt(square) - n1 / n2 * cosine) * normal
     after = np.where((cosine > 0) & ((square < 0) == total), after, np.nan)
     amplitudes = reflection(n1, n2, np.clip(cosine, 0, 1))
     if not total:

@@ -83,8 +83,8 @@ def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -
     if not abi:
         return
     every = RIGHTS[max(number for number in RIGHTS if number <= abi)]
-    rules = _Ruleset(every, NETWORK if abi >= 4 else 0, ABSTRACT_SOCKETS_AND_SIGNALS if abi >= 6 else 0)
-    size = 8 if abi < 4 else 16 if abi < 6 else 24
+    rules = _Ruleset(every, NETWORK, ABSTRACT_SOCKETS_AND_SIGNALS)
+    size = 8 if abi < 4 else 16 if abi < 6 else 24  # bytes: older kernels do not know the rules at the end
     ruleset = _checked(_libc().syscall(CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), 0))
     try:
         look = READ_FILE | READ_DIR

@@ -2,14 +2,14 @@
 
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from povgen import Chess, InputError, PovrayError, movie, render, save
-from povgen.rendering import povray
+from povgen import Chess, InputError, PovrayError, Rendering, movie, render, save
+from povgen.rendering import frames, povray
 
 SMALL = {"size": (48, 36), "antialias": "off"}
 SCENES = [Chess(sheet="none", x=x) for x in (0, 0, 0.5, 1)]  # the first two have the same file in the cache
@@ -67,6 +67,27 @@ def duration(image):
     for n in range(image.n_frames):
         image.seek(n)
         yield image.info["duration"]
+
+
+def test_only_so_many_frames_wait_in_the_pool(monkeypatch):
+    """Finished frames that wait for the first one do not count."""
+    submitted = []
+
+    class Pool:
+        def submit(self, *_):
+            submitted.append(Future())
+            return submitted[-1]
+
+    def wait(running, return_when):
+        """The last one ends first."""
+        unfinished = [frame for frame in submitted if not frame.done()]
+        assert set(running) == set(unfinished)
+        assert len(unfinished) == 2 or len(submitted) == len(SCENES) and len(unfinished) == 1
+        unfinished[-1].set_result(b"")
+
+    monkeypatch.setattr(frames, "wait", wait)
+    found = [frame for _, frame in frames._finished(SCENES, Rendering(), povray.Runner(), Pool(), 2)]
+    assert found == submitted and len(found) == len(SCENES)
 
 
 def test_in_processes(expected, tmp_path):

@@ -5,7 +5,9 @@ import json
 import os
 import sys
 from base64 import b64decode
+from contextlib import nullcontext
 from inspect import signature
+from types import SimpleNamespace
 
 import imageio_ffmpeg
 import numpy as np
@@ -14,6 +16,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Movie, live, movie, progress, render, save, show, to_pov
 from povgen.teach.page import demo
+from povgen.video import build
 
 SCENE = Chess(sheet="none")
 SMALL = {"size": (32, 32), "antialias": "off"}
@@ -64,6 +67,19 @@ def test_an_error_has_one_line_and_nothing_is_written(call, words, tmp_path, mon
         call()
     assert all(word in str(raised.value) for word in words) and len(str(raised.value).splitlines()) == 1
     assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize(("workers", "at_once"), [(None, 6), (2, 2)])
+def test_as_many_frames_at_once_as_the_cluster_takes(workers, at_once, tmp_path, monkeypatch):
+    """Unless the user says how many."""
+
+    def render_all(scenes, rendering, workers, *_):
+        raise InputError(f"{workers} at once")
+
+    monkeypatch.setattr("povgen.rendering.cluster.Cluster", lambda _: nullcontext(SimpleNamespace(frames=6)))
+    monkeypatch.setattr(build, "render_all", render_all)
+    with pytest.raises(InputError, match=f"^{at_once} at once$"):
+        movie([SCENE], tmp_path / "a.gif", workers=workers, scheduler="tcp://192.0.2.1:8786", progress=False)
 
 
 @pytest.mark.parametrize(("kind", "start"), [("mp4", "<video"), ("webm", "<video"), ("gif", "<img")])

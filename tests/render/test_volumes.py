@@ -40,6 +40,21 @@ def test_a_sphere_has_its_distance():
     near = abs(exact) < 0.5
     assert near.sum() > 10000
     assert abs(stored(made) - exact)[near].max() < 0.02  # of a voxel: the surface is curved
+    far = abs(exact) > 4
+    assert (stored(made)[far] == made.most * np.sign(exact[far])).all()
+
+
+def test_a_surface_through_points_of_the_grid_has_no_gap(monkeypatch):
+    """A cube from 5 to 9. Where inside and outside meet, both points are within a voxel of the surface."""
+    monkeypatch.setattr(volumes, "GRID", (15, 15, 15))
+    lines = np.ndindex(3, 3, 3)  # axis, and the two numbers of the lines that meet the cube, from 6 on
+    distance = volumes.distances(np.array([(axis, 6 + i, 6 + j, at) for axis, i, j in lines for at in (5.0, 9.0)]))
+    inside = distance < 0
+    assert inside.sum() == 27 and inside[6:9, 6:9, 6:9].all()
+    for axis in range(3):
+        change = np.diff(inside, axis=axis)
+        one, other = (np.delete(abs(distance), end, axis)[change] for end in (0, -1))
+        assert change.sum() == 18 and max(one.max(), other.max()) <= 1
 
 
 def test_hollows_and_hidden_surfaces():

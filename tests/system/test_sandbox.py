@@ -1,7 +1,9 @@
 """Scenes and processes that try what they must not: read or write other files, run commands, run or grow for ever."""
 
+import errno
 import os
 import resource
+import shutil
 import signal
 import socket
 import subprocess
@@ -9,6 +11,7 @@ import threading
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import POVGEN
@@ -274,6 +277,15 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
     assert isinstance(failure, TransientError) == ("killed" in expected)
 
 
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_disk_without_room_for_a_picture_is_full(missing, tmp_path, monkeypatch):
+    """POV-Ray does not say so. A picture takes up to 3 bytes for each pixel that POV-Ray renders, and 64 KiB."""
+    free = 2**16 + 3 * (2 * 64) * (2 * 48) - missing
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+    failure = povray._failure(Rendering(size=(64, 48), antialias="2x"), tmp_path, 1, "")
+    assert (getattr(failure, "errno", None) == errno.ENOSPC) == bool(missing)
+
+
 def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     refused(
@@ -397,6 +409,13 @@ def test_what_is_started_is_confined_as_well(places):
     )
     assert done.returncode and b"denied" in done.stderr
     assert (places / "write/new").exists() and not (places / "outside/new").exists()
+
+
+@pytest.mark.parametrize("path", ["/etc/povray/3.7/povray.conf", "/etc/ld.so.cache"])
+def test_povray_reads_the_systems_configuration(path):
+    """It may forbid more than povgen does."""
+    if Path(path).exists():
+        assert sandbox.within(Path(path).read_bytes, read=povray.READ)
 
 
 @pytest.mark.skipif(sandbox.version() < 4, reason="this kernel's Landlock does not know of networks")

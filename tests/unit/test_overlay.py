@@ -92,6 +92,7 @@ def dense(first, last, *about):
         # the pole within a thousandth of a tile and of a degree, and all near the eye's axis
         (Spheres(alpha=180, z1=[6], line=(1e-3, 2e-3), prisms=3000), 6, (180,)),
         (Chess(prisms=5, z1=9, z2=4, aperture=2.4, pedestal=0, view=VIEW), 0, (180,)),
+        (Spheres(alpha=100, z1=[6], line=(0.1, 0.05), eye=(2, 1)), 0, (180,)),
     ],
 )
 def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):
@@ -124,6 +125,26 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
     assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
+
+
+def test_marks_and_curves_have_a_dark_rim(monkeypatch):
+    """From the middle outwards: the colour, two thirds black, and the picture; each edge is a pixel wide."""
+    line = 0.5j + np.linspace(-1, 1, 2000)
+    monkeypatch.setattr(overlay, "loci", lambda scene, step: [([line], overlay.ALPHA_COLOUR)])
+    monkeypatch.setattr(overlay, "positions", lambda scene: [-0.5j])
+    scene, size = Spheres(z1=[2]), (1280, 960)
+    monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
+    picture, place = drawn(scene, size, overlay=True), probes.pixels(scene, size)
+    wide = 960 / 180
+    for colour, inner, outer, part, middle in (
+        (overlay.P_COLOUR, 1.1, 1.7, place.imag < 0, -0.5j),
+        (overlay.ALPHA_COLOUR, 0.5, 0.9, (place.imag > 0) & (abs(place.real) < 0.9), place.real + 0.5j),
+    ):
+        away = abs(place - middle) / scene.view * 960 / wide
+        edge = 0.51 / wide
+        for near, far, expected in ((0, inner, colour[:3]), (inner, outer, 40), (outer, 99, 120)):
+            ring = part & (away > near + edge * (near > 0)) & (away < far - edge)
+            assert ring.any() and abs(picture[ring] - expected).max() <= 1
 
 
 def test_the_overlay_leaves_the_rest_of_the_picture():
@@ -279,6 +300,7 @@ def test_letters_that_the_font_lacks_are_drawn():
         rows, columns = (np.flatnonzero(np.asarray(image)[..., 0].any(axis)) for axis in (1, 0))
         shapes.append((rows[0], rows[-1], columns[-1] - columns[0]))
     alpha, m, one, sub, nu, v = shapes
+    assert abs(m[0] + m[1] - 2 * 50) <= 2  # the middle of its height is where it was asked for
     assert 0.4 * m[2] < alpha[2] < 0.8 * m[2] and m[0] < alpha[0] and abs(alpha[1] - m[1]) <= 1
     assert sub[1] > one[1] and sub[0] > one[0] and sub[2] < one[2]
     assert nu == v
@@ -290,6 +312,7 @@ def test_letters_that_the_font_lacks_are_drawn():
         [Chess(alpha=alpha) for alpha in (7, 178.5)],
         [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (0.6, 6)],
         [Spheres(alpha=alpha, sheet="ideal", z1=[1, 6, 50]) for alpha in (0, 100, 180)],
+        [Spheres(alpha=alpha, sheet="ideal", z1=[1, 50]) for alpha in (0, 100)],
     ],
 )
 def test_a_movies_caption_stands_still(scenes, monkeypatch):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from povgen.optics import paraxial, rotation
 from povgen.optics.prism import Prism
-from povgen.optics.trace import pair, trace
+from povgen.optics.trace import Sheet, pair, trace
 
 ANGLE = st.floats(-np.pi, np.pi)
 DISTANCE = st.floats(0.5, 50)
@@ -54,6 +54,44 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
     found = A.conj() * z2 / size, -B * z2 / size
     thin = abs(rotation.one_minus_P(z2 / z1, alpha) - found[0]) + abs(found[1])
     assert abs(a - found[0]) + abs(b - found[1]) < 0.12 * thin
+
+
+@pytest.mark.parametrize("behind", [(), [(2.0, 0.3)]])
+@pytest.mark.parametrize("alpha", [3.135, 3.0, 1.0])
+def test_an_object_at_infinite_z1_appears_at_infinity(alpha, behind):
+    """Where |A| = |B|, or where there is no such z1, |A| is least."""
+    alpha, prism = alpha - sum(turn for _, turn in behind), Prism(0.05)
+    found = paraxial.infinite_z1(6, alpha, prism, behind)
+    A, B = paraxial.depths(found.real, 6, alpha, prism, behind)
+    if (found.imag == 0).all():
+        assert abs(A) == pytest.approx(abs(B)) and found[0] < found[1]
+    else:
+        beside = [paraxial.depths(found.real + step, 6, alpha, prism, behind)[0] for step in (-0.01, 0.01)]
+        assert (abs(A) > abs(B)).all() and (abs(A) < np.abs(beside)).all()
+
+
+@pytest.mark.parametrize("z1", [5.98, 6.0, 6.03, 3.0])
+def test_an_object_at_infinite_alpha_appears_at_infinity(z1):
+    prism = Prism(0.05)
+    alpha = complex(paraxial.infinite_alpha(z1, 6, prism))
+    A, B = paraxial.depths(z1, 6, np.array([alpha.real, -alpha.real]), prism)
+    assert (alpha.imag == 0) == (z1 > 5)
+    assert abs(A) == pytest.approx(abs(B)) if z1 > 5 else (abs(A) > abs(B)).all()
+
+
+def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
+    """Along the ridges and, on average over the prisms, across them."""
+    z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
+    prism = Prism(window / 50)
+    P = rng.uniform(-0.4, 0.4, (20_000, 2)) @ (1, 1j)
+    direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
+    rays = trace([[E.real, E.imag, -z2]], direction, (Sheet(0.0, 0.0),), window, prism)
+    end = rays.position + ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:]) * rays.direction
+    D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
+    along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
+    seen = (paraxial.mirrored_position(E + complex(along, across), E, z1, z2, prism) - E) / z2
+    assert seen.real == pytest.approx(1, abs=0.05 * prism.slab_shift / (z1 + z2))
+    assert seen.imag == pytest.approx(1, abs=0.01)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -113,6 +113,12 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
     assert told_aside(reported) <= limits.MAX_CAMERA_ERROR
 
 
+def test_the_camera_of_a_scene_without_objects_is_for_some_twice_as_far_as_the_eye():
+    sheet = {"sheet": "refraction", "alpha": 40, "ratio": 0.7, "eye": (0.4, -0.3)}
+    cells = [prediction.camera_cells(probes.Positions(z1=z1, **sheet)) for z1 in (6, 12, 24)]
+    assert cells[0] < cells[1] < cells[2] and prediction.camera_cells(probes.Directions(**sheet)) == cells[1]
+
+
 def said(scene, rendering=None):
     return " ".join(text for _, text in prediction.warnings(scene, rendering))
 

@@ -22,6 +22,41 @@ def test_eye_and_object_move_on_their_own():
     assert (scene.E, scene.L) == (1 - 5j, 0.2 + 0.3j)
 
 
+FAR = {"z1": 700, "z2": 150, "sheet": "none"}  # clear of the deepest frame, within POV-Ray's range
+
+
+@pytest.mark.parametrize(
+    ("scene", "name", "ends", "beyond"),
+    [
+        (Chess, "alpha", (-360, 360), (-360.001, 360.001)),
+        (Chess, "z1", (5000,), (0, 5001)),
+        (Chess, "z2", (150,), (0, 150.001)),
+        (Chess, "ratio", (0.1, 10), (0.099, 10.001)),
+        (Chess, "axis", ((-1, -1, -1), (1, 1, 1), (0, 0, 0.001)), ((0, 0, 1.001), (-1.001, 0, 0), (0, 0, 9.9e-4))),
+        (Chess, "prisms", (1, 3000), (0, 3001)),
+        (Chess, "index", (1.1, 4), (1.099, 4.001)),
+        (Chess, "base_angle", (15, 75), (14.9, 75.1)),
+        (Chess, "gap", (0.001, 0.5), (0.00099, 0.501)),
+        (Chess, "aspect", (1.999,), (0, 2)),
+        (Chess, "aperture", (0.5, 10), (0.499, 10.001)),
+        (Chess, "view", (0.1, 100), (0.099, 100.001)),
+        (Chess, "eye", ((-10, 0), (10, 10)), ((-10.001, 0), (0, 10.001))),
+        (Chess, "x", (-10, 10), (-10.001, 10.001)),
+        (Chess, "pedestal", (0, 10), (-0.001, 10.001)),
+        (Spheres, "line", ((-10, -10), (10, 10)), ((-10.001, 0), (0, 10.001))),
+        (Spheres, "z1", ((2,) * 50,), ((2,) * 51, (5001,))),
+    ],
+)
+def test_the_ends_of_a_range_are_allowed_and_nothing_beyond(scene, name, ends, beyond):
+    # of prisms so short or long that a sheet of them can be made
+    shape = {"base_angle": {"aspect": 1.5}, "index": {"aspect": 1.5}}.get(name, {})
+    for value in ends:
+        assert np.array_equal(getattr(scene(**{**FAR, **shape, name: value}), name), value)
+    for value in beyond:
+        with pytest.raises(InputError, match=f"^{name} = "):
+            scene(**{**FAR, **shape, name: value})
+
+
 def test_window_frame_and_pedestals_stand_on_the_floor():
     for aperture in (0.5, 2.4, 10):
         scene = Chess(aperture=aperture, z1=5, pedestal=0)
@@ -65,6 +100,13 @@ def test_the_window_frame_holds_the_sheets():
         assert scene.depth == pytest.approx(1.02 * scene.prism.thickness(2)) and scene.depth > APERTURE / 10
         with pytest.raises(InputError, match="would touch the window frame"):
             Chess(**{"z1": scene.depth / 2, "z2": 50, **values})
+
+
+def test_sheets_are_up_to_100_tiles_deep():
+    thick = {"prisms": 1, "aperture": 10, "z1": 150, "z2": 150}
+    assert 99.9 < Chess(aspect=1.174, **thick).sheets_depth < 100
+    with pytest.raises(InputError, match="would be 100.1 tiles deep; allowed: up to 100 tiles"):
+        Chess(aspect=1.175, **thick)
 
 
 @pytest.mark.parametrize(("piece", "width", "height"), [("knight", 0.45, 1.55), ("bishop", 0.4, 1.68)])

@@ -172,10 +172,23 @@ def test_a_frame_in_the_middle_that_cannot_be_is_refused():
         spec.scenes("standard")
 
 
-def test_too_many_frames_at_a_quality():
+def test_a_title_has_up_to_200_characters():
+    values = {"scene": "chess", "sweep": [Sweep.parse("alpha=0:1")]}
+    assert len(MovieSpec(title="é" * 200, **values).title) == 200
+    for title in ("é" * 201, ""):
+        with pytest.raises(InputError, match="^title = .* up to 200 characters"):
+            MovieSpec(title=title, **values)
+
+
+def test_too_many_frames_at_a_quality(monkeypatch):
     slow = MovieSpec.of_sweeps("chess", ["alpha=0:180"], {"frames": 10000, "frame_rate": 0.1})
     with pytest.raises(InputError, match="quality = 'hd': 2999701 frames; allowed: up to 30000"):
         slow.scenes("hd")
+    monkeypatch.setattr("povgen.scene.spec.MAX_FRAMES", 2)
+    three_times = MovieSpec.of_sweeps("chess", ["alpha=0:180"], {"frames": 6})
+    assert len(three_times.scenes("standard")) == 6
+    with pytest.raises(InputError, match="7 frames; allowed: up to 6"):
+        three_times.replace(frames=7).scenes("standard")
 
 
 def test_the_ends_of_a_range_are_exact():

@@ -27,15 +27,16 @@ def transverse(direction):
     return direction[:, 0] + 1j * direction[:, 1]
 
 
-@pytest.mark.parametrize("u", [0.3, 0.7, 0.95])
-def test_an_axial_ray_through_one_prism(u):
+@pytest.mark.parametrize(("u", "prisms"), [(0.3, 10), (0.7, 10), (0.95, 10), (0.7, 11)])
+def test_an_axial_ray_through_one_prism(u, prisms):
     """The ray is bent down by 45 deg - asin(sin 45 deg / n), reflected at the base, and leaves along z."""
-    prism = Prism(WINDOW / 10)
+    prism = Prism(WINDOW / prisms)
     gap = 0.01 * prism.pitch
     height = prism.pitch - gap
     down = pi / 4 - asin(sin(pi / 4) / 1.5)
     half = height * (1 + 1 / tan(down)) / 2
-    base = gap / 2  # height of the base of the prism above the middle
+    # height of a prism's base above the middle of the window, which is between two prisms, or amid one
+    base = gap / 2 - (prisms % 2) * prism.pitch / 2
     u *= height
     rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (Sheet(0, 0.2),), WINDOW, prism)
     assert rays.designed[0] and list(rays.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.FAR]

@@ -53,12 +53,12 @@ def test_windows_that_cannot_be_are_refused(values, words):
 
 
 def followed(scene, P):
-    """Follow the eye's ray to P through ideal windows. Return where it ends at the object, and what it passes."""
+    """Follow the eye's ray to P through ideal or empty windows. Return where it ends, and if it passes them all."""
     at, direction, passes = P, np.array([(P - scene.E).real, (P - scene.E).imag, scene.z2]), True
     half = scene.aperture / 2
     for place, alpha, after in zip(scene.places, scene.alphas, [*scene.places[1:], None], strict=True):
         passes &= clear(at, direction, -scene.depth / 2, half) & (max(abs(at.real), abs(at.imag)) < half)
-        direction = rotation.rotate(direction, np.radians(alpha))
+        direction = rotation.rotate(direction, np.radians(alpha)) if scene.sheet == "ideal" else direction
         passes &= clear(at, direction, scene.depth / 2, half)
         at += (scene.distances[0] if after is None else after - place) * complex(*direction[:2]) / direction[2]
     return at, passes
@@ -69,14 +69,15 @@ def clear(at, direction, z, half):
     return max(abs(reached.real), abs(reached.imag)) < half
 
 
-def test_predictions_follow_the_light_through_all_windows(rng):
+@pytest.mark.parametrize("sheet", ["ideal", "none"])
+def test_predictions_follow_the_light_through_all_windows(sheet, rng):
     seen = 0
     for _ in range(200):
         windows = [
             {"alpha": rng.uniform(-180, 180), "z": z} for z in np.cumsum(rng.uniform(0.5, 3, rng.integers(1, 5)))
         ]
         scene = Spheres(
-            sheet="ideal", alpha=rng.uniform(-180, 180), window=windows, z1=3, z2=rng.uniform(2, 9), eye=(0.3, -0.2)
+            sheet=sheet, alpha=rng.uniform(-180, 180), window=windows, z1=3, z2=rng.uniform(2, 9), eye=(0.3, -0.2)
         )
         P = complex(*rng.uniform(-1.2, 1.2, 2))
         L, passes = followed(scene, P)
