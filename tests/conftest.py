@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from povgen import MovieSpec
+from povgen import MovieSpec, Spheres
 from povgen.cli import app
 
 PROJECT = Path(__file__).parents[1]
@@ -102,6 +102,28 @@ def refused(arguments, folder):
     assert "Traceback" not in err
     assert sorted((path.name, path.read_bytes()) for path in folder.rglob("*") if path.is_file()) == before
     return err
+
+
+def seen_through_other_sheets(rng, scenes=100, rays=20):
+    """Yield scenes with random sheets that rotate about an axis or refract, and points that the eye sees through them.
+
+    The points (n,) are where rays from the eye end. They come with the places P (n,) where these rays cross the sheet.
+    """
+    for k in range(scenes):
+        z1, z2, ratio = np.exp(rng.uniform(np.log([0.3, 0.3, 0.1]), np.log([100, 30, 10])))
+        eye, alpha = rng.choice([0, 1.5, 9]) * rng.uniform(-1, 1, 2), rng.choice([180, rng.uniform(-360, 360)])
+        values = {"axis": rng.uniform(-1, 1, 3), "ratio": ratio, "eye": tuple(eye), "alpha": alpha}
+        scene = Spheres(sheet=("axis", "refraction")[k % 2], z1=z1 + 0.3, z2=z2 + 0.1, **values)
+        P = rng.uniform(-1.5, 1.5, (rays, 2)) @ [1, 1j]
+        L = landing(scene, P)
+        yield scene, L[np.isfinite(L)], P[np.isfinite(L)]
+
+
+def landing(scene, P):
+    """Return where rays from the eye through points P (n,) of another ideal sheet meet the first object's plane."""
+    x, y, z = scene.bend(np.stack(((P - scene.E).real, (P - scene.E).imag, np.full(len(P), scene.z2)), -1)).T
+    with np.errstate(invalid="ignore"):  # NaN: no light passes
+        return P + scene.distances[0] * (x + 1j * y) / z
 
 
 @pytest.fixture

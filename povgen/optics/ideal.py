@@ -9,15 +9,17 @@ direction NaN.
 
 Rotation about the normal is `rotation.rotate`. One sheet of Dove prisms, which mirrors light's transverse direction
 about any line in the sheet, is `rotation.mirror`; it is its own inverse. Both let light pass in every direction.
-`apparent_position` takes all maps.
+`position_by_rotation` and `position_by_refraction` return where light from an object crosses a sheet on its way to the
+eye. With a factor of the slope it is `rotation.apparent_position` for z1/|factor| in place of z1 and alpha =
+arg(factor), and with a mirror it is `paraxial.mirrored_position` for prisms of no size.
 """
 
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.rotation import Complexes
+from povgen.optics.rotation import Complexes, Floats
 
 Directions = NDArray[np.float64]
 
@@ -33,14 +35,8 @@ def rotate_about(direction: ArrayLike, axis: ArrayLike, alpha: float) -> Directi
     vector a (Rodrigues' formula). Light passes if the rotation leaves the sign of z as it is. Raises ValueError for the
     axis (0, 0, 0).
     """
-    d, a = np.asarray(direction, float), np.asarray(axis, float)
-    if not a.any():
-        raise ValueError("axis = (0, 0, 0); allowed: any other")
-    a = a / np.abs(a).max()  # so that no square becomes 0 or overflows
-    a = a / np.linalg.norm(a)
-    c = np.cos(alpha)
-    s = np.where(d[..., 2:] > 0, -1, 1) * np.sin(alpha)
-    turned = d * c + np.cross(a, d) * s + a * ((d @ a)[..., None] * (1 - c))
+    d, R = np.asarray(direction, float), _rotation(axis, alpha)
+    turned = np.where(d[..., 2:] > 0, d @ R, d @ R.T)
     return np.where(turned[..., 2:] * d[..., 2:] > 0, turned, np.nan)
 
 
@@ -76,45 +72,109 @@ def scale_slope(direction: ArrayLike, factor: complex) -> Directions:
 
 
 @_quiet
-def apparent_position(
-    sheet: Callable[[Directions], Directions], L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: float
+def position_by_rotation(
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, axis: ArrayLike, alpha: float, near: ArrayLike = 0
 ) -> Complexes:
-    """Return where light from L to E crosses an ideal sheet. `sheet` is its map of directions.
+    """Return where light from L to E crosses a sheet that rotates light about an axis: `rotate_about`.
 
-    L and E are complex, z1 >= 0 and z2 > 0 are the distances of the object behind and of the eye in front of the sheet,
-    all in one unit. L, E and z1 broadcast. Example: apparent_position(lambda d: refract(d, 1.5), 0.6, 0, 2, 6).
+    L and E are complex, z1 > 0 and z2 > 0 are the distances of the object behind and of the eye in front of the sheet,
+    all in one unit and finite. They broadcast. Light can reach the eye on up to three paths. The result is the crossing
+    with the least of max(|x|, |y|): a square window round 0 that shows any of them shows this one. It is NaN if there
+    is no path. Raises ValueError for the axis (0, 0, 0).
 
-    The result solves L = P + z1 s', where the camera's ray from E to P has the slope s' behind the sheet: Newton's
-    method, from the ray along the normal, with shorter steps where a step would lead beyond the range where light
-    passes. For maps that are linear in the slope (`scale_slope`, `rotation.rotate`, `rotation.mirror`) the first step
-    is exact. Light that is refracted by a ratio with an argument of more than 90 degrees, or rotated about an axis that
-    is not the normal, can reach the eye on several paths; the result is one of them. NaN means that none was found.
+    At a caustic two paths become one; beyond it, both are gone. Then a path that passes L at a distance of up to `near`
+    also counts: a large object can be seen although its middle is not.
+
+    A camera's ray with the direction v = (slope, 1) has the direction R^-1 v behind the sheet, with the rotation matrix
+    R. The vector from the crossing to L is K v, where K = ((-z2, 0, Re(L - E)), (0, -z2, Im(L - E)), (0, 0, z1)). Light
+    runs along it if K v is a positive multiple of R^-1 v: v is an eigenvector of R K with a positive eigenvalue. Close
+    to a caustic, two of the three are complex. The real part of their slope is that of the ray that passes close to L.
     """
-    L, E, z1 = np.broadcast_arrays(np.asarray(L, complex), np.asarray(E, complex), np.asarray(z1, float))
+    D, eye, after, before, most = _rays(L, E, z1, z2, near)
+    R, K = _rotation(axis, alpha), np.zeros((*D.shape[:-1], 3, 3))
+    K[..., 0, 0] = K[..., 1, 1] = -before[..., 0]
+    K[..., :, 2] = np.concatenate((D.real, D.imag, after), axis=-1)
+    values, v = np.linalg.eig(R @ K)
+    x, y, z = np.moveaxis(np.where(abs(v[..., 2:, :]) > 1e-9, v, np.nan), -2, 0)  # not parallel to the sheet
+    s = (x / z).real + 1j * (y / z).real
+    ray = np.stack((s.real, s.imag, np.ones_like(s.real)), axis=-1) @ R
+    miss = abs(before * s + after * (ray[..., 0] + 1j * ray[..., 1]) / ray[..., 2] - D)
+    # rounding can make a real eigenvalue complex if two are nearly equal
+    real = abs(values.imag) <= 1e-7 * values.real
+    return _nearest(np.where((ray[..., 2] > 0) & (real | (miss <= most)), eye + before * s, np.nan))
 
-    def missed(s: Complexes) -> Complexes:
-        """By how much camera rays with the slope s miss L; NaN where they do not pass."""
-        d = sheet(np.stack((s.real, s.imag, np.ones(s.shape)), axis=-1))
-        slope = d[..., :2] / d[..., 2:]
-        return E + z2 * s + z1 * (slope[..., 0] + 1j * slope[..., 1]) - L
 
-    size = 1 + np.abs(L - E) + z1 + z2
-    s = np.zeros(L.shape, complex)
+@_quiet
+def position_by_refraction(
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, ratio: complex, near: ArrayLike = 0
+) -> Complexes:
+    """Return where light from L to E crosses an interface with a ratio of refractive indices: `refract`.
+
+    Arguments and result as for `position_by_rotation`. Raises ValueError for the ratio 0.
+
+    Let t be the angle of the eye's ray to the normal, and t' that of the ray behind the interface: sin t = |ratio|
+    sin t'. The ray's slope s at the eye has |s| = tan t, and L - E = Z s with the complex depth Z = z2 + z1 (tan t'/
+    tan t) exp(-i arg(ratio)). So |Z| tan t = |L - E| is an equation for t alone. The derivative of its left side is 0
+    where w = (z2 tan t)/(z1 tan t') solves w^4 + c w^3 + c q w + q = 0, with c = cos(arg(ratio)) and q = (|ratio|
+    z2/z1)^2. That is at most twice, and there are the caustics. The solutions, between these points, are found by
+    bisection of an angle p. It is 0 for light along the normal, and 90 degrees where the greater of t and t' is.
+    """
+    if ratio == 0:
+        raise ValueError("ratio = 0; allowed: any other")
+    D, eye, after, before, most = _rays(L, E, z1, z2, near)
+    size, turn = abs(ratio), np.conj(ratio) / abs(ratio)
+    least = min(1, size)
+
+    def ray(p: Floats) -> tuple[Complexes, Floats]:
+        """Return Z, and by how much the ray passes on the far side of L, seen from E."""
+        c = (least * np.cos(p)) ** 2
+        cos2, behind = c + (1 - least**2), c + (size**2 - least**2)  # cos^2 t, and cos^2 t' times |ratio|^2
+        Z = before + after * turn * np.sqrt(cos2 / behind)
+        return Z, abs(Z) * least * np.sin(p) / np.sqrt(cos2) - abs(D)
+
+    c, q, companion = turn.real, (size * before / after) ** 2, np.zeros((*D.shape[:-1], 4, 4))
+    companion[..., 0, :] = -np.concatenate((c + 0 * q, 0 * q, c * q, q), axis=-1)
+    companion[..., [1, 2, 3], [0, 1, 2]] = 1
+    w = np.linalg.eigvals(companion)
+    square = (np.where(w.real > 0, w.real, np.nan) * after / before) ** 2  # (tan t/tan t')^2
+    turning = np.arcsin(np.sqrt((size**2 - square) / (1 - square)) / least)
+    p = np.sort(np.concatenate((0 * q, np.nan_to_num(turning), 0 * q + np.pi / 2), axis=-1))
+    beyond = ray(p)[1] > 0
+    found = beyond[..., 1:] != beyond[..., :-1]
+    start, end = p[..., :-1], p[..., 1:]
     for _ in range(60):
-        off = missed(s)
-        if not (np.abs(off) > 1e-13 * size).any():
-            break
-        # the derivatives a, b of `missed` = a ds + b conj(ds), from differences
-        right, up = (missed(s + 1e-7 * step) - missed(s - 1e-7 * step) for step in (1, 1j))
-        a, b = (right - 1j * up) / 4e-7, (right + 1j * up) / 4e-7
-        step = -(a.conj() * off - b * off.conj()) / (np.abs(a) ** 2 - np.abs(b) ** 2)
-        for _ in range(30):
-            worse = ~(np.abs(missed(s + step)) <= np.abs(off))
-            step = np.where(worse, step / 2, step)
-            if not worse.any():
-                break
-        s = np.where(np.isfinite(step), s + step, s)
-    return np.where(np.abs(missed(s)) < 1e-9 * size, E + z2 * s, np.nan)[()]
+        middle = (start + end) / 2
+        not_yet = (ray(middle)[1] > 0) == beyond[..., :-1]
+        start, end = np.where(not_yet, middle, start), np.where(not_yet, end, middle)
+    exact = np.where(found, eye + D * before / ray((start + end) / 2)[0], np.nan)
+    Z, off = ray(p[..., 1:-1])
+    close = (abs(off) <= most) & (p[..., 1:-1] > 0) & ~found[..., 1:] & ~found[..., :-1]
+    return _nearest(
+        np.concatenate((exact, np.where(close, eye + (D + D / abs(D) * off) * before / Z, np.nan)), axis=-1)
+    )
+
+
+def _rotation(axis: ArrayLike, alpha: float) -> NDArray[np.float64]:
+    """Return the matrix (3, 3) that turns light's directions by alpha about an axis (3,)."""
+    a = np.asarray(axis, float)
+    if not a.any():
+        raise ValueError("axis = (0, 0, 0); allowed: any other")
+    a = a / np.abs(a).max()  # so that no square becomes 0 or overflows
+    a = a / np.linalg.norm(a)
+    c, across = np.cos(alpha), np.cross(a, np.eye(3)).T
+    return np.array(c * np.eye(3) + np.sin(alpha) * across + (1 - c) * np.outer(a, a))
+
+
+def _rays(L: ArrayLike, E: ArrayLike, *lengths: ArrayLike) -> tuple[Any, ...]:
+    """Return L - E, E and lengths as arrays (..., 1)."""
+    place, eye, *others = np.broadcast_arrays(*(np.asarray(x)[..., None] for x in (L, E, *lengths)))
+    return place - eye, eye, *others
+
+
+def _nearest(P: Complexes) -> Complexes:
+    """Return, of the points (..., n), the one with the least of max(|x|, |y|). Points can be NaN."""
+    far = np.nan_to_num(np.maximum(abs(P.real), abs(P.imag)), nan=np.inf)
+    return np.take_along_axis(P, far.argmin(-1)[..., None], -1)[..., 0][()]
 
 
 def _parts(direction: ArrayLike, factor: complex, name: str) -> tuple[Directions, Directions, Complexes]:

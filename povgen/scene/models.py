@@ -244,6 +244,11 @@ class Scene(Model):
         return tuple(z1 for _, z1 in self.objects)
 
     @property
+    def radii(self) -> tuple[float, ...]:
+        """The radius of every object, tiles: of a piece that of its foot."""
+        return (0.0,) * len(self.objects)
+
+    @property
     def E(self) -> complex:
         """The eye, projected onto z = 0."""
         return complex(*self.eye)
@@ -332,11 +337,14 @@ class Scene(Model):
             case _:
                 return rotation.mirror(direction, alpha / 2)
 
-    def apparent_position(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Complexes":
+    def apparent_position(
+        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
+    ) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
         Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
-        scene's own. Arrays broadcast.
+        scene's own. `near` is for OTHER_SHEETS, which always have the scene's alpha: the distance, in tiles, at which
+        light may pass the point (`ideal.position_by_rotation`). Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
@@ -344,9 +352,7 @@ class Scene(Model):
 
         turn = numpy.radians(self.alpha if alpha is None else alpha)
         if self.sheet in OTHER_SHEETS:
-            from povgen.optics import ideal
-
-            return ideal.apparent_position(self.bend, L, self.E, z1, self.z2)
+            return self._position_behind_other_sheet(L, z1, near)
         if self.sheet == "single":
             return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
         if self.sheet == "none":
@@ -355,7 +361,28 @@ class Scene(Model):
             return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prisms_by_window, self.behind)
         return rotation.apparent_position(L, self.E, z1, self.z2, turn, self.behind)
 
-    def visible(self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None) -> "Booleans":
+    def _position_behind_other_sheet(self, L: "ArrayLike", z1: "ArrayLike", near: "ArrayLike") -> "Complexes":
+        from cmath import rect
+
+        import numpy
+
+        from povgen.optics import ideal, paraxial, rotation
+
+        alpha, rays = radians(self.alpha), (L, self.E, z1, self.z2)
+        match self.sheet:
+            case "axis":
+                return ideal.position_by_rotation(*rays, self.axis, alpha, near)
+            case "refraction":
+                return ideal.position_by_refraction(*rays, rect(self.ratio, alpha), near)
+            case "lenslets":
+                return rotation.apparent_position(L, self.E, numpy.divide(z1, self.ratio), self.z2, alpha)
+            case _:  # the mirror's line becomes the x axis
+                turn = rect(1, alpha / 2)
+                return turn * paraxial.mirrored_position(numpy.divide(L, turn), self.E / turn, z1, self.z2, Prism(0.0))
+
+    def visible(
+        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
+    ) -> "Booleans":
         """Return whether light from a point reaches the eye through the windows, by the prediction.
 
         The light must pass inside each window frame's front and back, and inside each window at the middle planes of
@@ -380,7 +407,7 @@ class Scene(Model):
             return self.E + A * slope + B * slope.conjugate()
 
         with numpy.errstate(invalid="ignore"):
-            slope = (self.apparent_position(L, z1, alpha) - self.E) / self.z2
+            slope = (self.apparent_position(L, z1, alpha, near) - self.E) / self.z2
             crossed = []
             for passed, sheet in enumerate(self.sheets):
                 distance = self.places[passed] - self.places[max(0, passed - 1)]
@@ -554,6 +581,10 @@ class Chess(Scene):
         return tuple((complex(piece.x, self.floor + self.pedestal), piece.z1) for piece in self.pieces)
 
     @property
+    def radii(self) -> tuple[float, ...]:
+        return tuple(piece.radius for piece in self.pieces)
+
+    @property
     def floor(self) -> float:
         """Height of the floor, on which window frame and pedestals stand, relative to the window's centre, tiles."""
         return -(self.aperture / 2 + self.rim)
@@ -648,6 +679,10 @@ class Spheres(Scene):
             return tuple((self.L, z1) for z1 in _tuple(self.z1))
         nearest, farthest = self.nearest, self.farthest
         return tuple((self.L, z1) for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
+
+    @property
+    def radii(self) -> tuple[float, ...]:
+        return tuple(self.radius(z1) for z1 in self.distances)
 
     def radius(self, z1: float) -> float:
         """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""

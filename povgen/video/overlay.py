@@ -254,9 +254,11 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
 def positions(scene: Scene) -> list[complex]:
     """Return the predicted positions of the scene's objects (a piece's foot) in the plane z = 0, in tiles.
 
-    Objects that the window frame hides from the eye are left out.
+    Objects that the window frame hides from the eye are left out. Where no light of an object's middle reaches the eye
+    through one of the other sheets, but light of the object beside it does, the position is that of this light.
     """
-    return [complex(scene.apparent_position(L, z1)) for L, z1 in scene.objects if scene.visible(L, z1)]
+    objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
+    return [complex(scene.apparent_position(*each)) for each in objects if scene.visible(*each)]
 
 
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:

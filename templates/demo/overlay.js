@@ -106,13 +106,13 @@ function marks(now, rem, box) {
   const rings = [];
   now.objects.forEach((z1, k) => {
     const there = { ...now, z1, r: now.z2 / z1 };
-    there.place = apparentPosition(there);
+    there.place = markedPosition(there);
     if (!finite(there.place)) return;
     const at = onStage(there.place);
     const chosen = z1 === now.z1;
     const out = edge(at, box, 0.6 * rem);
     const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) || now.beside ? " unsure" : ""}`;
-    const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M) : 0.45 * rem;
+    const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M || 0) : 0.45 * rem;
     if (!out) {
       rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
     }

@@ -105,7 +105,7 @@ function moment() {
   const alpha = sheet === "none" ? 0 : radians(degrees);
   const r = z2 / z1;
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
-  now.radii = geometry.spheres(scene).map(({ radius }) => radius);
+  now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.pedestals[state.piece]];
   now.behind = behindFirst(scene);
   if (now.behind.length) {
     [[now.d]] = now.behind;
@@ -116,7 +116,7 @@ function moment() {
   now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
   now.beyond = Boolean(now.Z) || OTHER_SHEETS.includes(sheet);
   now.P = equations.P(r, alpha);
-  now.place = apparentPosition(now);
+  now.place = markedPosition(now);
   Object.assign(now, appearance(now));
   // whether the light from L, on its way through the first window, misses the second one
   now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(atSecondWindow(now), scene);
@@ -128,14 +128,18 @@ function moment() {
 const NEAR_POLE = 12;  // a larger M is near the pole
 
 // The point of the plane z = 0 at which the sheets show a point, by default L.
-function apparentPosition(now, L = now.L, { z1, z2, alpha } = now) {
+// Through the other sheets, light that passes the point at a distance of up to `near` counts too.
+function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
   const { E, prism, behind } = now;
   if (imagingPole(now.scene, z1, z2)) return [Infinity, 0];
-  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.scene);
+  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.scene, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
 }
+
+// Where an object is marked: where its middle is seen, or a place close to it if only a part beside the middle is seen.
+const markedPosition = (now) => apparentPosition(now, now.L, now, now.radii[now.objects.indexOf(now.z1)]);
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
 // of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.

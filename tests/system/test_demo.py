@@ -6,7 +6,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from conftest import PROJECT, SHARP, WORK, opened, povgen, refused, sentence, show
+from conftest import PROJECT, SHARP, WORK, opened, povgen, refused, seen_through_other_sheets, sentence, show
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -182,6 +182,38 @@ def test_equations_of_windows_in_series_are_those_of_rotation_and_paraxial(page)
             compare([thick], np.array([paraxial.apparent_position(L, E, z1, z2, alpha, prism, behind)]))
             nu, M = paraxial.nu_and_M(z1, z2, alpha, prism, behind)
             assert [turned["nu"], turned["M"]] == pytest.approx([nu, M], rel=1e-12)
+
+
+def test_positions_behind_other_sheets_are_those_of_python(page):
+    """Also where the ray along the normal does not pass, and where two paths have just become one."""
+    marks = Spheres(sheet="axis", axis=(0, -0.7, -0.6), alpha=180, z2=1, eye=(0, -1.5), line=(0, 2.6), z1=3)
+    linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in ("lenslets", "mirror")]
+    cases = [(scene, L, 2.0, 0.0) for scene in linear for L in (0.3 - 1j, 2 + 1j)]
+    cases += [
+        (scene, L, scene.z1, 0.0)
+        for scene, points, _ in seen_through_other_sheets(np.random.default_rng(9))
+        for L in points
+    ]
+    wanted = [complex(scene.apparent_position(L, z1)) for scene, L, z1, _ in cases]
+    cases.append((marks, marks.L, marks.z1, marks.radii[0]))
+    given = page.evaluate(
+        "(cases) => cases.map((values) => crossing(...values))",
+        [
+            [
+                [L.real, L.imag],
+                scene.eye,
+                z1,
+                scene.z2,
+                scene.model_dump(include={"sheet", "alpha", "ratio", "axis"}),
+                near,
+            ]
+            for scene, L, z1, near in cases
+        ],
+    )
+    assert len(given) > 1000 and np.isfinite(wanted).all()
+    place = complex(*given.pop())
+    assert abs(place - complex(marks.apparent_position(marks.L, 3, near=marks.radii[0]))) < 0.03
+    assert np.array(given) @ [1, 1j] == pytest.approx(np.array(wanted), rel=1e-7, abs=1e-7)
 
 
 BEYOND = [

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import landing, seen_through_other_sheets
 
 from povgen import Chess, InputError, MovieSpec, Spheres
 from povgen.optics import ideal, rotation
@@ -67,6 +68,52 @@ def test_the_eye_sees_a_point_where_its_ray_meets_it(values, rng):
     L, z1 = np.array([0.1, 0.2j])[:, None], np.array([1.0, 2, 3])
     both = scene.apparent_position(L, z1)
     assert both.shape == (2, 3) and both[1, 2] == pytest.approx(scene.apparent_position(0.2j, 3.0))
+
+
+def test_what_the_eye_sees_has_an_apparent_position(rng):
+    """Of several paths it is the one nearest to the middle of the window, so that no other one is seen alone."""
+    other = count = 0
+    for scene, L, P in seen_through_other_sheets(rng):
+        found = scene.apparent_position(L, scene.z1)
+        assert landing(scene, found) == pytest.approx(L, rel=1e-7, abs=1e-7 * (scene.z1 + scene.z2)), scene
+        far, as_far = (np.maximum(abs(place.real), abs(place.imag)) for place in (found, P))
+        assert (far < as_far + 1e-5).all(), scene
+        other += (abs(found - P) > 1e-3).sum()
+        count += len(L)
+    assert count > 1000 and other > 5
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"axis": (0, -0.7, -0.6), "alpha": 180, "z2": 1, "eye": (0, -1.5), "line": (0, 2.6), "z1": 3},
+        # the ray along the normal does not pass
+        {"axis": (1, 0, 0), "alpha": 100, "z2": 1, "eye": (0, 0), "line": (0, 0), "z1": 0.6},
+    ],
+)
+def test_an_object_that_is_seen_is_marked(values):
+    scene = Spheres(sheet="axis", **values)
+    (place,) = overlay.positions(scene)
+    # in the first scene no light from the sphere's centre reaches the eye, but light from 0.024 tiles beside it does
+    assert abs(landing(scene, np.array([place]))[0] - scene.L) < 0.025 < scene.radius(scene.z1)
+    assert not [*prediction.warnings(scene, Rendering(overlay=True))]
+
+
+# Of the three paths to L, two are nearly the same; the third one is far outside the window.
+CAUSTIC = {"sheet": "refraction", "alpha": -161.5, "ratio": 3.077, "eye": (-3.31, -2.94), "z1": 35.9, "z2": 4.27}
+
+
+def test_both_paths_close_to_a_caustic_are_found_and_then_none():
+    scene, P = Spheres(**CAUSTIC), 0.224 + 0.558j
+    L = landing(scene, np.array([P]))[0]
+    at = scene.apparent_position(L, scene.z1)
+    assert abs(at - P) < 0.2 and landing(scene, np.array([at])) == pytest.approx(L)
+    beyond = L + np.linspace(-3, 3, 61)[:, None] + 1j * np.linspace(-3, 3, 61)
+    exact, near = (scene.apparent_position(beyond, scene.z1, near=distance) for distance in (0, 0.5))
+    gone = (abs(exact) > 5) & (abs(near) < 5)
+    assert gone.sum() > 50
+    miss = abs(landing(scene, near[gone]) - beyond[gone])
+    assert 0.1 < miss.max() <= 0.5 + 1e-9 and (near[abs(exact) < 2] == exact[abs(exact) < 2]).all()
 
 
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
