@@ -120,9 +120,9 @@ def _crossings_up_to(
     """Return where rays from the eye cross the windows up to this one (0: the first), (number + 1, rays).
 
     These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
-    window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if otherwise
-    fewer rays than that would cross all windows. Each has a random point, so that there is no moire with the prisms. The
-    random points are the same each time.
+    window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if
+    otherwise fewer rays than that would cross all windows. There is a random point in each, the same each time.
+    Regularly spaced points would make moire with the prisms.
     """
     import numpy as np
 
