@@ -16,7 +16,8 @@ MAX_PRISMS = 3000
 # gap's width hardly matters.
 MIN_GAP = 1e-3
 WIDE_GAP = 0.09
-# (d) This fraction of the window's pixels may be black because of the trace level, although light comes through there.
+# (d) Of the pixels that show a window of prisms, this fraction may be black because of the trace level, although light
+# comes through there. This holds for each of these windows.
 MAX_LOST_FRACTION = 0.05
 # To find that trace level, rays are followed through at most this number of faces. A level of 240 can crash POV-Ray.
 MAX_FACES = 180

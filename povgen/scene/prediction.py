@@ -121,8 +121,8 @@ def _crossings_up_to(
 
     These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
     window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if
-    otherwise fewer rays than that would cross all windows. Each has a random point, so that there is no moire with the
-    prisms. The random points are the same each time.
+    otherwise fewer rays than that would cross all windows. There is a random point in each, the same each time.
+    Regularly spaced points would make moire with the prisms.
     """
     import numpy as np
 
@@ -300,8 +300,8 @@ def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[st
     if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all():
         by = {"axis": "axis and alpha", "refraction": "ratio, z2 and eye"}[scene.sheet]  # the others pass all light
         yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
-    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True) if rendering and rendering.overlay else ():
-        if not np.isfinite(scene.apparent_position(L, z1, near=radius)):
+    for L, z1 in scene.objects if rendering and rendering.overlay else ():
+        if not np.isfinite(scene.apparent_position(L, z1)):
             text = (
                 f"overlay: at alpha = {scene.alpha:g} and z1 = {z1:g} the object has no mark: it appears at infinity,"
             )

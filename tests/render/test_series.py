@@ -14,12 +14,11 @@ FRAME = "// ---- The window frame (frame.pov.j2) ----"
 
 
 def windows_at_random(count, rng):
-    """Scenes of 2 to 5 ideal windows. Half of the angles are multiples of 15 degrees: more edges meet in a point."""
+    """Scenes of 2 to 5 ideal windows. Half of the angles are multiples of 15 degrees, so that edges meet in a point."""
     for _ in range(count):
         windows = rng.integers(2, 6)
-        alphas = np.where(
-            rng.random(windows) < 0.5, rng.uniform(-180, 180, windows), 15 * rng.integers(-12, 13, windows)
-        )
+        steps = rng.choice([0.001, 15], windows)
+        alphas = steps * np.round(rng.uniform(-180, 180, windows) / steps)
         z = np.cumsum(rng.uniform(0.3, 4, windows - 1))
         yield Directions(
             sheet="ideal",

@@ -159,7 +159,7 @@ def rays_to(scene, number, count, rng):
     return at, np.column_stack((step.real, step.imag, way))
 
 
-FAR = "alpha=66,z=25,sheet=detailed"
+FAR, NEXT = "alpha=66,z=25,sheet=detailed", "alpha=70,z=14,sheet=detailed"
 
 
 @pytest.mark.parametrize(
@@ -170,14 +170,7 @@ FAR = "alpha=66,z=25,sheet=detailed"
         ({"alpha": 0, "window": FAR, "sheet": "ideal"}, [1]),
         ({"alpha": 0, "window": "alpha=66,z=25"}, [0, 1]),
         ({"alpha": 80, "window": ["alpha=-80,z=3", FAR], "sheet": "ideal", "eye": (0.4, -0.3), "z2": 15}, [2]),
-        (
-            {
-                "alpha": 20,
-                "window": ["alpha=-140,z=9,sheet=detailed", "alpha=70,z=14,sheet=detailed"],
-                "sheet": "ideal",
-            },
-            [1],
-        ),
+        ({"alpha": 20, "window": ["alpha=-140,z=9,sheet=detailed", NEXT], "sheet": "ideal"}, [1]),
     ],
 )
 def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values, seen, rng):
