@@ -1,6 +1,8 @@
 """Encode frames as movies and pictures. No other module encodes."""
 
+import errno
 import logging
+import os
 from collections.abc import Iterable
 from contextlib import suppress
 from itertools import pairwise
@@ -13,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError
+from povgen.files import is_full
 
 logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen reports errors itself
 # Some players show untagged video in wrong colours.
@@ -73,7 +76,9 @@ def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tag
     with suppress(RuntimeError):  # raised if the file is no movie; ffmpeg's exit status is not available
         found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
     if found != written or not written:
-        raise OSError(f"the encoder wrote {found} of {written} frames (is the disk full?)")
+        if is_full(output.parent):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
+        raise OSError(f"the encoder {imageio_ffmpeg.get_ffmpeg_exe()} failed: it wrote {found} of {written} frames")
 
 
 def gif_durations(frames: int, rate: float) -> list[int]:
