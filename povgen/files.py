@@ -102,6 +102,22 @@ def unless_removed(work: Callable[[], Result], warn: Callable[[], object] = lamb
 
 
 @contextmanager
+def output_folder(path: Path) -> Iterator[Path]:
+    """Make a folder if it is missing, and yield its path. After an error, remove it if it was made here and is empty.
+
+    Raises InputError if no file can be written into it.
+    """
+    new = not os.path.lexists(path)
+    try:
+        yield checked_folder(path)
+    except BaseException:
+        if new:
+            with suppress(OSError):  # it is not empty
+                path.rmdir()
+        raise
+
+
+@contextmanager
 def work_folder(parent: Path) -> Iterator[Path]:
     """Yield a new folder for unfinished files, and remove it at the end. Remove leftovers in `parent` first.
 
@@ -116,8 +132,9 @@ def work_folder(parent: Path) -> Iterator[Path]:
         except Exception as error:
             if not os.path.lexists(folder):
                 raise Removed(folder) from None
-            if isinstance(error, OSError) and error.errno == errno.ENOSPC and _has_no_inodes(folder):
-                error.strerror = NO_INODES
+            if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+                error.strerror = NO_INODES if _has_no_inodes(parent) else error.strerror
+                error.filename = error.filename or str(parent)
             raise
 
 

@@ -1,46 +1,71 @@
 """What `povgen check` tests: whether each part that povgen needs is there and works."""
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
 
 from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
-from povgen.rendering import cache, frames, povray, sandbox
+from povgen.rendering import cache, povray, sandbox
 from povgen.scene.models import Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 from povgen.video import encode
 
 TINY = Rendering(size=(64, 48), antialias=None)
+FILES, ROOM = 16, 2**16  # bytes in each file
+
+
+class Part(NamedTuple):
+    """What povgen needs: a test of it, the remedy if it fails, and the parts without which it cannot be tested."""
+
+    name: str
+    test: Callable[[], str]
+    remedy: str
+    needs: tuple[str, ...] = ()
 
 
 def faults(report: Callable[[str], object]) -> Iterator[str]:
-    """Test each part, report the result as a line of text, and yield the names of the parts that fail."""
-    with temporary_folder() as folder:
-        frame = folder / "frame.png"
-        for name, test, remedy in (
-            ("POV-Ray", povray.version, "install it: apt-get install povray"),
-            ("cache", _cache, "make the folder writable, or name another in POVGEN_CACHE"),
-            ("sandbox", _sandbox, "report it as an issue of povgen"),
-            ("limits", _limits, "install util-linux, or a shell"),
-            (
-                "frame",
-                lambda: _frame(frame),
-                "read POV-Ray's message; reinstall it: apt-get install --reinstall povray",
-            ),
-            ("encoder", lambda: _encode(frame), "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'"),
-        ):
-            try:
-                report(f"ok     {name}: {test()}")
-            except (InputError, PovrayError, OSError, RuntimeError) as error:
-                report(f"FAULT  {name}: {message_of(error)}\n       remedy: {remedy}")
-                yield name
+    """Test each part, report the result as a line of text, and yield the names of the parts that fail.
+
+    A part is not tested if a part that it needs has failed, because the reason would be the same.
+    """
+    failed: list[str] = []
+    for part in PARTS:
+        if missing := [name for name in part.needs if name in failed]:
+            report(f"-      {part.name}: not tested, because it needs: {', '.join(missing)}")
+            failed.append(part.name)
+            continue
+        try:
+            report(f"ok     {part.name}: {part.test()}")
+        except InputError as error:  # it says what is allowed
+            report(f"FAULT  {part.name}: {error}")
+        except (PovrayError, OSError, RuntimeError) as error:
+            report(f"FAULT  {part.name}: {message_of(error)}\n       remedy: {part.remedy}")
+        else:
+            continue
+        failed.append(part.name)
+        yield part.name
+
+
+def _temporary() -> str:
+    return _room(temporary_folder())
 
 
 def _cache() -> str:
-    with cache.work_folder():
-        return str(cache.folder())
+    return _room(cache.work_folder())
+
+
+def _room(work_folder: AbstractContextManager[Path]) -> str:
+    """Make more and larger files than the small frame and movie need. Return the folder where they were."""
+    with work_folder as folder:
+        for number in range(FILES):
+            (folder / f"room{number}").write_bytes(bytes(ROOM))
+        return str(folder.parent)
 
 
 def _sandbox() -> str:
@@ -56,14 +81,36 @@ def _limits() -> str:
     return "time, memory and size of files; POV-Ray ends when povgen ends"
 
 
-def _frame(frame: Path) -> str:
+def _frame() -> str:
     with temporary_folder() as folder:
-        povray.run(to_pov(Chess(sheet="detailed")), TINY, folder).rename(frame)
+        povray.run(to_pov(Chess(sheet="detailed")), TINY, folder)
     return "a chess piece seen through two sheets of 100 prisms, 64x48 pixels"
 
 
-def _encode(frame: Path) -> str:
+def _encode() -> str:
     import imageio_ffmpeg
 
-    encode.encode([frames.read_png(frame)] * 3, frame.with_name("movie.mp4"), 10, {})
+    with temporary_folder() as folder:
+        encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, folder / "movie.mp4", 10, {})
     return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"
+
+
+PARTS = (
+    Part("POV-Ray", lambda: povray.version(), "install it: apt-get install povray"),
+    Part("temporary files", _temporary, "make room in this folder, or name another in TMPDIR"),
+    Part("cache", _cache, "make room in this folder and let povgen write there, or name another in POVGEN_CACHE"),
+    Part("sandbox", _sandbox, "report it as an issue of povgen"),
+    Part("limits", _limits, "install util-linux, or a shell"),
+    Part(
+        "frame",
+        _frame,
+        "read POV-Ray's message; reinstall it: apt-get install --reinstall povray",
+        ("POV-Ray", "temporary files", "sandbox", "limits"),
+    ),
+    Part(
+        "encoder",
+        _encode,
+        "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'; unset IMAGEIO_FFMPEG_EXE",
+        ("temporary files",),
+    ),
+)

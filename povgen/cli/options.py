@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
@@ -155,13 +156,13 @@ def split(values: Values) -> tuple[Values, Values]:
     return {name: value for name, value in values.items() if name not in rendering}, rendering
 
 
-def made_folder(output: Path) -> Path:
-    """Make the folder for a command's output. Call this last, when all other values have been checked."""
-    from povgen.files import checked_folder
+def made_folder(output: Path) -> AbstractContextManager[Path]:
+    """Make the folder for a command's output, as files.output_folder does. Call this when other values were checked."""
+    from povgen.files import output_folder
     from povgen.rendering import cache
 
     cache.check()
-    return checked_folder(output)
+    return output_folder(output)
 
 
 def auto_tolerance(values: Values, tolerance: str | None) -> "AutoTolerance | None":

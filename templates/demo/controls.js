@@ -91,7 +91,7 @@ $("beyond").addEventListener("change", () => {
 $("undo").addEventListener("click", () => {
   given(pick(replaced.before, "scene", ...Object.keys(SETTINGS)));
   replaced = null;
-  $("reset").focus();
+  $("scrub").focus();  // the button Undo is gone
 });
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
 for (const name of SWITCHES) {

@@ -44,7 +44,7 @@ const player = {
 
   play() {
     if (this.preset.scene !== state.scene) return;
-    if (this.preset.parameter === "alpha" && ["none", "single"].includes(state.sheet)) change({ sheet: "ideal" });  // alpha needs two sheets
+    if (this.preset.parameter === "alpha" && ["none", "single"].includes(state.sheet)) replace({ sheet: "ideal" });  // alpha needs two sheets
     if (this.part() >= 1) this.seek(0);
     this.playing = true;
     this.since = performance.now();

@@ -72,7 +72,7 @@ function replace(values, chosen = []) {
   change(values);
   const lost = Object.keys(SETTINGS).filter((name) =>
     !chosen.includes(name) && [state, usual].every((other) => String(other[name]) !== String(before[name])));
-  if (lost.length) replaced = { before, values: pick(state, ...lost) };
+  if (lost.length && state.question < 0) replaced = { before, values: pick(state, ...lost) };
 }
 
 // The names of the settings that still have the values that replaced the user's own.

@@ -56,7 +56,7 @@ const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2)
 
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
 function explanation(now) {
-  if (isAsked()) return ["What is seen is said with the answer.", ...refusals].join(" ");
+  if (isAsked()) return ["What is seen is said with the answer.", ...limitsMet(now)].join(" ");
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
@@ -102,18 +102,24 @@ function poleSentence(now) {
     : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
 }
 
+// Which values were not allowed.
+function limitsMet({ z1, z2, d, scene }) {
+  const depth = geometry.depth(scene);
+  const frame = depth > 1 ? `the frame, which is ${brief(depth)} tiles deep` : "the frame";
+  const met = [...refusals];
+  if (state.scene === "chess" && state.z1 < z1 * 0.999) met.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
+  if (d && state.d < d * 0.999) met.push(`d is at least ${brief(d)}: the windows would touch.`);
+  if (state.z2 < z2 * 0.999) met.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
+  return met;
+}
+
 function remarks(now) {
   const { sheet, z1, z2, scene, degrees } = now;
   const found = [];
   if (now.two && Math.abs(Math.abs(degrees) - 180) < 0.05 && z1 < z2 * 0.95 && contents(now).has("thing")) {
     found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
   }
-  const depth = geometry.depth(scene);
-  const frame = depth > 1 ? `the frame, which is ${brief(depth)} tiles deep` : "the frame";
-  const limits = [...refusals];
-  if (state.scene === "chess" && state.z1 < z1 * 0.999) limits.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
-  if (now.d && state.d < now.d * 0.999) limits.push(`d is at least ${brief(now.d)}: the windows would touch.`);
-  if (state.z2 < z2 * 0.999) limits.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
+  const limits = limitsMet(now);
   if (OTHER_SHEETS.includes(sheet) && !finite(now.place) && !now.nearPole && contents(now).has("thing")) {
     const filled = contents(now).size === 1 ? `The ${thing()} fills the window` : `Parts of the ${thing()} are in the window`;
     limits.push(`${filled}, but no path of light from L to the eye was found.`);

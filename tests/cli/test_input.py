@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 from typing import get_args
 
 import pytest
@@ -10,6 +11,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_pov
 from povgen.cli.report import USED_BY
+from povgen.errors import PovrayError
 from povgen.measure import auto
 from povgen.rendering import povray
 from povgen.scene.models import SheetModel, piece_files
@@ -327,6 +329,41 @@ def test_the_list_states_defaults(tmp_path):
 def test_the_help_says_which_options_can_be_repeated(tmp_path):
     text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
     assert text.count("; can be repeated") == 5  # z1, x, piece, color, window
+
+
+@pytest.mark.parametrize(
+    ("arguments", "extra"),
+    [
+        (["figure", "1"], "matplotlib"),
+        (["chart"], "matplotlib"),
+        (["verify", "--stability"], "matplotlib"),
+        (["verify", "--live"], "playwright"),
+    ],
+)
+def test_without_an_extra(arguments, extra, tmp_path, monkeypatch):
+    """Neither a folder nor the frame of a table is left."""
+    loaded = [name for name in sys.modules if name.partition(".")[0] == extra]
+    ours = [name for name in sys.modules if name.startswith(("povgen.measure.", "povgen.teach."))]
+    for name in (*loaded, *ours):
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, extra, None)
+    for name in ours:
+        package, _, module = name.rpartition(".")
+        monkeypatch.delattr(sys.modules[package], module, raising=False)
+    message = refused(arguments, tmp_path)
+    assert f"with {extra}, which is not installed: pip install 'povgen[" in message and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("arguments", [["figure", "2"], ["verify", "--stability"]])
+def test_no_folder_is_left_without_povray(arguments, tmp_path, monkeypatch):
+    def missing(*_):
+        raise PovrayError("POV-Ray is not installed")
+
+    monkeypatch.setattr(povray.Runner, "run", missing)
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    status, out, err = povgen(arguments, tmp_path)
+    assert (status, out) == (1, "") and "POV-Ray is not installed" in err
+    assert [path.name for path in tmp_path.iterdir()] in (["cache"], [])
 
 
 def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):

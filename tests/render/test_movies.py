@@ -1,6 +1,8 @@
 """Movies read back from their files."""
 
 import json
+import subprocess
+import weakref
 
 import imageio.v2
 import imageio.v3 as iio
@@ -133,3 +135,46 @@ def test_a_gif_file_keeps_its_times(tmp_path, count, alike, rate):
             durations.append(gif.info["duration"])
     assert sum(durations) == 10 * round(100 * count / rate)
     assert len(durations) == -(-count // alike)
+
+
+@pytest.mark.parametrize("few", [1, 2, 3, 100])
+@pytest.mark.parametrize("size", [(9, 7), (24, 40)])
+def test_a_gif_is_written_a_few_pictures_at_a_time(size, few, tmp_path, monkeypatch, rng):
+    """No more are in memory. What is shown does not depend on how many: parts that change, and up to 256 colours."""
+    colours = rng.integers(0, 256, (9, 3), np.uint8)
+    pictures = colours[rng.integers(0, 9, size)][np.newaxis].repeat(8, 0)
+    for number, picture in enumerate(pictures):
+        picture[number : number + 2, 3:5] = 30 * number
+    monkeypatch.setattr(encode, "GIF_BYTES", few * pictures[0].nbytes)
+    alive, most = weakref.WeakSet(), []
+
+    class Picture(np.ndarray):
+        __hash__ = object.__hash__
+
+    def made():
+        for picture in pictures:
+            most.append(len(alive))
+            one = picture.copy().view(Picture)
+            alive.add(one)
+            yield one
+
+    encode.encode(made(), tmp_path / "a.gif", 7, {"title": "a", "comment": "b" * 600})
+    assert max(most) <= 2 * few
+    shown = [iio.imread(tmp_path / "a.gif", index=n, plugin="pillow")[..., :3] for n in range(len(pictures))]
+    assert np.array_equal(shown, pictures)
+    with Image.open(tmp_path / "a.gif") as gif:
+        assert (gif.n_frames, gif.info["loop"], gif.info["comment"]) == (8, 0, b"a " + b"b" * 600)
+        durations = [gif.seek(n) or gif.info["duration"] for n in range(8)]
+    assert durations == encode.gif_durations(8, 7) and (tmp_path / "a.gif").read_bytes().endswith(b"\0;")
+    read = subprocess.run(
+        [
+            imageio_ffmpeg.get_ffmpeg_exe(),
+            "-v",
+            "error",
+            "-i",
+            tmp_path / "a.gif",
+            *"-f rawvideo -pix_fmt rgb24 -".split(),
+        ],
+        capture_output=True,
+    )  # another program reads the same
+    assert (read.stderr, read.stdout) == (b"", pictures.tobytes())

@@ -240,6 +240,7 @@ def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
     show(page, alpha=180, z1=6)
     expect(page.locator("#overlay .say")).to_have_count(0)
     assert sentence(page, z2=1000).endswith("answer. z₂ is at most 150.")
+    assert sentence(page, windows=1, sheet="ideal", z1=0.1).endswith("the piece would touch the frame.")
 
     def revealed(n):
         page.evaluate("(n) => { openQuestion(n); reveal(); }", n)
@@ -262,7 +263,7 @@ def test_settings_that_a_movie_replaces_come_back(page):
     page.emulate_media(reduced_motion="reduce")
     undo = page.get_by_role("button", name="Undo")
     own = {"sheet": "none", "z1": 3.5, "z2": 4, "E": [0.3, 0.1], "piece": "king", "prisms": 30}
-    for press in ("vary α", "vary z₁", "spheres", "Reset"):
+    for press in ("vary α", "vary z₁", "Reset"):
         page.evaluate("fromHash('')")
         show(page, **own)
         expect(undo).to_be_hidden()

@@ -6,7 +6,18 @@ from io import BytesIO
 import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from conftest import PROJECT, SHARP, WORK, opened, povgen, refused, seen_through_other_sheets, sentence, show
+from conftest import (
+    COARSE,
+    PROJECT,
+    SHARP,
+    WORK,
+    opened,
+    povgen,
+    refused,
+    seen_through_other_sheets,
+    sentence,
+    show,
+)
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -78,9 +89,9 @@ def pixels(png):
         return np.asarray(image.convert("RGB")).astype(int)
 
 
-def picture(page):
+def picture(page, display=SHARP):
     """Return the stage's pixels, when the picture has been drawn."""
-    page.evaluate(SHARP)
+    page.evaluate(display)
     page.wait_for_function("view.converged()")
     return pixels(page.locator("#stage").screenshot())
 
@@ -445,15 +456,15 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
 def test_switches_draw_on_the_picture(page):
     show(page, sheet="none", scene="spheres")
     page.evaluate("$('hint').hidden = true")
-    plain = picture(page)
+    plain = picture(page, COARSE)
     for name, colour in (("position", (255, 231, 74)), ("caption", (255, 255, 255))):
         page.locator(f"#show-{name}").check()
         page.evaluate("draw()")
-        drawn = picture(page)
+        drawn = picture(page, COARSE)
         assert ((abs(drawn - colour).max(-1) < 30) & (abs(plain - colour).max(-1) > 60)).sum() > 20, name
         page.locator(f"#show-{name}").uncheck()
         page.evaluate("draw()")
-        assert abs(picture(page) - plain).max() < 20
+        assert abs(picture(page, COARSE) - plain).max() < 20
     show(page, scene="chess", sheet="ideal")
     for name, selector in (("circles", "path.of-alpha:not(.aid, .halo)"), ("image", "path.image:not(.hidden)")):
         expect(page.locator(f"#overlay {selector}")).to_have_count(0)

@@ -369,10 +369,10 @@ def test_a_killed_povray_is_tried_again(place, monkeypatch):
     assert imageio_ffmpeg.count_frames_and_secs(str(place / "a.mp4"))[0] == COUNT and len(met) == COUNT + 3
 
 
-def crowded(place, size, script):
-    """Run a shell script. `small` is a file system of `size` KiB there, and `grow` makes it larger."""
+def crowded(place, limit, script):
+    """Run a shell script. `small` is a file system with a limit, such as size=40k, and `grow` makes it larger."""
     (place / "small").mkdir()
-    mount = f'mount -t tmpfs -o size={size}k tmpfs small; grow() {{ mount -o remount,size=100m "$PWD/small"; }}; '
+    mount = f'mount -t tmpfs -o {limit} tmpfs small; grow() {{ mount -o remount,size=100m "$PWD/small"; }}; '
     whole = ["unshare", "--mount", "--map-root-user", "sh", "-c", f'{mount} povgen() {{ {POVGEN} "$@"; }}; {script}']
     return subprocess.run(whole, cwd=place, capture_output=True, text=True, timeout=200, env=os.environ)
 
@@ -385,7 +385,7 @@ def test_no_room(place, what):
     environment = f"export POVGEN_CACHE={shlex.quote(str(place / store))}"
     done = crowded(
         place,
-        200 if what == "rendering" else 40,
+        "size=200k" if what == "rendering" else "size=40k",
         f"{environment}; echo kept > {output}; {command}; echo status $?; "
         f'echo "is: $(head -c 4 {output})"; '
         f"grow; {command}; echo status $?; cp {output} whole.{kind}; ls -A small; ls {store}/..",
@@ -399,6 +399,15 @@ def test_no_room(place, what):
         assert imageio_ffmpeg.count_frames_and_secs(str(place / "whole.mp4"))[0] == COUNT
     # what was kept when there was no room was whole: it is there still, as it was
     assert "Traceback" not in done.stderr and ".povgen-" not in second
+
+
+@pytest.mark.parametrize("limit", ["size=32k", "size=9m,nr_inodes=9"] if CAN_MOUNT else [])
+def test_check_with_too_little_room_for_temporary_files(place, limit):
+    done = crowded(place, limit, "TMPDIR=$PWD/small; export TMPDIR; povgen check; ls -A small")
+    assert done.stdout.count("FAULT") == done.stdout.count("remedy: ") == 1, done.stdout
+    assert f"FAULT  temporary files: {place}/small" in done.stdout and "TMPDIR" in done.stdout
+    assert ("no inodes left" in done.stdout) == ("inodes" in limit)
+    assert done.stdout.endswith("encoder: not tested, because it needs: temporary files\n")  # nothing is left there
 
 
 @pytest.mark.parametrize("damage", ["truncated", "a bit turned", "empty", "another file"])

@@ -27,13 +27,13 @@ def command(
     from povgen.measure.glass import save_charts
 
     sheet_macros = speed.baselines(baselines) if baselines else {}
-    folder = made_folder(output)
-    save_charts(folder)
-    if glass:
-        return
-    charts.save_frames(speed.measure_samplings(sheet_macros, say), folder)
-    charts.save_flicker(list(speed.measure_flicker(say)), folder)
-    charts.save_prism_counts(list(speed.measure_prism_counts(say)), folder)
-    charts.save_beyond(list(speed.measure_beyond(say)), folder)
-    charts.save_workers(list(speed.measure_workers(say)), folder)
-    save(f"{speed.machine()}\n".encode(), folder / "machine.txt")
+    with made_folder(output) as folder:
+        save_charts(folder)
+        if glass:
+            return
+        charts.save_frames(speed.measure_samplings(sheet_macros, say), folder)
+        charts.save_flicker(list(speed.measure_flicker(say)), folder)
+        charts.save_prism_counts(list(speed.measure_prism_counts(say)), folder)
+        charts.save_beyond(list(speed.measure_beyond(say)), folder)
+        charts.save_workers(list(speed.measure_workers(say)), folder)
+        save(f"{speed.machine()}\n".encode(), folder / "machine.txt")

@@ -28,9 +28,9 @@ def command(
             raise InputError(
                 f"number = {number!r}: the paper has no such figure; allowed: 1, 2, 3, 4, 5 or 6, with spaces between"
             )
-    folder = made_folder(output)
-    from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
+    with made_folder(output) as folder:
+        from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
 
-    for number in numbers:
-        for path in save_figure(int(number), folder, rendering):
-            tell(f"wrote {path}")
+        for number in numbers:
+            for path in save_figure(int(number), folder, rendering):
+                tell(f"wrote {path}")

@@ -34,6 +34,7 @@ def command(
     ] = None,
 ) -> None:
     """Compare what POV-Ray renders with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
+    from contextlib import ExitStack
     from dataclasses import asdict
     from json import dumps
     from math import isfinite
@@ -48,11 +49,14 @@ def command(
     _check_options(sheet, stability, live, output)
     if json_file:
         json_file = checked_output(json_file, [".json"], "json")
-    folder = made_folder(output or Path("stability")) if stability else None
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
     table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
     figures = []
-    with Live(table, console=Console(width=None if sys.stdout.isatty() else 120), auto_refresh=False) as shown:
+    with ExitStack() as opened:
+        folder = opened.enter_context(made_folder(output or Path("stability"))) if stability else None
+        # the table appears with its first row
+        console = Console(width=None if sys.stdout.isatty() else 120)
+        shown = opened.enter_context(Live(console=console, auto_refresh=False))
 
         def add(measured: "Measured") -> None:
             bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
@@ -60,7 +64,7 @@ def command(
             table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
             value = measured.value if isfinite(measured.value) else None
             figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
-            shown.refresh()
+            shown.update(table, refresh=True)
 
         if folder:
             from povgen.measure.charts import save_maps

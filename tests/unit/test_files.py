@@ -1,0 +1,79 @@
+"""Output folders, and what a full disk is."""
+
+import errno
+import os
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from povgen import files
+from povgen.cli.report import message_of
+from povgen.video import encode
+
+PICTURES = [np.zeros((32, 32, 3), np.uint8)] * 2
+
+
+@pytest.mark.parametrize(("before", "made", "after"), [([], [], []), ([], ["a"], ["a"]), (["b"], [], ["b"])])
+def test_an_output_folder_after_an_error(before, made, after, tmp_path):
+    """It is removed if nothing was there and nothing was made."""
+    folder = tmp_path / "figures"
+    if before:
+        folder.mkdir()
+        (folder / before[0]).touch()
+    with pytest.raises(KeyboardInterrupt), files.output_folder(folder) as yielded:
+        assert yielded == folder and folder.is_dir()
+        for name in made:
+            (folder / name).touch()
+        raise KeyboardInterrupt
+    assert sorted(os.listdir(folder) if folder.exists() else []) == after
+
+
+def test_an_empty_folder_of_the_user_stays(tmp_path):
+    with pytest.raises(ValueError), files.output_folder(tmp_path):
+        raise ValueError
+    assert tmp_path.is_dir()
+
+
+def disk(monkeypatch, **values):
+    there = {"f_bavail": 10**6, "f_frsize": 4096, "f_files": 10**6, "f_favail": 10**5} | values
+    monkeypatch.setattr(os, "statvfs", lambda folder: SimpleNamespace(**there))
+
+
+@pytest.mark.parametrize(
+    ("values", "full"),
+    [
+        ({}, False),
+        ({"f_bavail": 15}, True),
+        ({"f_bavail": 16}, False),
+        ({"f_favail": 0}, True),
+        ({"f_favail": 0, "f_files": 0}, False),  # a file system without a limit
+    ],
+)
+def test_a_full_disk(values, full, monkeypatch, tmp_path):
+    disk(monkeypatch, **values)
+    assert files.is_full(tmp_path) == full
+
+
+@pytest.mark.parametrize(("left", "said"), [(9, "No space left on device"), (0, "no inodes left, ")])
+def test_no_room_in_a_work_folder(left, said, monkeypatch, tmp_path):
+    disk(monkeypatch, f_favail=left)
+    with pytest.raises(OSError) as raised, files.work_folder(tmp_path):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert message_of(raised.value).startswith(f"{tmp_path}: {said}")
+
+
+def test_of_two_files_the_written_one_is_named():
+    error = OSError(errno.ENOSPC, "No space left on device", "/dev/null", None, "link")
+    assert message_of(error) == "link: No space left on device"
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_an_encoder_that_fails(full, monkeypatch, tmp_path):
+    """The disk is blamed if it is full."""
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
+    monkeypatch.setattr(encode, "is_full", lambda folder: full)
+    with pytest.raises(OSError) as raised:
+        encode.encode(PICTURES, tmp_path / "a.mp4", 10, {})
+    failed = "the encoder /bin/false failed: it wrote 0 of 2 frames"
+    assert message_of(raised.value) == (f"{tmp_path}/a.mp4: No space left on device" if full else failed)
