@@ -118,3 +118,14 @@ def test_nothing_of_the_environment_changes_when_the_cache_is_empty(tmp_path, mo
             assert os.environ["POVGEN_CACHE"] == str(tmp_path)
             raise KeyError
         assert os.environ.get("POVGEN_CACHE") == own
+
+
+def test_a_baseline_is_one_macro_that_leaves_the_scenes_names_as_they_are(tmp_path):
+    assert {*speed.baselines(BASELINES)} == {"intersections", "prisms"}
+    macro = "// by hand\n#macro Sheet(Angle, Centre)\n  #local Reach = 1;\n  sphere { 0, Reach }\n#end\n"
+    for text in (macro.replace("local", "declare"), f"#declare Tile = 3;\n{macro}", f"{macro}#macro Slope() 1 #end\n"):
+        (tmp_path / "own.inc").write_text(text)
+        with pytest.raises(InputError, match=r"own.inc: allowed: a macro Sheet whose names are #local"):
+            speed.baselines(tmp_path)
+    (tmp_path / "own.inc").write_text(macro)
+    assert speed.baselines(tmp_path) == {"own": macro}
