@@ -303,7 +303,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     )
     width = APERTURE / VIEW * size[1]
     for count in counts:
-        scene = Chess(prisms=count, z1=3)
+        scene = Chess(prisms=count, z1=3, view=VIEW)
         window = probes.window(scene, size)
         coarse, fine = (
             render(scene, size=size, antialias=antialias)[window] / 255 for antialias in ("off", "1,0.001,4")
