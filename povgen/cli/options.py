@@ -83,7 +83,7 @@ def with_options(command: Command) -> Command:
 def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
     """Return what to add to an error about an option that can be repeated, and that got several values at once."""
     for name, texts in repeated.items():
-        if f"{name} = " in message and any(re.search("[,; ]", text) for text in texts):
+        if re.search(rf"\b{name} = ", message) and any(re.search("[,; ]", text) for text in texts):
             return f"; give --{name} once for each value"
     return ""
 

@@ -155,7 +155,8 @@ def test_spec(old, new, words, tmp_path):
 
 
 def test_only_several_values_in_one_are_told_to_be_repeated(tmp_path):
-    for options in (["--z1", "-2"], ["--z1", "two"], ["--z1", "2", "--alpha", "1,2"], ["--eye", "0,-1.65"]):
+    window = ["--window", "alpha=1,z=2", "--alpha", "999"]
+    for options in (["--z1", "-2"], ["--z1", "two"], ["--z1", "2", "--alpha", "1,2"], ["--eye", "0,-1.65"], window):
         assert "once for each" not in refused(["frame", "chess", *options], tmp_path)
 
 
