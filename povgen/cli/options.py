@@ -1,6 +1,7 @@
 """Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
+import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -61,8 +62,12 @@ def with_options(command: Command) -> Command:
     def called(**arguments: object) -> None:
         given: Values = {name: arguments.pop(name) for name in fields}
         given = {name: value for name, value in given.items() if value not in (None, [])}
+        repeated = {name: x for name, x in {**arguments, **given}.items() if isinstance(x, list)}
         given = {name: x[0] if isinstance(x, list) and len(x) == 1 else x for name, x in given.items()}
-        command(**arguments, **given)
+        try:
+            command(**arguments, **given)
+        except InputError as error:
+            raise InputError(f"{error}{_repeat(str(error), repeated)}") from None
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
     auto = "; or auto: the cheapest within --tolerance" if any(p.name == "tolerance" for p in own) else ""
@@ -73,6 +78,14 @@ def with_options(command: Command) -> Command:
     # typer breaks lines as the terminal needs it, but also wherever the text has a line break
     called.__doc__ = "\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\n"))
     return called
+
+
+def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
+    """Return what to add to an error about an option that can be repeated, and that got several values at once."""
+    for name, texts in repeated.items():
+        if re.search(rf"\b{name} = ", message) and any(re.search("[,; ]", text) for text in texts):
+            return f"; give --{name} once for each value"
+    return ""
 
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:

@@ -142,6 +142,8 @@ class MovieSpec(Model):
                 if np.size(value) != numbers[name]:
                     kind = "a number" if numbers[name] == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
+            if len({self._rounded(name, value) for value in sweep.values or sweep.ends}) == 1:
+                raise ValueError(f"{name}: all values equal after rounding, nothing would move; allowed: other values")
         counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
             text = " and ".join(map(str, sorted(filter(None, counts))))
@@ -242,9 +244,7 @@ class MovieSpec(Model):
         The type of a swept value is Any, because the scene's model says whether it is a number or a pair.
         """
         model = SCENES[self.scene]
-        own = {name: x for name, x in swept.items() if name not in WINDOW_NUMBERS}
-        # prisms are counted
-        own = {name: round(x) if model.model_fields[name].annotation is int else x for name, x in own.items()}
+        own = {name: self._rounded(name, x) for name, x in swept.items() if name not in WINDOW_NUMBERS}
         try:
             if len(own) < len(swept):
                 own["window"] = self._windows({name: x for name, x in swept.items() if name not in own})
@@ -257,6 +257,11 @@ class MovieSpec(Model):
                     raise
             values = [f", {x} = {_text(value)}" for x, value in swept.items() if not str(error).startswith(f"{x} = ")]
             raise InputError(f"frame {n} of {count}{''.join(values)}: {error}") from None
+
+    def _rounded(self, name: str, value: Any) -> Any:  # noqa: ANN401  (as in `_scene`)
+        """Return a parameter's value, rounded if the parameter is counted, as prisms are."""
+        field = SCENES[self.scene].model_fields.get(name)
+        return round(value) if field and field.annotation is int else value
 
     def _windows(self, swept: dict[str, float]) -> list[Window]:
         """Return the windows behind the first one, with swept numbers in place of their own. Raises InputError."""

@@ -49,6 +49,15 @@ stop = 180
         (["--z2", "0"], ["z2", "0", "greater than 0"]),
         (["--z2", "-6"], ["z2", "-6", "greater than 0"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),
+        (["--z1", "2,3"], ["z1 = '2,3': should be a number", "; give --z1 once for each value\n"]),
+        (["--x", "1; 2"], ["x = '1; 2': should be a number", "; give --x once for each value\n"]),
+        (["--piece", "king,queen"], ["piece = 'king,queen'", "; give --piece once for each value\n"]),
+        (["--color", "red blue"], ["color = 'red blue'", "; give --color once for each value\n"]),
+        (["--z1", "2", "--z1", "3,4"], ["'3,4' should be a number", "; give --z1 once for each value\n"]),
+        (
+            ["--window", "alpha=1,z=2,alpha=3,z=4"],
+            ["window = 'alpha=1,z=2,alpha=3,z=4'", "; give --window once for each value\n"],
+        ),
         (["--prisms", "0"], ["prisms", "0", "1"]),
         (["--prisms", "2.5"], ["prisms", "2.5", "should be a whole number"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
@@ -143,6 +152,12 @@ def test_spec(old, new, words, tmp_path):
     (tmp_path / "spec.mp4").write_bytes(b"kept")
     message = refused(["movie", "spec.toml"], tmp_path)
     assert "spec.toml" in message and all(word in message for word in words), message
+
+
+def test_only_several_values_in_one_are_told_to_be_repeated(tmp_path):
+    window = ["--window", "alpha=1,z=2", "--alpha", "999"]
+    for options in (["--z1", "-2"], ["--z1", "two"], ["--z1", "2", "--alpha", "1,2"], ["--eye", "0,-1.65"], window):
+        assert "once for each" not in refused(["frame", "chess", *options], tmp_path)
 
 
 def test_spec_with_scenes_own_words(tmp_path):
@@ -261,6 +276,7 @@ def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path
         (["frames", "chess"], ["command = 'frames': unknown; allowed: list, pov, frame, movie, "]),
         (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
         (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
+        (["demo", "--piece", "a,b"], ["piece = 'a,b'", "; give --piece once for each value\n"]),
         (["cache", "empty"], ["'empty'", "info or clear"]),
     ],
 )

@@ -66,6 +66,24 @@ def test_prisms_from_10_to_1000():
     assert found[:3] + found[-1:] == [10, 15, 22, 1000]
 
 
+@pytest.mark.parametrize(
+    ("sweep", "moves"),
+    [
+        ({"start": 9.8, "stop": 10.2}, False),
+        ({"start": 9.4, "stop": 10.2}, True),
+        ({"values": [10, 10.4]}, False),
+        ({"values": [10, 10.6]}, True),
+    ],
+)
+def test_prisms_that_are_as_many_in_each_frame(sweep, moves):
+    parts = {"title": "a", "scene": "chess", "fixed": {"z1": 4}, "sweep": [{"parameter": "prisms"} | sweep]}
+    if moves:
+        assert len({scene.prisms for scene in MovieSpec(**parts).scenes("standard")}) == 2
+    else:
+        with pytest.raises(InputError, match="prisms: all values equal after rounding, nothing would move; allowed: "):
+            MovieSpec(**parts)
+
+
 def test_index_from_vacuum_like_to_diamond_like():
     spec = '[[sweep]]\nparameter = "index"\nstart = 1.3\nstop = 2\n'
     found = [scene.index for scene in MovieSpec.parse(HEAD + spec, "n").scenes("standard")]
