@@ -166,7 +166,7 @@ def test_what_povgen_stops_is_not_tried_again(tmp_path):
     (tmp_path / "later").mkdir()
     with pytest.raises(PovrayError, match="was stopped"):
         runner.run(to_pov(EMPTY), TINY, tmp_path / "later")
-    assert not (tmp_path / "later" / "1" / povray.FATAL).exists()
+    assert not (tmp_path / "later" / "1" / TINY.file).stat().st_size
 
 
 def test_one_render_does_not_stop_another(tmp_path):
@@ -231,13 +231,12 @@ def test_no_shell(tmp_path):
 
 def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    show = 'cp "$HOME/.povray/3.7/povray.conf" seen && cp seen frame.png'
+    show = 'cp "$HOME/.povray/3.7/povray.conf" frame.png'
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", show])
     monkeypatch.setattr(povray, "RUN", [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     for folder in (tmp_path / "absolute", Path("relative")):
         folder.mkdir()
-        povray.run("", TINY, folder)
-        assert (folder / "1" / "seen").read_text() == povray.CONFIG
+        assert povray.run("", TINY, folder).read_text() == povray.CONFIG
     assert "[Shellout Security]\nforbidden" in povray.CONFIG and "\nrestricted" in povray.CONFIG
 
 

@@ -83,7 +83,7 @@ def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
         run("#declare A = array[100000000]; #for (I, 0, 99999999) #declare A[I] = <I, I, I>; #end", tmp_path)
     shutil.rmtree(tmp_path / "work")
     with pytest.raises(PovrayError, match="for a file, 1 MiB, is exceeded"):
-        run('#fopen F "own.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
+        run('#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
     start, programs = povray._starter(0.2)
     assert programs == [str(few_programs / "sh")]
     ended = subprocess.run([*start, "/bin/sh", "-c", "while :; do :; done"], timeout=100)
