@@ -357,12 +357,8 @@ def test_a_killed_povray_is_tried_again(place, monkeypatch):
     met, start = [], subprocess.Popen.__init__
 
     def struck(process, *arguments, **options):
-<<<<<<< HEAD
-        if "+WT1" in process.args and process not in met:  # a POV-Ray that renders
-=======
         start(process, *arguments, **options)
         if "+WT1" in process.args:  # a POV-Ray that renders
->>>>>>> pieces
             met.append(process)
             if len(met) in (1, 3, 5):  # the first try of three frames
                 process.kill()
