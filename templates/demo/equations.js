@@ -154,6 +154,30 @@ const radians = (degrees) => degrees * (Math.PI / 180);
 
 // ---- The other ideal sheets: povgen/optics/ideal.py ----
 
+// The direction [x, y, z], behind one of the other sheets, of a line of sight d, or null if no light passes.
+function bent(d, { sheet, alpha: degrees, ratio, axis }) {
+  const alpha = radians(degrees);
+  const transverse = [d[0], d[1]], length = Math.hypot(...d);
+  const back = times(transverse, turn(-alpha));
+  let found;
+  if (sheet === "mirror") found = [...times(conj(transverse), turn(alpha)), d[2]];
+  else if (sheet === "lenslets") found = [...scaled(1 / ratio, back), d[2]];
+  else if (sheet === "refraction") {
+    const sine = scaled(1 / (ratio * length), back);
+    found = [...sine, Math.sqrt(1 - abs(sine) ** 2)];
+  } else {
+    const [x, y, z] = axis.map((part) => part / Math.hypot(...axis));
+    const [c, s] = turn(-alpha);
+    const along = (x * d[0] + y * d[1] + z * d[2]) * (1 - c);
+    found = [
+      c * d[0] + s * (y * d[2] - z * d[1]) + x * along,
+      c * d[1] + s * (z * d[0] - x * d[2]) + y * along,
+      c * d[2] + s * (x * d[1] - y * d[0]) + z * along,
+    ];
+  }
+  return found[2] > 0 ? found : null;
+}
+
 // Where light from L to E crosses one of the other sheets: of several paths, the one whose crossing is the nearest to the
 // middle of the window. Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if
 // there is none.
