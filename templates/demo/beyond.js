@@ -74,7 +74,7 @@ function seenInSeries(now) {
   const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(z1)} appears, about E,` : `${thing()} appears`;
   const large = `${timesText(M)} times as large as if it stood in the first window`;
   const asked = state.question >= 0 && !revealed.has(state.question);  // the class is to find it
-  const unsafe = sheet === "detailed" && unsure(now) ? ` ${UNSURE}` : "";
+  const unsafe = sheet === "detailed" && unsure(now) ? ` ${doubt(now)}` : "";
   return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}.${asked ? "" : ` ${imageSentence(now)}`}${unsafe}`;
 }
 

@@ -51,7 +51,9 @@ function explanation(now) {
   return [seen(now), ...remarks(now)].join(" ");
 }
 
-const UNSURE = "Here the prediction can be wrong by pixels: the prisms are large, or the pole is near.";
+const doubt = (now) => "Here the prediction can be wrong by "
+  + `${possibleError(now) < 1280 ? `up to ${rough(possibleError(now))} pixels of 1280x960` : "more than the picture’s width"}: `
+  + "the prisms are large, those of two sheets are nearly parallel, or the pole is near.";
 
 function seen(now) {
   if (now.beyond) return seenThrough(now);
@@ -68,7 +70,7 @@ function seen(now) {
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
   if (M > NEAR_POLE) return poleSentence(now);
-  if (sheet === "detailed" && unsure(now)) return UNSURE;
+  if (sheet === "detailed" && unsure(now)) return doubt(now);
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
 }
@@ -101,7 +103,7 @@ function remarks(now) {
   else if (now.M <= NEAR_POLE && !unsure(now) && finite(now.place) && now.place.some((x) => Math.abs(x) > scene.aperture / 2)) {
     found.push(`P is outside the window, so ${thing() === "sphere" ? "this sphere" : `the ${thing()}’s foot`} is not seen.`);
   }
-  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(UNSURE);
+  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(doubt(now));
   return found;
 }
 
