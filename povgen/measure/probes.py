@@ -88,6 +88,10 @@ class Positions(_Probe):
     def objects(self) -> tuple[tuple[complex, float], ...]:
         return ((self.L, self.z1),)
 
+    @property
+    def radii(self) -> tuple[float, ...]:
+        return (self.extent,)
+
 
 class Light(Positions):
     """A white square parallel to the sheets, with its centre at L, in front of black."""

@@ -22,7 +22,7 @@ from povgen.optics.trace import End
 from povgen.scene.limits import (
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
-    MAX_CORRECTION,
+    MAX_ERROR,
     MAX_FACES,
     MAX_LOST_FRACTION,
     MAX_PRISMS,
@@ -108,7 +108,7 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
             for _, scene, place, thin in _near_pole(toward, conditions, size, "detailed", z2=z2, P=P, prisms=prisms):
                 seen = scene.apparent_position(scene.L, scene.z1)
                 result.add(series, px(abs(seen - thin)), px(abs(place - seen)))
-            result.limit("detailed", series, MAX_CORRECTION, "px")
+            result.limit("detailed", series, MAX_ERROR, "px")
     yield result
 
 

@@ -26,6 +26,11 @@ from povgen.optics.rotation import Complexes, Floats, Windows, depth
 
 Prisms = Prism | Sequence[Prism]
 
+# The least radius of an object, in periods, for which the mean over these periods holds (`possible_error`).
+OWN = 1.0  # of the prisms in one sheet
+BANDS = 0.6  # of the bands that two sheets make together
+FALL = 0.4  # field angle, radians, in which the light on the designed path falls to about a third
+
 
 def image(
     z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, prism: Prisms, behind: Windows = ()
@@ -35,7 +40,7 @@ def image(
     z1, z2 and the prisms' pitch are in one unit, alpha in radians. For a pitch of 0 and one window, a = 1 - P of eq. 7,
     and b = 0.
     At |A| = |B| light from L meets the eye's plane in a line, or not at all. Close to |A| = |B|, a and b are large, and
-    so are their errors (`limits.MAX_CORRECTION`).
+    so are their errors (`possible_error`).
     """
     A, B = depths(z1, z2, alpha, prism, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -108,6 +113,62 @@ def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = D.real / (np.add(z2, z1) - prism.slab_shift) + 1j * np.divide(D.imag, np.subtract(z2, z1))
         return np.add(E, np.multiply(z2, slope))
+
+
+def frequencies(z2: float, alpha: float, prism: Prisms, behind: Sequence[tuple[float, float]] = ()) -> list[complex]:
+    """Return k of every sheet of prisms: Im(k d) of its prisms lie between the rays that cross z = 0 a step d apart.
+
+    1/|k| is the pitch as the eye sees it in the plane z = 0, in the unit of z2. At right angles to the prisms, d is i
+    times the conjugate of k. Signs and units are otherwise as for `image`.
+    """
+    prisms = [prism] * (1 + len(behind)) if isinstance(prism, Prism) else prism
+    found, turned = [], 0.0
+    for n, (shape, turn) in enumerate(zip(prisms, [alpha, *(turn for _, turn in behind)], strict=True)):
+        # a ray with the slope s at the eye meets the window's plane at E + A s + B conj(s), with the slope `slope` s
+        A, B = depths(behind[n - 1][0], z2, alpha, prisms[:n], behind[: n - 1]) if n else (z2, 0)
+        slope = np.exp(-1j * turned)
+        turned += turn
+        if shape.pitch:
+            a, g = shape.separation, shape.slab_shift
+            near = A - a / 2 * slope, B
+            far = A - (a + g) / 2 * slope, B + (a - g / 2) * np.exp(1j * turn) * slope.conjugate()
+            for (c, d), angle in ((near, turn / 2), (far, 0)):
+                ridges = np.exp(-1j * angle)
+                found.append(complex(c * ridges - np.conj(d * ridges)) / (z2 * shape.pitch))
+    return found
+
+
+def possible_error(k: Sequence[complex], scale: float, radius: float, tangent: float, z2: float, prism: Prism) -> float:
+    """Return how far, at most, an object appears from its predicted position. Lengths are in one unit.
+
+    `k` are the `frequencies` of all sheets, `radius` is the object's radius, as it appears in the plane z = 0, and
+    `tangent` is that of the field angle. `scale` is how far the object appears moved if light is displaced by one unit
+    at the windows: z2/||A| - |B||.
+
+    A prism displaces light across its ridges by up to `reach`, and the prediction takes the mean over all places in the
+    prism, which is zero. An object that covers only a part of a prism shows less of this mean. So does one that covers
+    only a part of a band of two sheets that are nearly parallel to the eye (moire). There the displacements by all
+    these sheets can add up. The mean is right if the object's radius is longer than OWN periods of a sheet alone, and
+    than BANDS bands. Where it is much longer, the error falls as its fourth power.
+
+    The second part is the shift along the ridges, which grows faster than the slope: for a slab of glass, by
+    (n + 1)/(2 n^2) slope^2. The third part: less light takes the designed path at greater field angles. So the light of
+    an object that displacements spread has its centre nearer to E. OWN, BANDS and FALL are fitted to ray traces:
+    docs/accuracy.md.
+    """
+    reach = prism.height * min(prism.aspect, 2 - prism.aspect)
+
+    def share(frequency: complex, least: float) -> float:
+        covered = abs(frequency) * radius
+        return (least / covered) ** 4 if covered > least else 1.0
+
+    shares = [
+        max([share(one, OWN), *(share(one + sign * k[j], BANDS) for j in range(len(k)) if j != i for sign in (1, -1))])
+        for i, one in enumerate(k)
+    ]
+    beyond = len(k) * prism.slab_shift * tangent**3 * (prism.index + 1) / (2 * prism.index**2)
+    spread = scale * reach
+    return spread * max(2 * max(shares), sum(shares)) + scale * beyond + spread**2 / (FALL * z2)
 
 
 def depths(

@@ -15,19 +15,20 @@ from povgen.scene.limits import (
     MAX_CAMERA_ERROR,
     MAX_CELLS,
     MAX_CONDITION,
-    MAX_CORRECTION,
+    MAX_ERROR,
     MAX_FACES,
     MAX_LOST_FRACTION,
     MIN_ALPHA,
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
+    RADII,
 )
 from povgen.scene.models import OTHER_SHEETS, Scene
 from povgen.settings import Rendering
 
 if TYPE_CHECKING:
     from povgen.optics import trace
-    from povgen.optics.rotation import Complexes, Floats
+    from povgen.optics.rotation import Floats
 
 
 class Survey(NamedTuple):
@@ -218,9 +219,10 @@ def grid_error(scene: Scene, cells: int) -> float:
 def _cells_of_other_sheet(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
-    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. For an
-    eye on the axis, the camera is exact with one cell if the map of directions is linear (axis, lenslets, mirror),
-    because it leaves the directions at the window's four corners equally long.
+    The error is computed in the middle of the diagonals of 16 cells across the window. It falls as their square. If
+    light passes only between the corners of these cells, the number is MAX_CELLS. For an eye on the axis, the camera is
+    exact with one cell if the map of directions is linear (axis, lenslets, mirror), because it leaves the directions at
+    the window's four corners equally long.
     """
     import numpy as np
 
@@ -242,7 +244,10 @@ def _cells_of_other_sheet(scene: Scene) -> int:
             least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
             errors = z1 * off / np.maximum(least, 0.02)
             errors = errors[~np.isnan(errors)]  # NaN: no light passes there
-            worst = max(worst, np.quantile(errors, 0.98, method="higher") if len(errors) else 0)
+            if not len(errors):
+                fine = _behind_other_sheet(scene, np.linspace(-0.5, 0.5, MAX_CELLS + 1) * scene.aperture)
+                return 1 if np.isnan(fine).all() else MAX_CELLS
+            worst = max(worst, np.quantile(errors, 0.98, method="higher"))
     error = worst / scene.view * 960
     return ceil(min(MAX_CELLS, max(1, n * sqrt(error / MAX_CAMERA_ERROR))))
 
@@ -297,7 +302,7 @@ def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[st
     """Yield a warning if no light passes through the window, and if the overlay cannot mark an object."""
     import numpy as np
 
-    if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, 17) * scene.aperture)).all():
+    if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, MAX_CELLS + 1) * scene.aperture)).all():
         by = {"axis": "axis and alpha", "refraction": "ratio, z2 and eye"}[scene.sheet]  # the others pass all light
         yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
     for L, z1 in scene.objects if rendering and rendering.overlay else ():
@@ -308,14 +313,27 @@ def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[st
             yield "overlay", f"{text} or none of its light reaches the eye"
 
 
-def _through_one_by_one(scene: Scene, L: "Complexes", z1: "Floats") -> Iterator["Complexes"]:
-    """Yield, for each window of prisms, the apparent positions if the prisms of all other windows had no size."""
+def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
+    """Return by how many pixels of 1280x960 the prediction for an object behind prisms can be wrong.
+
+    L and z1 are the object's; its radius is in tiles. Infinite if the object appears at infinity.
+    """
     from povgen.optics import paraxial
 
-    for k, prism in enumerate(scene.prisms_by_window):
-        prisms = [prism if i == k else Prism(0.0) for i in range(len(scene.sheets))]
-        if prism.pitch:
-            yield paraxial.apparent_position(L, scene.E, z1, scene.z2, radians(scene.alpha), prisms, scene.behind)
+    alpha = radians(scene.alpha)
+    if scene.sheet == "single":
+        k, near = [1 / scene.prism.pitch + 0j], abs(scene.z2 - z1)
+        M = scene.z2 / near if near else inf
+    else:
+        k = paraxial.frequencies(scene.z2, alpha, scene.prisms_by_window, scene.behind)
+        A, B = paraxial.depths(z1, scene.z2, alpha, scene.prisms_by_window, scene.behind)
+        M, near = float(scene.nu_and_M(z1)[1]), float(abs(abs(A) - abs(B)))
+    if not near:
+        return inf
+    tangent = abs(complex(scene.apparent_position(L, z1)) - scene.E) / scene.z2
+    apparent = min(max(M * radius, RADII[0]), RADII[1])
+    error = paraxial.possible_error(k, scene.z2 / near, apparent, tangent, scene.z2, scene.prism)
+    return error / scene.view * 960
 
 
 def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
@@ -329,34 +347,20 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     names = [name for name, shown in shows.items() if shown]
     if not names or scene.sheet == "none":
         return
-    import numpy as np
-
     from povgen.optics import rotation
 
-    L, z1 = np.array([L for L, _ in scene.objects]), np.array(scene.distances)
-    alpha = radians(scene.alpha)
-    with np.errstate(all="ignore"):
-        if two and "detailed" not in scene.sheets:
-            found = abs(np.divide(scene.z2, rotation.depth(z1, scene.z2, alpha, scene.behind)))
-            # where the camera interpolates between cells, its error above one pixel also counts
-            right = found / grid_error(scene, camera_cells(scene)) if camera_cells(scene) > 1 else np.inf
-            limit = np.broadcast_to(np.fmin(MAX_CONDITION, right), found.shape)
-            what, size = "the object is magnified", "{:.3g} times"
-        else:
-            thin = rotation.apparent_position(L, scene.E, z1, scene.z2, alpha, scene.behind)
-            # a single sheet displaces light by 0 to 1 pitch: the mean, half a pitch, counts
-            moved = (
-                sum(abs(place - thin) for place in _through_one_by_one(scene, L, z1))
-                if two
-                else scene.prism.pitch / 2 * abs(np.divide(scene.z2, scene.z2 - z1))
-            )
-            found = np.nan_to_num(moved, nan=np.inf) / scene.view * 960
-            limit = np.full(len(found), MAX_CORRECTION)
-            what, size = "the prisms' size moves the object", "by {:.3g} pixels of 1280x960"
-            size += ", summed over the windows" if scene.window else ""
-    worst = np.argmax(found / limit)
-    if found[worst] > limit[worst]:
-        where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1[worst]:g}"
-        much = size.format(found[worst]) if np.isfinite(found[worst]) else "infinitely"
-        text = f"{', '.join(names)}: at {where} {what} {much}; above {limit[worst]:.3g}"
-        yield names[0], f"{text} its prediction can be wrong by pixels"
+    found = []
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
+        if scene.has_prisms:
+            found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, "the prisms' size"))
+        else:  # up to MAX_CONDITION, the error is one pixel; so is that between the camera's cells
+            Z = abs(rotation.depth(z1, scene.z2, radians(scene.alpha), scene.behind))
+            M = float(scene.z2 / Z) if Z else inf
+            cells = camera_cells(scene)
+            error = max(M / MAX_CONDITION, grid_error(scene, cells) if cells > 1 else 0)
+            found.append((error, 1, z1, f"the magnification of the object, {M:.3g} times"))
+    error, limit, z1, cause = max(found, key=lambda each: each[0])
+    if error > limit:
+        where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1:g}"
+        much = f"by up to {error:.3g} pixels of 1280x960" if error < 1280 else "by more than the picture's width"
+        yield names[0], f"{', '.join(names)}: at {where} the prediction can be wrong {much}, because of {cause}"

@@ -59,12 +59,14 @@ def demo(
         "scenes": {"chess": live.values(Chess()), "spheres": live.values(Spheres())},
         "faces": FACES,
         "pieces": list(shown),
+        "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
         "volumes": {"grid": GRID, "pieces": {name: shape._asdict() for name, shape in shapes.items()}},
         "presets": [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()],
         "limits": {
             "condition": limits.MAX_CONDITION,
-            "correction": limits.MAX_CORRECTION,
+            "error": limits.MAX_ERROR,
+            "radii": limits.RADII,
             "prisms": limits.MAX_PRISMS,
         },
     }

@@ -84,7 +84,7 @@ function seenInSeries(now) {
   if (!contents(now).has("thing")) return absent(now);
   const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(z1)} appears, about E,` : `${thing()} appears`;
   const large = `${timesText(M)} times as large as if it stood in the first window`;
-  const unsafe = sheet === "detailed" && unsure(now) ? ` ${UNSURE}` : "";
+  const unsafe = sheet === "detailed" && unsure(now) ? ` ${doubt(now)}` : "";
   return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}. ${imageSentence(now)}${unsafe}`;
 }
 

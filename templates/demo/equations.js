@@ -121,6 +121,35 @@ const equations = (() => {
     return { A: depth(far, near, alpha, shorter), B };
   }
 
+  // How far an object appears at most from the predicted place, and the numbers of prisms that this depends on: possible_error
+  // and frequencies of povgen/optics/paraxial.py.
+  function possibleError(k, scale, radius, tangent, z2, { reach, slab_shift }, index) {
+    const share = (frequency, least) => Math.min(1, (least / (abs(frequency) * radius)) ** 4);
+    const shares = k.map((one, i) => {
+      const pairs = k.filter((_, j) => j !== i).flatMap((other) => [plus(one, other), minus(one, other)]);
+      return Math.max(share(one, 1), ...pairs.map((pair) => share(pair, 0.6)));
+    });
+    const beyond = (k.length * slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2);
+    const spread = scale * reach;
+    const displaced = spread * Math.max(2 * Math.max(...shares), shares.reduce((a, b) => a + b));
+    return displaced + scale * beyond + spread ** 2 / (0.4 * z2);
+  }
+
+  function frequencies(z2, alpha, prism, behind = []) {
+    const { separation: a, slab_shift: g, pitch } = prism;
+    let turned = 0;
+    return [alpha, ...behind.map(([, next]) => next)].flatMap((next, n) => {
+      const before = behind.slice(0, Math.max(0, n - 1));
+      const { A, B } = n ? depths(behind[n - 1][0], z2, alpha, prism, before) : { A: [z2, 0], B: [0, 0] };
+      const slope = turn(-turned);
+      turned += next;
+      const near = [minus(A, scaled(a / 2, slope)), B];
+      const far = [minus(A, scaled((a + g) / 2, slope)), plus(B, scaled(a - g / 2, turn(turned)))];
+      return [[near, next / 2], [far, 0]].map(([[c, d], angle]) => (
+        scaled(1 / (z2 * pitch), minus(times(c, turn(-angle)), conj(times(d, turn(-angle)))))));
+    });
+  }
+
   function sheet({ slab_shift, separation }) {
     return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
   }
@@ -147,7 +176,8 @@ const equations = (() => {
     return [-alpha, alpha];
   }
 
-  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, depth, infiniteZ1, infiniteAlpha };
+  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, depth, depths, infiniteZ1, infiniteAlpha,
+    possibleError, frequencies };
 })();
 
 const radians = (degrees) => degrees * (Math.PI / 180);

@@ -105,7 +105,7 @@ function moment() {
   const alpha = sheet === "none" ? 0 : radians(degrees);
   const r = z2 / z1;
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
-  now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.pedestals[state.piece]];
+  now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
   now.behind = behindFirst(scene);
   if (now.behind.length) {
     [[now.d]] = now.behind;
@@ -171,16 +171,21 @@ function objectStep(now, step) {
 function unsure(now) {
   if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
   if (now.sheet === "ideal") return now.M > data.limits.condition;
-  const moved = now.sheet === "single"
-    ? (now.prism.pitch / 2) * Math.abs(now.z2 / (now.z2 - now.z1))
-    : [0, ...now.behind].reduce((sum, _, k) => sum + correction(now, k), 0);
-  return !((moved / now.scene.view) * 960 <= data.limits.correction);  // NaN at the pole
+  return !(possibleError(now) <= data.limits.error);
 }
 
-// How far the prisms of window number k alone move the object's apparent position, tiles.
-function correction({ L, E, z1, z2, alpha, prism, behind }, k) {
-  const prisms = [0, ...behind].map((_, n) => (n === k ? prism : { slab_shift: 0, separation: 0 }));
-  return abs(minus(equations.prisms(L, E, z1, z2, alpha, prisms, behind), equations.ideal(L, E, z1, z2, alpha, behind)));
+// By how many pixels of 1280x960 the prediction can be wrong, for one sheet or windows of prisms: povgen/scene/prediction.py.
+function possibleError(now) {
+  const { sheet, scene, E, z1, z2, alpha, behind, prism, place, radii, objects } = now;
+  const { M, height } = appearance(now);
+  const single = sheet === "single";
+  const k = single ? [[1 / prism.pitch, 0]] : equations.frequencies(z2, alpha, prism, behind);
+  const { A, B } = equations.depths(z1, z2, alpha, prism, behind);
+  const scale = z2 / Math.abs(single ? z2 - z1 : abs(A) - abs(B));
+  if (!Number.isFinite(scale)) return Infinity;
+  const [least, most] = data.limits.radii;
+  const apparent = Math.min(Math.max((single ? height : M) * radii[objects.indexOf(z1)], least), most);
+  return (equations.possibleError(k, scale, apparent, abs(minus(place, E)) / z2, z2, prism, scene.index) / scene.view) * 960;
 }
 
 // ---- The state in the page's address ----

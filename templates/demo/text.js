@@ -61,7 +61,9 @@ function explanation(now) {
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
 
-const UNSURE = "Here the prediction can be wrong by pixels: the prisms are large, or the pole is near.";
+const doubt = (now) => "Here the prediction can be wrong by "
+  + `${possibleError(now) < 1280 ? `up to ${rough(possibleError(now))} pixels of 1280x960` : "more than the picture’s width"}: `
+  + "the prisms are large, those of two sheets are nearly parallel, or the pole is near.";
 
 function seen(now) {
   if (now.beyond) return seenThrough(now);
@@ -79,7 +81,7 @@ function seen(now) {
     return `One sheet mirrors up and down in the light's direction: the ${thing()} appears ${across}`
       + `${z1 > z2 ? ", and upside down" : ""}.`;
   }
-  if (sheet === "detailed" && unsure(now)) return UNSURE;
+  if (sheet === "detailed" && unsure(now)) return doubt(now);
   const which = state.scene === "spheres" ? `The sphere at z₁ = ${brief(z1)} appears, about E, ` : `The ${thing()} appears `;
   return `${which}${turnedBy(nu)}, and ${large}.`;
 }
@@ -131,7 +133,7 @@ function remarks(now) {
   const names = replacedNames();
   const one = names.length === 1 && !["sheet", "windows"].includes(names[0]);
   if (names.length) found.push(`Your ${listed(names.map((name) => SETTINGS[name]))} ${one ? "is" : "are"} replaced.`);
-  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(UNSURE);
+  if (sheet === "detailed" && unsure(now) && !(now.M <= NEAR_POLE) && !now.beside) found.push(doubt(now));
   return found;
 }
 

@@ -17,6 +17,7 @@ const geometry = (() => {
       pitch, height, length,
       slab_shift: height * scene.aspect * Math.tan(base),
       separation: length + scene.gap * pitch,
+      reach: height * Math.min(scene.aspect, 2 - scene.aspect),  // the farthest that light is displaced across the ridges
     };
   }
 

@@ -163,6 +163,13 @@ def test_a_camera_that_sees_no_light_needs_one_cell(values):
     assert prediction.camera_cells(Chess(**values)) == 1
 
 
+def test_a_small_circle_of_light_is_not_missed():
+    """Light passes within 0.18 tiles of the eye's foot: between the corners of 16 cells across the window."""
+    scene = Spheres(sheet="refraction", ratio=0.1, z2=1.8, eye=(0.05, -1.4), line=(0.05, -1.4), z1=3)
+    assert prediction.camera_cells(scene) == 100
+    assert overlay.positions(scene) and not [*prediction.warnings(scene, Rendering(overlay=True))]
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [

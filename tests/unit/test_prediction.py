@@ -17,17 +17,36 @@ from povgen.settings import Rendering
     [
         (Spheres(), {"overlay": True, "caption": True}, None),
         (Spheres(alpha=175, z1=[2, 5.5]), {}, None),
-        (Spheres(alpha=175, z1=[2, 5.5]), {"overlay": True}, "overlay: at alpha = 175 and z1 = 5.5 the prisms' size"),
-        (Spheres(alpha=175, z1=[5.5, 2]), {"caption": True}, "caption: at alpha = 175 and z1 = 5.5 the prisms' size"),
-        (Chess(prisms=20), {"overlay": True, "caption": True}, "by 29.9 pixels of 1280x960; above 8"),
-        (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prisms' size moves the object infinitely"),
+        (
+            Spheres(alpha=175, z1=[2, 5.5]),
+            {"overlay": True},
+            "overlay: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 186 pix",
+        ),
+        (
+            Spheres(alpha=175, z1=[5.5, 2]),
+            {"caption": True},
+            "caption: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 186 pix",
+        ),
+        (
+            Chess(prisms=20),
+            {"overlay": True, "caption": True},
+            "by up to 17.9 pixels of 1280x960, because of the prisms'",
+        ),
+        (Chess(alpha=12), {"overlay": True}, None),
+        (Chess(alpha=9), {"overlay": True}, "by up to 6.99 pixels of 1280x960"),  # the sheets are nearly parallel
+        (Chess(alpha=-9, window="alpha=50,z=2"), {"overlay": True}, "at alpha = -9 and z1 = 2 the prediction can"),
+        (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prediction can be wrong by more than the picture's"),
         (
             Spheres(alpha=179.9, sheet="ideal"),
             {"caption": True},
-            "z1 = 6 the object is magnified 573 times; above 150",
+            "can be wrong by up to 3.82 pixels of 1280x960, because of the magnification of the object, 573 times",
         ),
         (Spheres(sheet="single", z1=[2, 3]), {"overlay": True}, None),
-        (Spheres(sheet="single", z1=[2, 5]), {"overlay": True}, "overlay: at z1 = 5 the prisms' size"),
+        (
+            Spheres(sheet="single", z1=[2, 5]),
+            {"overlay": True},
+            "overlay: at z1 = 5 the prediction can be wrong by up to 3.46 pixels",
+        ),
         (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
         (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
         (Chess(sheet="lenslets", alpha=180, z1=6), {}, None),
@@ -148,15 +167,19 @@ def test_no_warning_without_cause():
         (
             Chess(predicted_image=True, alpha=179, z1=5),
             None,
-            ["predicted_image", "8", "alpha = 179", "z1 = 5", "moves the object by"],
+            ["predicted_image", "alpha = 179", "z1 = 5", "can be wrong by up to 30.2 pixels"],
         ),
-        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "above 8", "moves the object by"]),
-        (Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6), None, ["predicted_image", "150", "573 times"]),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 139 pixels", "prisms' size"]),
+        (
+            Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6),
+            None,
+            ["predicted_image", "3.82 pixels", "573 times"],
+        ),
         # an eye aside: the camera's cells are not small enough before that
         (
             Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, eye=(0, 0.67)),
             None,
-            ["predicted_image", "above 19", "38.2 times"],
+            ["predicted_image", "2.23 pixels", "38.2 times"],
         ),
         (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.49 pixels", "1.2 pixels", "noise"]),
     ],

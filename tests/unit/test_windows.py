@@ -5,7 +5,6 @@ import pytest
 
 from povgen import Chess, InputError, MovieSpec, Spheres, live, to_pov
 from povgen.measure import probes
-from povgen.measure.verify import px
 from povgen.optics import rotation, series, trace
 from povgen.scene import limits, prediction
 from povgen.scene.live import values as live_values
@@ -190,66 +189,6 @@ def test_the_trace_level_never_cuts_the_designed_path():
     """Not even if no ray of the survey reaches the prisms, because other windows hide them."""
     hidden = Chess(sheet="ideal", alpha=90, window="alpha=66,z=60,sheet=detailed", eye=(9, 0), z2=3)
     assert prediction.survey(hidden) == prediction.Survey(7, 0.0)
-
-
-def square_at(P, alphas, z, z1, z2, prisms):
-    """A square that eq. 7 shows at P, half a tile wide, behind windows of prisms."""
-    window = [{"alpha": alpha, "z": place} for alpha, place in zip(alphas[1:], z, strict=True)]
-    scene = probes.Positions(prisms=prisms, alpha=alphas[0], window=window, z1=z1, z2=z2)
-    M = z2 / rotation.depth(z1, z2, np.radians(alphas[0]), scene.behind)
-    return scene.replace(L=complex(P / M), extent=0.25 / abs(M))
-
-
-def correction(scene, P):
-    return px(abs(scene.apparent_position(scene.L, scene.z1) - P))
-
-
-def random_squares(count, windows, rng):
-    """Squares that the prisms' sizes move by 2 to 8 pixels, and where eq. 7 shows them."""
-    while count:
-        alphas = rng.uniform(3, 180, windows) * rng.choice([-1, 1], windows)
-        z, P = np.cumsum(rng.uniform(0.7, 2.5, windows - 1)), complex(*rng.uniform(-0.6, 0.6, 2))
-        scene = square_at(P, alphas, z, np.exp(rng.uniform(0, 3)), rng.uniform(3, 9), rng.integers(50, 200))
-        through = abs(series.crossings(P, 0j, scene.z2, np.radians(alphas[0]), scene.behind))
-        if 2 < correction(scene, P) < 8 and through.max() < 0.9:
-            count -= 1
-            yield scene, P
-
-
-def error_of_prediction(scene, P, rng):
-    """In pixels of 1280x960, by the exact ray trace of rays to a square around P."""
-    aim = P + rng.uniform(-0.5, 0.5, 4000) + 1j * rng.uniform(-0.5, 0.5, 4000)
-    aim = aim[np.maximum(abs(aim.real), abs(aim.imag)) < 0.45 * scene.aperture]
-    rays = probes.traced(scene, np.column_stack((aim.real, aim.imag, np.full(len(aim), scene.z2))))
-    slope = (rays.direction[:, 0] + 1j * rays.direction[:, 1]) / rays.direction[:, 2]
-    back = scene.places[-1] + scene.z1 - rays.position[:, 2]
-    on_square = rays.position[:, 0] + 1j * rays.position[:, 1] + back * slope - scene.L
-    hit = (rays.end == trace.End.THROUGH) & (abs(on_square) < scene.extent)
-    found = probes.locate(aim[hit], on_square[hit], scene.extent)
-    return px(abs(found.position - scene.apparent_position(scene.L, scene.z1)))
-
-
-def is_warned_of(scene):
-    return any("moves the object" in text for _, text in prediction.warnings(scene, Rendering(overlay=True)))
-
-
-@pytest.mark.parametrize("windows", [1, 2, 3])
-def test_a_prediction_without_a_warning_is_right_to_3_pixels(windows):
-    rng = np.random.default_rng(5)
-    scenes = [(scene, P) for scene, P in random_squares(30, windows, rng) if not is_warned_of(scene)]
-    assert len(scenes) > 10
-    for scene, P in scenes:
-        assert error_of_prediction(scene, P, rng) < 3, scene
-
-
-def test_corrections_that_cancel_are_warned_of():
-    """The prisms of the two windows move the object to opposite sides. Their errors remain."""
-    P = 0.2 - 0.5j
-    scene = square_at(P, (90, 100), [0.8], z1=6.11, z2=6.04, prisms=232)
-    assert correction(scene, P) < limits.MAX_CORRECTION / 2
-    assert is_warned_of(scene) and error_of_prediction(scene, P, np.random.default_rng(5)) > 5
-    (text,) = (text for _, text in prediction.warnings(scene, Rendering(overlay=True)))
-    assert "by 45.5 pixels of 1280x960, summed over the windows; above 8 its prediction can be wrong" in text
 
 
 HEAD = 'title = "A movie"\nscene = "chess"\nframes = 3\n'
