@@ -28,7 +28,7 @@ from povgen.settings import Rendering
 
 if TYPE_CHECKING:
     from povgen.optics import trace
-    from povgen.optics.rotation import Floats
+    from povgen.optics.rotation import Complexes, Floats
 
 
 class Survey(NamedTuple):
