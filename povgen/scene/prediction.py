@@ -305,8 +305,8 @@ def _other_sheet(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[st
     if np.isnan(_behind_other_sheet(scene, np.linspace(-0.5, 0.5, MAX_CELLS + 1) * scene.aperture)).all():
         by = {"axis": "axis and alpha", "refraction": "ratio, z2 and eye"}[scene.sheet]  # the others pass all light
         yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
-    for L, z1 in scene.objects if rendering and rendering.overlay else ():
-        if not np.isfinite(scene.apparent_position(L, z1)):
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True) if rendering and rendering.overlay else ():
+        if not np.isfinite(scene.apparent_position(L, z1, near=radius)):
             text = (
                 f"overlay: at alpha = {scene.alpha:g} and z1 = {z1:g} the object has no mark: it appears at infinity,"
             )
