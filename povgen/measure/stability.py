@@ -33,7 +33,7 @@ from povgen.scene.limits import (
     WIDE_GAP,
 )
 from povgen.scene.models import APERTURE, VIEW, Chess
-from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, survey, warnings
+from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, possible_error, survey, warnings
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
@@ -97,17 +97,17 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
-    x, y = "correction of eq. 7 (px)", "error of the paraxial prediction (px)"
-    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, 3, "xy")
+    x, y = "error that is possible (px)", "error of the paraxial prediction (px)"
+    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, MAX_ERROR, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, prisms, z2, P in (
             (f"{toward}", 100, 6.0, 0.3 + 0.1j),
             (f"{toward}, N = 25", 25, 6.0, 0.3 + 0.1j),
             (f"{toward}, wide field", 100, 3.6, 0.6 - 0.6j),
         ):
-            for _, scene, place, thin in _near_pole(toward, conditions, size, "detailed", z2=z2, P=P, prisms=prisms):
-                seen = scene.apparent_position(scene.L, scene.z1)
-                result.add(series, px(abs(seen - thin)), px(abs(place - seen)))
+            for _, scene, place, _ in _near_pole(toward, conditions, size, "detailed", z2=z2, P=P, prisms=prisms):
+                off = abs(place - scene.apparent_position(scene.L, scene.z1))
+                result.add(series, possible_error(scene, scene.L, scene.z1, scene.extent), px(off))
             result.limit("detailed", series, MAX_ERROR, "px")
     yield result
 

@@ -29,7 +29,7 @@ from povgen.optics import rotation, series
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.trace import End, Face
 from povgen.scene import limits, prediction
-from povgen.scene.models import Scene, Window
+from povgen.scene.models import APERTURE, VIEW, Scene, Window
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
 SMALL = (640, 480)
@@ -475,7 +475,7 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
 
 def black_tops(size: Size = SMALL) -> Iterator[Measured]:
     """Compare which pixels are black, if the tops of prisms are, with the exact ray trace."""
-    scene = Directions(sheet="detailed", tops="black")
+    scene = Directions(sheet="detailed", tops="black", aperture=APERTURE, view=VIEW)
     (decoded,) = probes.decoded([scene], size)
     inside, direction = probes.rays(scene, size)
     found = probes.traced(scene, direction, prediction.max_trace_level(scene))
@@ -509,7 +509,7 @@ def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
 
     The ray trace also says what share of this light at least one partial reflection has sent to the eye.
     """
-    scene = White(sheet="detailed", fresnel=True)
+    scene = White(sheet="detailed", fresnel=True, aperture=APERTURE, view=VIEW)
     inside, direction = probes.rays(scene, size)
     seen = probes.brightness(scene, size)[inside].mean()
     directions = np.tile(direction, (200_000 // len(direction) + 1, 1))

@@ -29,11 +29,11 @@ _quiet = np.errstate(divide="ignore", invalid="ignore")  # light that does not p
 def rotate_about(direction: ArrayLike, axis: ArrayLike, alpha: float) -> Directions:
     """Return the directions (..., 3) behind a sheet that rotates light by alpha (radians) about an axis.
 
-    The axis (3,) has any direction and length (Hamilton, Sundar and Courtial, ref. 21 of the paper). alpha is positive
-    if the rotation is counter-clockwise for somebody who looks along the axis: for the axis (0, 0, 1) it is that of
-    `rotation.rotate`. The new direction is d cos(alpha) + (a x d) sin(alpha) + a (a.d) (1 - cos(alpha)), with the unit
-    vector a (Rodrigues' formula). Light passes if the rotation leaves the sign of z as it is. Raises ValueError for the
-    axis (0, 0, 0).
+    The axis (3,) has any direction and length (Hamilton, Sundar and Courtial, J. Opt. 12, 095101, 2010). alpha is
+    positive if the rotation is counter-clockwise for somebody who looks along the axis: for the axis (0, 0, 1) it is
+    that of `rotation.rotate`. The new direction is d cos(alpha) + (a x d) sin(alpha) + a (a.d) (1 - cos(alpha)), with
+    the unit vector a (Rodrigues' formula). Light passes if the rotation leaves the sign of z as it is. Raises
+    ValueError for the axis (0, 0, 0).
     """
     d, R = np.asarray(direction, float), _rotation(axis, alpha)
     turned = np.where(d[..., 2:] > 0, d @ R, d @ R.T)

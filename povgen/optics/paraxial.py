@@ -29,7 +29,7 @@ Prisms = Prism | Sequence[Prism]
 # The least radius of an object, in periods, for which the mean over these periods holds (`possible_error`).
 OWN = 1.0  # of the prisms in one sheet
 BANDS = 0.6  # of the bands that two sheets make together
-FALL = 0.4  # field angle, radians, in which the light on the designed path falls to about a third
+FALL = 0.15  # radians: greater field angles by this much show much less light on the designed path
 
 
 def image(

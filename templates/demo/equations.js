@@ -132,7 +132,7 @@ const equations = (() => {
     const beyond = (k.length * slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2);
     const spread = scale * reach;
     const displaced = spread * Math.max(2 * Math.max(...shares), shares.reduce((a, b) => a + b));
-    return displaced + scale * beyond + spread ** 2 / (0.4 * z2);
+    return displaced + scale * beyond + spread ** 2 / (0.15 * z2);
   }
 
   function frequencies(z2, alpha, prism, behind = []) {

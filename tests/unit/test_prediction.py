@@ -20,20 +20,20 @@ from povgen.settings import Rendering
         (
             Spheres(alpha=175, z1=[2, 5.5]),
             {"overlay": True},
-            "overlay: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 186 pix",
+            "overlay: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 202 pix",
         ),
         (
             Spheres(alpha=175, z1=[5.5, 2]),
             {"caption": True},
-            "caption: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 186 pix",
+            "caption: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 202 pix",
         ),
         (
             Chess(prisms=20),
             {"overlay": True, "caption": True},
-            "by up to 17.9 pixels of 1280x960, because of the prisms'",
+            "by up to 22 pixels of 1280x960, because of the prisms'",
         ),
         (Chess(alpha=12), {"overlay": True}, None),
-        (Chess(alpha=9), {"overlay": True}, "by up to 6.99 pixels of 1280x960"),  # the sheets are nearly parallel
+        (Chess(alpha=9), {"overlay": True}, "by up to 7.08 pixels of 1280x960"),  # the sheets are nearly parallel
         (Chess(alpha=-9, window="alpha=50,z=2"), {"overlay": True}, "at alpha = -9 and z1 = 2 the prediction can"),
         (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prediction can be wrong by more than the picture's"),
         (
@@ -45,7 +45,7 @@ from povgen.settings import Rendering
         (
             Spheres(sheet="single", z1=[2, 5]),
             {"overlay": True},
-            "overlay: at z1 = 5 the prediction can be wrong by up to 3.46 pixels",
+            "overlay: at z1 = 5 the prediction can be wrong by up to 9.18 pixels",
         ),
         (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
         (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
@@ -167,9 +167,9 @@ def test_no_warning_without_cause():
         (
             Chess(predicted_image=True, alpha=179, z1=5),
             None,
-            ["predicted_image", "alpha = 179", "z1 = 5", "can be wrong by up to 30.2 pixels"],
+            ["predicted_image", "alpha = 179", "z1 = 5", "can be wrong by up to 37.2 pixels"],
         ),
-        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 139 pixels", "prisms' size"]),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 151 pixels", "prisms' size"]),
         (
             Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6),
             None,

@@ -154,6 +154,12 @@ def test_the_reported_scenes_are_warned_of():
     assert all(measured_error(scene) < error for scene, error in zip(scenes, stated, strict=True))
 
 
+def test_a_wide_field_is_warned_of():
+    """At 44 degrees the shift along the ridges is no longer proportional to the slope."""
+    scene = Spheres(alpha=69.3, z1=3.85, z2=5.24, prisms=177, view=2.86, eye=(-2.27, -3.19), line=(3.79, 0.74))
+    assert 3 < measured_error(scene) < warned_error(scene) < 5
+
+
 def test_corrections_that_cancel_are_warned_of():
     """The prisms of the two windows move the object to opposite sides. Their errors remain."""
     values = {"alpha": 90, "window": "alpha=100,z=0.8", "z1": 6.11, "z2": 6.04, "prisms": 232}

@@ -1,52 +1,65 @@
 """Shares of the rays that meet a window."""
 
+import re
 from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from povgen import Chess
 from povgen.optics.prism import Prism
 from povgen.optics.shares import shares
-from povgen.optics.trace import Face, Sheet, pair, trace
+from povgen.optics.trace import End, Face, Sheet, pair, trace
 
+DOCS = Path(__file__).parents[2] / "docs"
 WINDOW = 2.4
 
 
-def found(index=1.5, base_angle=45.0, aspect=1.0, n=110):
-    """Trace rays from z2 = 6 to the whole window: alpha = 66 degrees, 100 prisms."""
-    prism = Prism(WINDOW / 100, index, base_angle, aspect=aspect)
-    random = np.random.default_rng(66)
-    x, y = WINDOW / 2 * (2 * (np.indices((n, n)) + random.uniform(size=(2, n, n))).reshape(2, -1) / n - 1)
-    direction = np.column_stack((x, y, np.full(n * n, 6.0)))
-    return trace([[0, 0, -6]], direction, pair(np.radians(66), prism), WINDOW, prism)
+def found(n=110, partial=None, most=60, **shape):
+    """Trace rays from the eye to the whole window of the default scene, with prisms of another shape."""
+    scene = Chess(**shape)
+    x, y = scene.aperture * (
+        (np.indices((n, n)) + np.random.default_rng(66).uniform(size=(2, n, n))).reshape(2, -1) / n - 0.5
+    )
+    direction = np.column_stack((x, y, np.full(n * n, scene.z2)))
+    sheets = pair(np.radians(scene.alpha), scene.prism)
+    return trace([[0, 0, -scene.z2]], direction, sheets, scene.aperture, scene.prism, most, partial=partial)
 
 
-@pytest.mark.parametrize(
-    ("shape", "designed"),
-    [
-        ((1.5, 45, 1), 0.596),
-        ((1.5, 35, 1), 0.623),
-        ((1.5, 60, 1), 0.459),
-        ((1.7, 40, 1), 0.664),
-        ((1.5, 45, 0.9), 0.605),
-    ],
-)
-def test_the_share_on_the_designed_path(shape, designed):
-    rays = found(*shape)
-    glass, black = shares(rays), shares(rays, black_tops=True)
-    assert glass.designed == black.designed == pytest.approx(designed, abs=0.015)
-    for each in (glass, black):
-        assert sum(astuple(each)) == pytest.approx(1)
-    assert glass.absorbed == 0 < black.absorbed
-    for name in ("stray", "back", "frame", "unfinished"):
-        assert getattr(black, name) <= getattr(glass, name)
+def test_the_docs_state_the_shares_of_the_default_scene():
+    text = (DOCS / "beyond.md").read_text()
+    number = r"([\d.]+)"
+    rows = re.findall(
+        rf"^\| {number} \| {number}° \| {number} \| {number} % \| {number} % \| {number} % \|$", text, re.M
+    )
+    assert len(rows) == 7
+    for row in rows:
+        index, base_angle, aspect, *stated = map(float, row)
+        rays = found(index=index, base_angle=base_angle, aspect=aspect)
+        glass, black = shares(rays), shares(rays, black_tops=True)
+        assert 100 * np.array([glass.designed, glass.stray, black.stray]) == pytest.approx(stated, abs=1.3), row
+        assert black.designed == glass.designed and glass.absorbed == 0 < black.absorbed
+        for each in (glass, black):
+            assert sum(astuple(each)) == pytest.approx(1)
+        for name in ("stray", "back", "frame", "unfinished"):
+            assert getattr(black, name) <= getattr(glass, name)
+    (_, _, _, designed, stray, left), *others = [tuple(map(float, row)) for row in rows]
+    assert f"they take {100 * (1 - left / stray):.0f} % of the stray light" in text
+    assert f"a base angle of 40° adds {others[4][3] - designed:.0f} points" in text
 
 
-def test_black_tops_take_most_of_the_stray_light():
-    rays = found()
-    glass, black = shares(rays), shares(rays, black_tops=True)
-    assert glass.stray == pytest.approx(0.30, abs=0.015)
-    assert black.stray == pytest.approx(0.082, abs=0.01)
+def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
+    rays = found(partial=np.random.default_rng(2), most=250)
+    white = rays.end <= End.BACK
+    for page, words in (
+        ("beyond.md", r"(\d+) % of its light has come by"),
+        ("sheets.md", r"(\d+) % of all light from the"),
+    ):
+        (stated,) = re.findall(words, (DOCS / page).read_text())
+        assert 100 * rays.reflected[white].mean() == pytest.approx(int(stated), abs=1.5)
+    (bright,) = re.findall(r"the window is ([\d.]+) as bright\sas its", (DOCS / "beyond.md").read_text())
+    assert white.mean() == pytest.approx(float(bright), abs=0.01)
 
 
 def test_rays_meet_tops_from_inside_and_from_the_gap():
