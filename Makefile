@@ -33,15 +33,16 @@ install = $(if $(strip $(CAN_INSTALL)),$(SUDO) apt-get update -qq && $(SUDO) apt
 # Python, and in a copy of the checkout, whose .venv runs the code of the original. Make then creates a new environment.
 FINISHED = $$(python3 -VV) in $(CURDIR)
 # A prerequisite of all that is installed: FORCE if make has to create the environment, otherwise nothing.
-NEW := $(if $(strip $(MISSING))$(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" \
-  && $(VENV)/bin/python -c '' 2> /dev/null || echo new),FORCE)
+NEW := $(if $(or $(strip $(MISSING)),$(shell test "$$(cat $(READY) 2> /dev/null)" = "$(FINISHED)" \
+  && $(VENV)/bin/python -c '' 2> /dev/null || echo new)),FORCE)
 # Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
 # `make clean` removes the files that recipes have noted here with their checksums, if nobody has changed them since. A
 # recipe calls `begin` before it makes files, and then `note` with names or folders: it notes what is new there.
 MADE := build/.make/made
-begin = @mkdir -p build/.make && touch build/.make/$@
+# The clock of files has ticks of up to 10 ms, and a file that is made in the same tick is not newer.
+begin = @mkdir -p build/.make && touch build/.make/$@ && sleep 0.02
 note = @find $(1) -type f -newer build/.make/$@ -exec sha256sum {} + >> $(MADE)
 
 .PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
