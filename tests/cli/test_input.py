@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+from types import SimpleNamespace
 from typing import get_args
 
 import pytest
@@ -235,7 +236,7 @@ def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
         (tmp_path / name).write_text(PIECE)
     (tmp_path / "a.mp4").write_text(SPEC)
     scenes = {name: Chess(piece=name) for name in ("p.png", "p.mp4", "p.html")}
-    shown = Live("", 1, 1, piece_files([scenes["p.html"]]))
+    shown = Live("", SimpleNamespace(width=64, height=48), piece_files([scenes["p.html"]]))
     for write in (
         lambda: still.save(scenes["p.png"], "p.png"),
         lambda: movie([Chess(), scenes["p.mp4"]], "p.mp4"),

@@ -43,8 +43,7 @@ def test_qualities():
     assert [Rendering(quality=q).suited(prisms=False).sampling for q in QUALITIES] == ["off", "1,0.1,2"] + [
         "1,0.1,3"
     ] * 2
-    given = Rendering(antialias="2x")
-    assert given.suited(prisms=False) == given
+    assert Rendering(antialias="2x").suited(prisms=False).sampling == "2x"
     assert Rendering(quality="draft", size="64x48").size == (64, 48)
 
 

@@ -3,7 +3,6 @@
 import errno
 import os
 import resource
-import shutil
 import signal
 import socket
 import subprocess
@@ -281,7 +280,8 @@ def test_povrays_messages(status, messages, log, expected, tmp_path):
 def test_a_disk_without_room_for_a_picture_is_full(missing, tmp_path, monkeypatch):
     """POV-Ray does not say so. A picture takes up to 3 bytes for each pixel that POV-Ray renders, and 64 KiB."""
     free = 2**16 + 3 * (2 * 64) * (2 * 48) - missing
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+    disk = SimpleNamespace(f_bavail=free, f_frsize=1, f_files=0, f_favail=0)
+    monkeypatch.setattr(os, "statvfs", lambda _: disk)
     failure = povray._failure(Rendering(size=(64, 48), antialias="2x"), tmp_path, 1, "")
     assert (getattr(failure, "errno", None) == errno.ENOSPC) == bool(missing)
 

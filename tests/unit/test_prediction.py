@@ -169,7 +169,7 @@ def test_no_warning_without_cause():
             None,
             ["predicted_image", "alpha = 179", "z1 = 5", "can be wrong by up to 37.2 pixels"],
         ),
-        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 151 pixels", "prisms' size"]),
+        (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 137 pixels", "prisms' size"]),
         (
             Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6),
             None,
@@ -179,7 +179,7 @@ def test_no_warning_without_cause():
         (
             Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, eye=(0, 0.67)),
             None,
-            ["predicted_image", "2.23 pixels", "38.2 times"],
+            ["predicted_image", "2.01 pixels", "38.2 times"],
         ),
         (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.49 pixels", "1.2 pixels", "noise"]),
     ],
