@@ -192,6 +192,7 @@ def page(shared_page):
     page.evaluate(
         """() => {
           player.pause();
+          endGlide();  // of an earlier test, on a busy machine
           player.preset = data.presets[0];
           state.question = -1;
           lastQuestion = 0;
