@@ -31,7 +31,7 @@ MARK = b"povgen's folder for unfinished files: it may be removed when no process
 def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
     """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
     try:
-        path = Path(path)  # type: ignore[arg-type]
+        path = Path(path)  # type: ignore[arg-type]  # any object: what is no path raises TypeError
     except TypeError:
         raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}") from None
     name = f"{option} = {str(path)!r}"

@@ -38,13 +38,13 @@ class Model(BaseModel):
             return super().model_validate(obj, **options)
 
     @classmethod
-    def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401
+    def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401  (as pydantic declares it)
         """Return a model made from a JSON object's text. Raises InputError."""
         with _errors(cls):
             return super().model_validate_json(json_data, **options)
 
     @classmethod
-    def model_validate_strings(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401
+    def model_validate_strings(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401  (as pydantic declares it)
         """Return a model made from a dictionary of texts. Raises InputError."""
         with _errors(cls):
             return super().model_validate_strings(obj, **options)
