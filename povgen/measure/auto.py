@@ -22,7 +22,7 @@ from povgen.rendering import povray
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import reduced
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import limits
+from povgen import limits
 from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Rendering

@@ -16,7 +16,7 @@ from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import CONVERGED, cpu_seconds, flip, picture_error
 from povgen.measure.verify import NOT_FOUND, SMALL, Measured, other_targets, px, series_targets, targets
 from povgen.optics.trace import End
-from povgen.scene import prediction
+from povgen.scene import survey
 from povgen.scene.models import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -77,7 +77,7 @@ def directions(view: View, scenes: tuple[dict[str, Any], ...] = PRISM_SCENES, si
         view.set(scene)
         read = view.readout(size)
         inside, direction = probes.rays(scene, size)
-        trace_level = prediction.max_trace_level(scene)
+        trace_level = survey.max_trace_level(scene)
         found = probes.traced(scene, direction, trace_level)
         seen = (found.end <= End.BACK) & (found.count < trace_level)
         off = np.linalg.norm(read["ray"][inside][:, :3] - found.direction, axis=1)

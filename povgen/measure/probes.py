@@ -19,7 +19,7 @@ from povgen.optics import trace
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import prediction
+from povgen.scene import survey
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -195,7 +195,7 @@ def traced(
     """
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    sheets = prediction.prism_sheets(scene)
+    sheets = survey.prism_sheets(scene.windows, scene.prism)
     return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth, partial)
 
 

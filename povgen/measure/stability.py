@@ -19,7 +19,7 @@ from povgen.measure.probes import Directions, Floats, Positions, Size
 from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, transverse
 from povgen.optics import rotation
 from povgen.optics.trace import End
-from povgen.scene.limits import (
+from povgen.limits import (
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
     MAX_ERROR,
@@ -33,7 +33,9 @@ from povgen.scene.limits import (
     WIDE_GAP,
 )
 from povgen.scene.models import APERTURE, VIEW, Chess
-from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, possible_error, survey, warnings
+from povgen.scene.camera import camera_cells, grid_error
+from povgen.scene.survey import max_trace_level, survey
+from povgen.scene.warnings import possible_error, warnings
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))

@@ -28,7 +28,8 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.optics import rotation, series
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.trace import End, Face
-from povgen.scene import limits, prediction
+from povgen import limits
+from povgen.scene import survey
 from povgen.scene.models import APERTURE, VIEW, Scene, Window
 
 HD = (1280, 960)  # errors of position are given in pixels of this size
@@ -256,7 +257,7 @@ def _pixels(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measure
     designed, agree, by_rounding = [], [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
-        trace_level = prediction.max_trace_level(scene)
+        trace_level = survey.max_trace_level(scene)
         found = probes.traced(scene, direction, trace_level)
         off = np.nan_to_num(np.linalg.norm(decoded[inside] - found.direction, axis=1), nan=np.inf)
         seen = (found.end <= End.BACK) & (found.count < trace_level)
@@ -478,8 +479,8 @@ def black_tops(size: Size = SMALL) -> Iterator[Measured]:
     scene = Directions(sheet="detailed", tops="black", aperture=APERTURE, view=VIEW)
     (decoded,) = probes.decoded([scene], size)
     inside, direction = probes.rays(scene, size)
-    found = probes.traced(scene, direction, prediction.max_trace_level(scene))
-    seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+    found = probes.traced(scene, direction, survey.max_trace_level(scene))
+    seen = (found.end <= End.BACK) & (found.count < survey.max_trace_level(scene))
     black = (found.faces == Face.TOP).any(1)
     agree = np.isnan(decoded[inside][seen][:, 0]) == black[seen]
     what = f"black tops take {100 * black[seen].mean():.1f} % of the pixels: as in the ray trace"
@@ -513,7 +514,7 @@ def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
     inside, direction = probes.rays(scene, size)
     seen = probes.brightness(scene, size)[inside].mean()
     directions = np.tile(direction, (200_000 // len(direction) + 1, 1))
-    found = probes.traced(scene, directions, prediction.max_trace_level(scene), partial=np.random.default_rng(1))
+    found = probes.traced(scene, directions, survey.max_trace_level(scene), partial=np.random.default_rng(1))
     followed = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
     share = 100 * found.reflected[followed].mean()
     what = f"--fresnel: brightness of the window ({seen:.3f}, {share:.1f} % of it by reflections) against the ray trace"
@@ -571,10 +572,10 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = probes.rays(scene, size)
         turned = rotation.rotate(direction, radians(scene.alpha))
-        found = probes.traced(scene, direction, prediction.max_trace_level(scene))
+        found = probes.traced(scene, direction, survey.max_trace_level(scene))
         rendered = np.linalg.norm(decoded[inside] - turned, axis=1) < 1e-3
         exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
-        exact &= found.count < prediction.max_trace_level(scene)
+        exact &= found.count < survey.max_trace_level(scene)
         field = np.degrees(np.arccos(direction[:, 2])) // 5
         for ring in np.unique(field):
             pixels = field == ring

@@ -11,7 +11,8 @@ from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import GRID, volumes
-from povgen.scene import limits, live
+from povgen import limits
+from povgen.scene import live
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
 from povgen.scene.pieces import PIECES, Piece, radius
 from povgen.scene.sdl import to_html

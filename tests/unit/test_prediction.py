@@ -7,7 +7,8 @@ from povgen import Chess, Spheres
 from povgen.measure import probes, verify
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
-from povgen.scene import limits, prediction
+from povgen import limits
+from povgen.scene import prediction
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 
