@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from povgen.measure import probes
 from povgen.measure.browser import View, chromium
+from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import CONVERGED, cpu_seconds, flip, picture_error
-from povgen.measure.verify import NOT_FOUND, SMALL, Measured, other_targets, px, series_targets, targets
+from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.optics.trace import End
 from povgen.scene import prediction
 from povgen.scene.models import Chess, Scene, Spheres

@@ -31,8 +31,9 @@ from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure import probes
 from povgen.measure.browser import View, chromium
+from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Positions
-from povgen.measure.verify import OTHER, SMALL, located, other_targets, px, rms, series_targets, targets
+from povgen.measure.targets import OTHER, located, other_targets, series_targets, targets
 from povgen.rendering import parallel, povray
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear

@@ -15,8 +15,10 @@ from math import ceil, degrees, radians, sqrt
 import numpy as np
 
 from povgen.measure import probes
+from povgen.measure.measured import SMALL, Measured, px, rms
 from povgen.measure.probes import Directions, Floats, Positions, Size
-from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, transverse
+from povgen.measure.targets import located, transverse
+from povgen.measure.verify_prisms import fractions
 from povgen.optics import rotation
 from povgen.optics.trace import End
 from povgen.scene.limits import (

@@ -13,7 +13,7 @@ from povgen.errors import InputError
 from povgen.measure import speed
 from povgen.measure.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
 from povgen.measure.probes import APERTURE, VIEW, Positions, window
-from povgen.measure.verify import located
+from povgen.measure.targets import located
 from povgen.optics import rotation
 from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from povgen import Chess, Spheres
-from povgen.measure import probes, verify
+from povgen.measure import probes
+from povgen.measure.measured import px
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.scene import limits, prediction
@@ -111,7 +112,7 @@ def told_aside(scene):
             place = sum(w * place for w, place in zip(weights, triangle, strict=True))
             worst = max(worst, abs(shown - place).max())
     z1 = scene.z1
-    return verify.px(worst) * abs(z1 / (z1 + scene.z2 * np.exp(1j * np.radians(scene.alpha))))
+    return px(worst) * abs(z1 / (z1 + scene.z2 * np.exp(1j * np.radians(scene.alpha))))
 
 
 def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():

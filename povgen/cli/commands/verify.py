@@ -13,7 +13,7 @@ from povgen.errors import InputError
 if TYPE_CHECKING:  # slow to import
     from collections.abc import Iterator
 
-    from povgen.measure.verify import Measured
+    from povgen.measure.measured import Measured
 
 
 def command(
