@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from povgen import __version__
 from povgen.errors import InputError, shown
 from povgen.scene import limits, prediction
 from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
+from povgen.version import __version__
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
