@@ -23,6 +23,7 @@ from rich.table import Table
 from povgen import Chess, Rendering, to_pov
 from povgen.measure import speed
 from povgen.optics import trace
+from povgen.rendering.flip import CONVERGED
 from povgen.scene import prediction
 
 HERE = Path(__file__).parent
@@ -159,7 +160,7 @@ def lines() -> Iterator[Line]:
 def equal_error(detailed: str, by_hand: str) -> Line:
     """Compare the hand-written scene at +A0.3 with povgen's cheapest sampling whose picture is no worse."""
     scene, size = Chess(), speed.MAIN_SIZE
-    reference = speed.sample(detailed, speed.CONVERGED, size)[1]
+    reference = speed.sample(detailed, CONVERGED, size)[1]
     theirs, picture = speed.sample(by_hand, speed.POVRAY_DEFAULT, size)
     wanted = speed.picture_error(picture, reference, scene)[0]
     found = []

@@ -8,6 +8,7 @@ import numpy as np
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
 from povgen.optics import rotation, series
+from povgen.scene import camera
 from povgen.scene.models import Window
 
 Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window
@@ -89,10 +90,10 @@ def other_targets() -> dict[str, list[Positions]]:
 def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
     """Yield each scene and where its square appears, or NOT_FOUND (NaN) if too little of the square is visible."""
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-        inside, _ = probes.rays(scene, size)
+        inside, _ = camera.rays(scene, size)
         yield (
             scene,
-            probes.locate(probes.pixels(scene, size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
+            probes.locate(camera.pixels(scene, size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
         )
 
 

@@ -10,6 +10,7 @@ from povgen.measure.measured import HD, SMALL, Measured, px
 from povgen.measure.probes import Directions, Floats, PiecePositions, Positions, Size
 from povgen.measure.targets import located, other_targets, targets, transverse, unit
 from povgen.optics import rotation
+from povgen.scene import camera
 
 
 def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
@@ -37,7 +38,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
         scenes = [Directions(sheet="ideal", alpha=alpha, eye=E) for alpha in (66, 180)]
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-            inside, direction = probes.rays(scene, size)
+            inside, direction = camera.rays(scene, size)
             turned = rotation.rotate(direction, radians(scene.alpha))
             # rays that leave the sheet but miss the window frame's rear opening end at the frame: leave them out
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
@@ -78,7 +79,7 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
     cubic polynomial of the depth.
     """
-    inside, direction = probes.rays(scene, size)
+    inside, direction = camera.rays(scene, size)
     if scene.sheet == "detailed":  # stray light shows other places of the piece
         inside[inside] = probes.traced(scene, direction).designed
     inside &= ~np.isnan(decoded[..., 0])
@@ -86,7 +87,7 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     from_eye = scene.L + x + 1j * y - scene.E
     powers = [power for power in range(4) if (0.5 / scene.z1) ** power > 1e-3]  # far away, depth matters less
     basis = from_eye[:, None] * depth[:, None] ** powers
-    target = probes.pixels(scene, size)[inside] - scene.E
+    target = camera.pixels(scene, size)[inside] - scene.E
     kept = np.ones(len(x), bool)
     for _ in range(5):
         a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
@@ -106,10 +107,10 @@ def horizon(size: Size = HD) -> Iterator[Measured]:
 def horizon_angle(scene: Directions, size: Size) -> float:
     """Return the angle, radians, by which the horizon appears turned. The fit drops stray light."""
     (decoded,) = probes.decoded([scene], size)
-    inside, _ = probes.rays(scene, size)
+    inside, _ = camera.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     slope = decoded[inside][:, 1] / decoded[inside][:, 2]
-    position = probes.pixels(scene, size)[inside]
+    position = camera.pixels(scene, size)[inside]
     x, y = position.real, position.imag
     kept = np.ones(len(x), bool)
     for _ in range(8):
@@ -142,7 +143,7 @@ def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
     """Measure how much a sheet with alpha = 0 changes the position that a pixel shows."""
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
     ideal, none = probes.decoded(scenes, size)
-    inside, _ = probes.rays(scenes[0], size)
+    inside, _ = camera.rays(scenes[0], size)
     change = transverse(ideal - none)[inside & ~np.isnan(none[..., 0])]
     worst = np.nan_to_num(abs(change), nan=np.inf).max(initial=0) * 6 / 8  # projected from z = 2 to the plane z = 0
     worst = worst if len(change) else np.nan

@@ -11,7 +11,7 @@ from povgen.measure.probes import Directions, Light, Size, White
 from povgen.optics import rotation
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.trace import End, Face
-from povgen.scene import limits, prediction
+from povgen.scene import camera, limits, prediction
 from povgen.scene.models import APERTURE, VIEW
 
 
@@ -19,7 +19,7 @@ def black_tops(size: Size = SMALL) -> Iterator[Measured]:
     """Compare which pixels are black, if the tops of prisms are, with the exact ray trace."""
     scene = Directions(sheet="detailed", tops="black", aperture=APERTURE, view=VIEW)
     (decoded,) = probes.decoded([scene], size)
-    inside, direction = probes.rays(scene, size)
+    inside, direction = camera.rays(scene, size)
     found = probes.traced(scene, direction, prediction.max_trace_level(scene))
     seen = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
     black = (found.faces == Face.TOP).any(1)
@@ -31,7 +31,7 @@ def black_tops(size: Size = SMALL) -> Iterator[Measured]:
 def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
     """Compare how bright light on the designed path is, with partial reflection, with the Fresnel equations."""
     scene = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
-    inside, direction = probes.rays(scene, size)
+    inside, direction = camera.rays(scene, size)
     angles, prism = [0, radians(scene.alpha) / 2], scene.prism
     light = -rotation.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
     clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
@@ -52,7 +52,7 @@ def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
     The ray trace also says what share of this light at least one partial reflection has sent to the eye.
     """
     scene = White(sheet="detailed", fresnel=True, aperture=APERTURE, view=VIEW)
-    inside, direction = probes.rays(scene, size)
+    inside, direction = camera.rays(scene, size)
     seen = probes.brightness(scene, size)[inside].mean()
     directions = np.tile(direction, (200_000 // len(direction) + 1, 1))
     found = probes.traced(scene, directions, prediction.max_trace_level(scene), partial=np.random.default_rng(1))

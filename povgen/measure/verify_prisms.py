@@ -12,7 +12,7 @@ from povgen.measure.rounding import decided_by_rounding
 from povgen.measure.targets import located, targets
 from povgen.optics import rotation
 from povgen.optics.trace import End
-from povgen.scene import prediction
+from povgen.scene import camera, prediction
 
 
 def every_pixel(
@@ -48,7 +48,7 @@ def any_window(count: int, seed: int) -> list[Directions]:
 def pixel_checks(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
     designed, agree, by_rounding = [], [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         trace_level = prediction.max_trace_level(scene)
         found = probes.traced(scene, direction, trace_level)
         off = np.nan_to_num(np.linalg.norm(decoded[inside] - found.direction, axis=1), nan=np.inf)
@@ -186,7 +186,7 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
     """
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         turned = rotation.rotate(direction, radians(scene.alpha))
         found = probes.traced(scene, direction, prediction.max_trace_level(scene))
         rendered = np.linalg.norm(decoded[inside] - turned, axis=1) < 1e-3

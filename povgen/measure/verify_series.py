@@ -12,6 +12,7 @@ from povgen.measure.targets import SERIES, Series, located, series_targets, unit
 from povgen.measure.verify_ideal import image_distance
 from povgen.measure.verify_prisms import errors, pixel_checks
 from povgen.optics import series
+from povgen.scene import camera
 from povgen.scene.models import Scene
 
 
@@ -36,7 +37,7 @@ def series_directions(size: Size = HD) -> Iterator[Measured]:
     ):
         scene = Directions(sheet="ideal", alpha=alpha, window=window, eye=E)
         (decoded,) = probes.decoded([scene], size)
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         through, turned = through_ideal(scene, direction)
         off = np.linalg.norm(unit(decoded[inside][through]) - turned[through], axis=1)
         worst = max(worst, np.nan_to_num(off, nan=np.inf).max())

@@ -22,7 +22,7 @@ from povgen.measure.stability import StabilityMap
 from povgen.measure.targets import SERIES, targets
 from povgen.optics import rotation
 from povgen.optics.trace import End
-from povgen.scene import prediction
+from povgen.scene import camera, prediction
 from povgen.scene.models import OTHER_SHEETS
 
 SIZE = (320, 240)
@@ -73,7 +73,7 @@ def exact(scenes, size):
     The chess piece is a slanted board, which is as good to fit.
     """
     for scene in scenes:
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         if scene.sheet in ("ideal", "none", *OTHER_SHEETS):
             position = np.array([scene.E.real, scene.E.imag, -scene.z2]) + direction * scene.z2 / direction[:, 2:]
             ends = np.zeros(len(direction), bool)
@@ -244,7 +244,7 @@ def test_maps_are_drawn_and_tabled(tmp_path):
 def test_rounding_decides_for_few_rays():
     """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
     for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
-        _, direction = probes.rays(scene, (48, 36))
+        _, direction = camera.rays(scene, (48, 36))
         assert rounding.decided_by_rounding(scene, direction).mean() < most
 
 
@@ -263,7 +263,7 @@ def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkey
 def test_the_index_of_glass_turns_no_ray_on_the_designed_path():
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = probes.Directions(z2=2)
-    _, direction = probes.rays(scene, SIZE)
+    _, direction = camera.rays(scene, SIZE)
     before = probes.traced(scene, direction)
     changed = scene.model_copy(update={"index": scene.index * (1 + 1e-6)})
     # of the same length

@@ -8,7 +8,7 @@ from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
-from povgen.scene import limits, prediction
+from povgen.scene import camera, limits, prediction
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 
@@ -87,7 +87,7 @@ def test_the_trace_level_leaves_few_pixels_black():
         (100, 66, 6, 0j),
     ):
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
-        inside, direction = probes.rays(scene, SIZE)
+        inside, direction = camera.rays(scene, SIZE)
         found = probes.traced(scene, direction, max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
