@@ -11,7 +11,7 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen.errors import InputError, shown
-from povgen.scene import limits, prediction
+from povgen.scene import limits, materials, prediction
 from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
@@ -33,7 +33,10 @@ def _environment() -> Environment:
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
     environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
-    environment.globals.update(version=__version__, raw=_raw)
+    environment.filters["floats"] = materials.floats
+    environment.filters["interpolated"] = materials.interpolated
+    formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
+    environment.globals.update(version=__version__, raw=_raw, materials=materials, formula=formula)
     return environment
 
 
