@@ -107,9 +107,9 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
         else:
             start = total @ (E.real, E.imag, 0, 0, 1)
             to = place - complex(*start[:2]) - after * complex(*start[2:4])
-            a, b, c, d = np.moveaxis(total[:2, 2:4] + after[..., None, None] * total[2:4, 2:4], (-2, -1), (0, 1)).reshape(
-                4, *after.shape
-            )
+            a, b, c, d = np.moveaxis(
+                total[:2, 2:4] + after[..., None, None] * total[2:4, 2:4], (-2, -1), (0, 1)
+            ).reshape(4, *after.shape)
             size, scale = a * d - b * c, abs(a * d) + abs(b * c)
             x, y = d * to.real - b * to.imag, a * to.imag - c * to.real
             rounding = 1e-14 * np.sqrt(scale) * abs(to)

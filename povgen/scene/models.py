@@ -21,13 +21,13 @@ from pydantic import (
     model_validator,
 )
 
+from povgen import limits
 from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
-from povgen import limits
-from povgen.sheets import IDEAL, PARAMETERS, SHEETS
-from povgen.sheets.sheet import Ideal, Parameter, Sheet
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
+from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets.sheet import Ideal, Parameter, Sheet
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
@@ -45,6 +45,8 @@ MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 MAX_WINDOWS = 5
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
+
+
 def as_pair(value: object) -> object:
     """Accept text such as 'X,Y', and a complex number."""
     if isinstance(value, complex):

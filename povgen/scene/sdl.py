@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from povgen import __version__
-from povgen.errors import InputError, shown
 from povgen import limits
-from povgen.scene import camera, laws
+from povgen.errors import InputError, shown
+from povgen.scene import cells, laws, materials
 from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
+from povgen.version import __version__
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -36,7 +36,10 @@ def _environment() -> Environment:
     environment.filters["repr"] = repr
     environment.filters["zip"] = zip
     environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
-    environment.globals.update(version=__version__, raw=_raw)
+    environment.filters["floats"] = materials.floats
+    environment.filters["interpolated"] = materials.interpolated
+    formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
+    environment.globals.update(version=__version__, raw=_raw, materials=materials, formula=formula)
     return environment
 
 
@@ -83,7 +86,7 @@ def to_pov(
     ):
         if not isinstance(value, kinds):
             raise InputError(f"{name} = {shown(value)}: should be {allowed}")
-    shown_by = camera.camera(scene)
+    shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
     return (
         _environment()
@@ -98,7 +101,7 @@ def to_pov(
             supersampling=sampling.supersampling,
             camera=shown_by,
             laws=laws.to_pov(scene) if shown_by else [],
-            cells=camera.camera_cells(scene) if shown_by else None,
+            cells=cells.camera_cells(scene) if shown_by else None,
             trace_level=max_trace_level(scene, found),
             least_light=limits.LEAST_LIGHT,
             solid="merge" if getattr(scene, "predicted_image", False) else "union",

@@ -11,7 +11,7 @@ from povgen.limits import (
     MIN_PIXELS_PER_PRISM,
     RADII,
 )
-from povgen.scene.camera import camera_cells, grid_error, is_dark
+from povgen.scene.cells import camera_cells, grid_error, is_dark
 from povgen.scene.models import Scene
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering

@@ -5,7 +5,6 @@ from pkgutil import iter_modules
 
 from povgen.sheets.sheet import Ideal, Parameter, Sheet
 
-
 PAPER = ("detailed", "ideal", "single", "none")  # listed first
 
 

@@ -78,7 +78,9 @@ class Law:
     @property
     def uses_place(self) -> bool:
         """Whether the law differs from place to place."""
-        return bool({"X", "Y"} & {each.id for part in self._parts for each in ast.walk(part) if isinstance(each, ast.Name)})
+        return bool(
+            {"X", "Y"} & {each.id for part in self._parts for each in ast.walk(part) if isinstance(each, ast.Name)}
+        )
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)
@@ -112,7 +114,9 @@ class _Reader:
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
         try:
-            tree = ast.parse(f"({text}\n)", mode="eval").body  # the text is on the first line, one character to the right
+            tree = ast.parse(
+                f"({text}\n)", mode="eval"
+            ).body  # the text is on the first line, one character to the right
         except SyntaxError as error:
             raise self._error(min(max((error.offset or 2) - 2, 0), len(text))) from None
         except (ValueError, RecursionError, MemoryError):  # a NUL, or hundreds of parentheses
@@ -152,7 +156,9 @@ class _Reader:
         if node.lineno > 1 or node.end_lineno != node.lineno:
             raise self._error(0)
         before = self.text.encode()  # Python counts bytes
-        start, end = (len(before[: at - 1].decode(errors="ignore")) for at in (node.col_offset, node.end_col_offset or 0))
+        start, end = (
+            len(before[: at - 1].decode(errors="ignore")) for at in (node.col_offset, node.end_col_offset or 0)
+        )
         raise self._error(start, end)
 
     @staticmethod

@@ -49,6 +49,7 @@ PRISMS = (
     ),
 )
 
+
 class _Prisms(Sheet):
     source = "Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009)"
 

@@ -21,9 +21,7 @@ class ViewRotator(Ideal):
     source = "this project"
     parameters = (
         ALPHA,
-        Parameter(
-            "view_distance", "distance of the plane that appears rigid, 0.1 to 100 tiles", 2, 0.1, 100, "tiles"
-        ),
+        Parameter("view_distance", "distance of the plane that appears rigid, 0.1 to 100 tiles", 2, 0.1, 100, "tiles"),
     )
     law = Law(
         f"cos(alpha)*x + sin(alpha)*y + {_X}, cos(alpha)*y - sin(alpha)*x + {_Y}, z",

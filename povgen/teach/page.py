@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from povgen import limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import GRID, volumes
-from povgen import limits
 from povgen.scene import live
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
 from povgen.scene.pieces import PIECES, Piece, radius

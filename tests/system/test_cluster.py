@@ -206,7 +206,7 @@ def start_unfit(machines, name):
     (folder / "povray").write_text("#!/bin/sh\necho POV-Ray 3.8.0\n")
     (folder / "povray").chmod(0o755)
     if name == "other-povgen":
-        (folder / "sitecustomize.py").write_text("import povgen\npovgen.__version__ = '0.0.9'\n")
+        (folder / "sitecustomize.py").write_text("from povgen import version\nversion.__version__ = '0.0.9'\n")
     if name == "no-povgen":
         (folder / "povgen.py").write_text("raise ModuleNotFoundError(\"No module named 'povgen'\")\n")
     machines.worker(name, **UNFIT[name][0])

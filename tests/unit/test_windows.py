@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, MovieSpec, Spheres, live, to_pov
+from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
-from povgen import limits
 from povgen.scene import prediction
 from povgen.scene.live import values as live_values
 from povgen.scene.models import OTHER_SHEETS, Window
