@@ -17,12 +17,8 @@ from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import cpu_seconds, picture_error
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.optics.trace import End
-<<<<<<< HEAD
-from povgen.scene import survey
-=======
 from povgen.rendering.flip import CONVERGED, flip
 from povgen.scene import camera, survey
->>>>>>> short
 from povgen.scene.models import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -82,13 +78,8 @@ def directions(view: View, scenes: tuple[dict[str, Any], ...] = PRISM_SCENES, si
         scene = Directions(**{"sheet": "detailed", **values})
         view.set(scene)
         read = view.readout(size)
-<<<<<<< HEAD
-        inside, direction = probes.rays(scene, size)
-        trace_level = survey.max_trace_level(scene)
-=======
         inside, direction = camera.rays(scene, size)
         trace_level = survey.max_trace_level(scene)
->>>>>>> short
         found = probes.traced(scene, direction, trace_level)
         seen = (found.end <= End.BACK) & (found.count < trace_level)
         off = np.linalg.norm(read["ray"][inside][:, :3] - found.direction, axis=1)

@@ -31,7 +31,7 @@ from povgen.files import temporary_folder
 from povgen.measure.browser import View, chromium
 from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Positions
-from povgen.measure.targets import OTHER, located, other_targets, series_targets, targets
+from povgen.measure.targets import located, other_targets, series_targets, targets
 from povgen.rendering import parallel, povray
 from povgen.rendering.flip import CONVERGED, flip
 from povgen.rendering.frames import read_png
@@ -41,6 +41,7 @@ from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
 from povgen.video.build import movie
 
 # A hand-written macro: it must leave the scene's names as they are.
@@ -241,7 +242,7 @@ def measure_beyond(done: Callable[[str], object]) -> Iterator[tuple[str, str, fl
         shown = Chess(sheet=sheet, alpha=120, window=FURTHER_WINDOWS[: count - 1], z2=8)
         cases.append((sheet, str(count), shown, series_targets(sheet, count, 6, seed=3, E=0j)))
     for sheet, measured in other_targets().items():
-        cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet][0]), measured))
+        cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet].examples[0]), measured))
     texts = [to_pov(shown) for _, _, shown, _ in cases]
     seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
     for (kind, name, _, measured), times in zip(cases, zip(*seconds, strict=True), strict=True):

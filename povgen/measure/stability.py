@@ -14,19 +14,7 @@ from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
-from povgen.measure import probes
-from povgen.measure.measured import SMALL, Measured, px, rms
-from povgen.measure.probes import Directions, Floats, Positions, Size
-from povgen.measure.targets import located, transverse
-from povgen.measure.verify_prisms import fractions
-from povgen.optics import rotation
-from povgen.optics.trace import End
-<<<<<<< HEAD
 from povgen.limits import (
-=======
-from povgen.scene import camera
-from povgen.limits import (
->>>>>>> short
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
     MAX_ERROR,
@@ -39,8 +27,16 @@ from povgen.limits import (
     MIN_PIXELS_PER_PRISM,
     WIDE_GAP,
 )
-from povgen.scene.models import APERTURE, VIEW, Chess
+from povgen.measure import probes
+from povgen.measure.measured import SMALL, Measured, px, rms
+from povgen.measure.probes import Directions, Floats, Positions, Size
+from povgen.measure.targets import located, transverse
+from povgen.measure.verify_prisms import fractions
+from povgen.optics import rotation
+from povgen.optics.trace import End
+from povgen.scene import camera
 from povgen.scene.cells import camera_cells, grid_error
+from povgen.scene.models import APERTURE, VIEW, Chess
 from povgen.scene.survey import max_trace_level, survey
 from povgen.scene.warnings import possible_error, warnings
 

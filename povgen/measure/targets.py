@@ -7,9 +7,10 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
-from povgen.optics import rotation, series
+from povgen.optics import aim, rotation, series
 from povgen.scene import camera
 from povgen.scene.models import Window
+from povgen.sheets import OTHER
 
 Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window
 SERIES: tuple[Series, ...] = (
@@ -17,19 +18,6 @@ SERIES: tuple[Series, ...] = (
     (50, {"alpha": 75, "z": 1}),
     (40, {"alpha": -100, "z": 0.6}),
 )
-
-
-# Of each other ideal sheet, its parameters in the scenes that are measured.
-OTHER: dict[str, tuple[dict[str, object], ...]] = {
-    "axis": (
-        {"alpha": 25, "axis": (0, 1, 0)},
-        {"alpha": -40, "axis": (0.6, 0.3, 1)},
-        {"alpha": 60, "axis": (1, 0, -1)},
-    ),
-    "refraction": ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6}),
-    "lenslets": ({"alpha": 180, "ratio": 1.5}, {"alpha": 180, "ratio": 0.8}, {"alpha": 50, "ratio": 0.8}),
-    "mirror": ({"alpha": 0}, {"alpha": 60}, {"alpha": -100}),
-}
 
 
 NOT_FOUND = ApparentObject(complex("nan"), complex("nan"), complex("nan"))
@@ -77,13 +65,13 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
 def other_targets() -> dict[str, list[Positions]]:
     """Return squares that appear at 0.2 + 0.3i behind each of the other ideal sheets."""
     found: dict[str, list[Positions]] = {}
-    for sheet, several in OTHER.items():
+    for sheet, kind in OTHER.items():
         found[sheet] = []
-        for values in several:
+        for values in kind.examples:
             for E in (0j, 0.3 - 0.2j):
                 scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
-                x, y, z = scene.bend(np.array([0.2 - E.real, 0.3 - E.imag, scene.z2]))
-                found[sheet].append(scene.replace(L=0.2 + 0.3j + 2 * complex(x, y) / z))
+                *_, P, slope = aim.follow((0.2 + 0.3j - E) / scene.z2, E, scene.elements)[-1]
+                found[sheet].append(scene.replace(L=P + 2 * slope))
     return found
 
 

@@ -1,7 +1,7 @@
 """Where the eye sees a point through any list of windows, on numpy arrays.
 
-Signs and units are as in `rotation`. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window,
-a distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
+Signs and units are as in `rotation`. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first
+window, a distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
 A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1) of a ray before
 the window to that behind it. The windows' matrices and those of the distances between them are multiplied. Other
@@ -119,6 +119,17 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
         return (E + distance * s)[()]
 
 
+def infinite_z1(windows: Windows) -> Floats:
+    """Return the positive distances z1 at which objects can appear at infinity; none if a window has no matrix."""
+    total = matrix(windows)
+    if total is None:
+        return np.empty(0)
+    (a, b), (c, d) = total[:2, 2:4]
+    (p, q), (r, t) = total[2:4, 2:4]
+    roots = np.roots([p * t - q * r, a * t + d * p - b * r - c * q, a * d - b * c])
+    return roots.real[(roots.real > 0) & (abs(roots.imag) < 1e-6 * abs(roots))]
+
+
 def _free(distance: float) -> Matrix:
     total = np.eye(5)
     total[[0, 1], [2, 3]] = distance
@@ -170,7 +181,6 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
     s, off = _newton(s, target, miss)
     scale = abs(L - E) + z1 + windows[0][0]
     found = off <= np.maximum(_PRECISION * scale, near)[target]
-    far = abs(E + windows[0][0] * s)
     far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
     # exact paths first where they are; of equally good ones the nearest to the window's middle
     best = np.full(len(L), complex(np.nan, np.nan))

@@ -13,6 +13,7 @@ from math import inf, isnan, nan, radians, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen import limits
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.optics import rotation
@@ -21,7 +22,7 @@ from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture, reduced
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import camera, limits
+from povgen.scene import camera
 from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Rendering

@@ -1,6 +1,7 @@
 """The laws of ideal sheets as text in other languages: POV-Ray, and GLSL and JavaScript for the live view."""
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from povgen.scene.models import Placed, Scene
@@ -73,7 +74,7 @@ class Text(NamedTuple):
     angles: list[str]  # the numbers that are angles
 
 
-def to_live(own: list[OwnLaw] = []) -> list[Text]:
+def to_live(own: Sequence[OwnLaw] = ()) -> list[Text]:
     """Return the laws of all kinds of ideal sheets, and of a user's own, in GLSL and JavaScript.
 
     What depends on parameters alone is computed in JavaScript: a graphics processor's sine has errors of 2e-5.

@@ -27,6 +27,7 @@ from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Ideal, Parameter, Sheet
 
 if TYPE_CHECKING:  # numpy is slow to load
@@ -172,12 +173,15 @@ def _fields(required: bool) -> dict[str, Any]:
     return found
 
 
-SheetName = Literal[tuple(SHEETS)]  # type: ignore[valid-type]  # mypy takes only names that are written out
+if TYPE_CHECKING:  # mypy takes only names that are written out
+    SheetName = str
+else:
+    SheetName = Literal[tuple(SHEETS)]
 _OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(required=False))
 _OfScene: Any = create_model("_OfScene", __base__=Model, **_fields(required=True))
 
 
-class Window(_OfWindow):  # type: ignore[misc]
+class Window(_OfWindow):
     """A window behind the first one, and parallel to it. Its size and its frame are those of the first.
 
     A parameter of its sheet that is not given is that of the first window.
@@ -236,7 +240,7 @@ def as_windows(value: object) -> list[Window]:
     return list(_Windows(window=value).window)
 
 
-class Scene(_OfScene):  # type: ignore[misc]
+class Scene(_OfScene):
     """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
 
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
@@ -399,8 +403,8 @@ class Scene(_OfScene):  # type: ignore[misc]
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
         Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
-        first window's own if all windows rotate light. `near` is for sheets without a ray-transfer matrix: the distance,
-        in tiles, at which light may pass the point (`aim.position`). Arrays broadcast.
+        first window's own if all windows rotate light. `near` is for sheets without a ray-transfer matrix: the
+        distance, in tiles, at which light may pass the point (`aim.position`). Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
@@ -434,18 +438,18 @@ class Scene(_OfScene):  # type: ignore[misc]
                 return before - z * slope, behind + z * after
             distance = self.behind[k - 1][0] if k else self.z2
             found = []
-            for passed, z in ((k, distance - z), (k + 1, z)):
+            for passed, at in ((k, distance - z), (k + 1, z)):
                 if not passed:
-                    found.append(self.E + slope_at_eye * z)
+                    found.append(self.E + slope_at_eye * at)
                     continue
-                A, B = paraxial.depths(z, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
+                A, B = paraxial.depths(at, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
                 found.append(self.E + A * slope_at_eye + B * slope_at_eye.conjugate())
             return found
 
         with numpy.errstate(invalid="ignore"):
             slope_at_eye = (self.apparent_position(L, z1, alpha, near) - self.E) / self.z2
             followed = [] if self.rotates else aim.follow(slope_at_eye, self.E, self.elements)
-            crossed = []
+            crossed: list[Complexes] = []
             for k, sheet in enumerate(self.sheets):
                 middle = self.prism.separation / 2 if sheet.layers == 2 else 0.0  # |z| of a sheet's middle plane
                 for z in (self.depth / 2, middle):
@@ -524,14 +528,7 @@ class Scene(_OfScene):  # type: ignore[misc]
         return self
 
     @model_validator(mode="after")
-    def _check_windows(self) -> Self:
-        for number, (before, z) in enumerate(pairwise(self.places), 2):
-            least = before + self.depth + 0.01
-            if z <= least:
-                raise ValueError(
-                    f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
-                    f"allowed: z > {least:.4g}"
-                )
+    def _check_sheets(self) -> Self:
         for number, sheet in enumerate(self.sheets, 1):
             if sheet.name == "single" and self.window:
                 raise ValueError("sheet = 'single': not with several windows; allowed: any other sheet")
@@ -542,12 +539,23 @@ class Scene(_OfScene):  # type: ignore[misc]
                     where = f"window {number}, law" if number > 1 else "law"
                     raise ValueError(f"{where} = {shown(sheet.values['law'])}: {error}") from None
         for number, window in enumerate(self.window, 2):
-            for name in ("prisms", "index", "base_angle", "gap", "aspect", "tops"):
+            for name in (parameter.name for parameter in PRISMS):
                 if getattr(window, name) not in (None, getattr(self, name)):
                     raise ValueError(
                         f"window {number}, {name} = {getattr(window, name)}: differs from that of the first window, "
                         f"{getattr(self, name)}; allowed: the same"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _check_windows(self) -> Self:
+        for number, (before, z) in enumerate(pairwise(self.places), 2):
+            least = before + self.depth + 0.01
+            if z <= least:
+                raise ValueError(
+                    f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
+                    f"allowed: z > {least:.4g}"
+                )
         if any(sheet.layers for sheet in self.sheets[: len(self.ideal)]):
             raise ValueError(
                 "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "

@@ -25,6 +25,8 @@ def _parameters() -> dict[str, list[Parameter]]:
 
 SHEETS = _kinds()
 IDEAL = {name: kind for name, kind in SHEETS.items() if issubclass(kind, Ideal)}
+# ideal sheets that do something else than to rotate light about their normal
+OTHER = {name: kind for name, kind in IDEAL.items() if not kind.rotates and name != "none"}
 PARAMETERS = _parameters()  # of all kinds, by their names; kinds that share one have texts of their own
 # the kinds that use each parameter
 USED_BY = {

@@ -1,4 +1,6 @@
-"""Laws of ideal sheets: the direction of a ray behind a sheet, as text that numpy, POV-Ray, GLSL and JavaScript all read.
+"""Laws of ideal sheets: the direction of a ray behind a sheet, as text that several languages read alike.
+
+They are numpy, POV-Ray's scene description language, GLSL and JavaScript.
 
 A law is three expressions, for x, y and z. They may contain
 
