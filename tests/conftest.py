@@ -121,9 +121,7 @@ def seen_through_other_sheets(rng, scenes=100, rays=20):
 
 def landing(scene, P):
     """Return where rays from the eye through points P (n,) of another ideal sheet meet the first object's plane."""
-    x, y, z = scene.bend(np.stack(((P - scene.E).real, (P - scene.E).imag, np.full(len(P), scene.z2)), -1)).T
-    with np.errstate(invalid="ignore"):  # NaN: no light passes
-        return P + scene.distances[0] * (x + 1j * y) / z
+    return P + scene.distances[0] * scene.sheets[0].slope((P - scene.E) / scene.z2, P)  # NaN: no light passes
 
 
 @pytest.fixture

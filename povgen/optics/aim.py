@@ -8,7 +8,7 @@ the window to that behind it. The windows' matrices and those of the distances b
 windows say which slope a ray gets, and L is found by Newton's method from several rays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,6 +26,10 @@ _PRECISION = 1e-11  # of a found path: how far it passes L, relative to the dist
 
 class Element(Protocol):
     """What a window does to a ray from the eye."""
+
+    @property
+    def aperture(self) -> float:
+        """The side of the square window."""
 
     @property
     def transfer(self) -> Matrix | None:
@@ -153,30 +157,20 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
         *_, P, behind = follow(s, E, windows)[-1]
         return P + z1[target] * behind - L[target]
 
-    # A net of rays. L is close to a triangle of the net's image that contains it: its ray follows linearly.
-    tan = np.tan(_ANGLES)
-    net = tan + 1j * tan[:, None]
-    *_, P, behind = follow(net, E, windows)[-1]
-    image = P + z1[:, None, None] * behind - L[:, None, None]
+    nets = [_net(_ANGLES, _ANGLES)]
+    passing = np.isfinite(follow(nets[0], E, windows)[-1][-1])
+    if passing.any() and not passing.all():  # a finer net where light passes
+        rows, columns = (np.flatnonzero(passing.any(axis)) for axis in (1, 0))
+        step = _ANGLES[1] - _ANGLES[0]
+        nets.append(_net(*(np.linspace(_ANGLES[i[0]] - step, _ANGLES[i[-1]] + step, 25) for i in (columns, rows))))
+    places = np.linspace(-0.55, 0.55, 25) * windows[0][1].aperture  # and one of rays through the window
+    nets.append((places + 1j * places[:, None] - E) / windows[0][0])
     starts, targets = [], []
-    for corners in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
-        (i, j) = corners  # triangles below and above the diagonal of each cell
-        a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
-        s0, s1, s2 = (np.broadcast_to(net[rows, columns], a.shape) for rows, columns in ((i, i), (j, i), (i, j)))
-        u, v = b - a, c - a
-        size = (u.conj() * v).imag
-        p, q = -(a.conj() * v).imag / size, -(u.conj() * a).imag / size
-        inside = (p > -0.3) & (q > -0.3) & (p + q < 1.3)
-        starts.append((s0 + p * (s1 - s0) + q * (s2 - s0))[inside])
-        targets.append(np.nonzero(inside)[0])
-    # also the rays that pass L more closely than their neighbours
-    off = np.nan_to_num(abs(image), nan=np.inf)
-    framed = np.pad(off, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    n = len(tan)
-    least = np.min([framed[:, 1 + i : 1 + i + n, 1 + j : 1 + j + n] for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
-    lowest = np.isfinite(off) & (off == least)
-    starts.append(np.broadcast_to(net, off.shape)[lowest])
-    targets.append(np.nonzero(lowest)[0])
+    for net in nets:
+        *_, P, behind = follow(net, E, windows)[-1]
+        for s, target in _starts(net, P + z1[:, None, None] * behind - L[:, None, None]):
+            starts.append(s)
+            targets.append(target)
     s, target = np.concatenate(starts), np.concatenate(targets)
     s, off = _newton(s, target, miss)
     scale = abs(L - E) + z1 + windows[0][0]
@@ -188,6 +182,34 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
     order = order[found[order]]
     best[target[order]] = s[order]
     return best
+
+
+def _net(x: Floats, y: Floats) -> Complexes:
+    """Return the slopes of rays at these angles, radians, in the planes of x and of y."""
+    return np.tan(np.clip(x, -1.55, 1.55)) + 1j * np.tan(np.clip(y, -1.55, 1.55))[:, None]
+
+
+def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Any]]:
+    """Yield slopes from which to search, and the numbers of their targets.
+
+    `image` (targets, rows, columns) is how far the net's rays pass the targets.
+    """
+    # the ray of a target in a triangle of the net's image, as if it followed linearly from the corners
+    for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
+        a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
+        s0, s1, s2 = (np.broadcast_to(net[rows, columns], a.shape) for rows, columns in ((i, i), (j, i), (i, j)))
+        u, v = b - a, c - a
+        size = (u.conj() * v).imag
+        p, q = -(a.conj() * v).imag / size, -(u.conj() * a).imag / size
+        inside = (p > -0.3) & (q > -0.3) & (p + q < 1.3)
+        yield (s0 + p * (s1 - s0) + q * (s2 - s0))[inside], np.nonzero(inside)[0]
+    # rays that pass the target more closely than their neighbours
+    off = np.nan_to_num(abs(image), nan=np.inf)
+    _, n, m = off.shape
+    framed = np.pad(off, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
+    around = [framed[:, i : i + n, j : j + m] for i in range(3) for j in range(3)]
+    lowest = np.isfinite(off) & (off == np.min(around, axis=0))
+    yield np.broadcast_to(net, off.shape)[lowest], np.nonzero(lowest)[0]
 
 
 def _newton(s: Complexes, target: Any, miss: Any) -> tuple[Complexes, Floats]:  # noqa: ANN401
@@ -215,6 +237,7 @@ def _newton(s: Complexes, target: Any, miss: Any) -> tuple[Complexes, Floats]:  
         better = abs(new) < abs(value)
         s[active], f[active] = np.where(better, at + step, at), np.where(better, new, value)
         damping[active] = np.where(better, more * 0.1, np.maximum(more, 1e-8) * 8)
-        going = (abs(step) > 1e-15 * (1 + abs(at))) & (damping[active] < 1e8) & (f[active] != 0)
+        size = abs(step) / (1 + abs(at))
+        going = (size > np.where(better, 1e-15, 1e-10)) & (damping[active] < 1e8) & (f[active] != 0)
         active = active[going]
     return s, np.nan_to_num(abs(f), nan=np.inf)

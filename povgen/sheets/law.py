@@ -15,6 +15,7 @@ z is above 0. Light itself runs the other way along the same path.
 """
 
 import ast
+import keyword
 from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -47,6 +48,9 @@ class Law:
         Raises ValueError, which says where the text is not in the grammar.
         """
         self.parameters = tuple(parameters)
+        for name in self.parameters:
+            if not name.isascii() or not name.isidentifier() or name in (*RAY, *FUNCTIONS) or keyword.iskeyword(name):
+                raise ValueError(f"parameter {name!r}; allowed: a name of letters, digits and _ that is not taken")
         self._parts = _Reader(text, self.parameters).parts
 
     def __eq__(self, other: object) -> bool:

@@ -36,11 +36,12 @@ from hypothesis import strategies as st
 from povgen import Chess, InputError, MovieSpec, to_pov
 from povgen.cli import app
 from povgen.cli.options import with_options
-from povgen.scene.models import OTHER_SHEETS, SCENES
+from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
@@ -228,7 +229,7 @@ SOME = {  # right values for what is no field of a model
     "color": st.sampled_from(["red", "#c87529", "#00f", "hsl(0, 100%, 50%)"]),
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
     "quality": st.sampled_from(["draft", "standard"]),
-    "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto", *OTHER_SHEETS]),
+    "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto", *OTHER]),
     "window": st.sampled_from(["alpha=120,z=2", "alpha=-50,z=0.9,sheet=detailed", "z=4,alpha=3,sheet=ideal"]),
 }
 

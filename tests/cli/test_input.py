@@ -4,7 +4,6 @@ import os
 import re
 import sys
 from types import SimpleNamespace
-from typing import get_args
 
 import pytest
 from conftest import povgen, refused, run_povgen
@@ -14,8 +13,9 @@ from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_p
 from povgen.cli.report import USED_BY
 from povgen.errors import PovrayError
 from povgen.rendering import auto, povray
-from povgen.scene.models import SheetModel, piece_files
+from povgen.scene.models import piece_files
 from povgen.scene.spec import MOVIES
+from povgen.sheets import SHEETS
 from povgen.teach.live import Live
 from povgen.video import still
 
@@ -311,7 +311,7 @@ def test_options_without_effect(options, unused, tmp_path):
     assert all(text in line for text, line in zip(unused, said, strict=True)), said
 
 
-@pytest.mark.parametrize("sheet", get_args(SheetModel))
+@pytest.mark.parametrize("sheet", [*SHEETS])
 def test_which_options_have_an_effect(sheet):
     """An option has no effect, as the warning says, if it leaves all but the comments of the scene's text as it is."""
 

@@ -24,7 +24,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
 from povgen.rendering import cache, frames, surveys
-from povgen.scene import prediction
+from povgen.scene import survey
 from povgen.video import encode, still
 
 SCENE = Chess(sheet="none")
@@ -342,17 +342,16 @@ def test_rays_are_traced_once(monkeypatch):
     """Surveys are kept until the code that makes them changes."""
     scene = Spheres(prisms=30, z2=7)
     rendered(scene)
-    survey = prediction.survey(scene)
+    found = survey.survey(scene)
     (kept,) = (path for _, _, path in cache.by_last_use() if path.suffix == ".values")
 
     def again():
         traced = []
-        trace = prediction._survey
+        trace = survey.survey
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(prediction, "surveys", {})
-            patch.setattr(prediction, "_survey", lambda *rays: traced.append(rays) or trace(*rays))
+            patch.setattr(survey, "survey", lambda scene: traced.append(scene) or trace(scene))
             _, ran = rendered(scene)
-            assert not ran and prediction.survey(scene) == survey
+            assert not ran and trace(scene) == found
         return len(traced)
 
     assert again() == 0
@@ -384,8 +383,7 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
-    monkeypatch.setattr(prediction, "surveys", {})
-    monkeypatch.setattr(prediction, "_survey", lambda *rays: pytest.fail("traced again"))
+    monkeypatch.setattr(survey, "survey", lambda scene: pytest.fail("traced again"))
     warn([scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 

@@ -10,7 +10,7 @@ from povgen.optics import rotation
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.rendering import povray
-from povgen.scene import camera, prediction
+from povgen.scene import camera, survey
 
 SIZE = (320, 240)
 
@@ -86,7 +86,7 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
         inside, direction = camera.rays(scene, (160, 120))
         found = probes.traced(scene, direction)
         off = np.linalg.norm(decoded[inside] - found.direction, axis=1)
-        shown = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
+        shown = (found.end <= End.BACK) & (found.count < survey.max_trace_level(scene))
         assert found.designed.sum() > 500 and (off[found.designed] < 1e-3).all(), scene
         stray.extend(off[shown & ~found.designed] < 1e-3)
         ended = found.end == End.FRAME
@@ -107,7 +107,7 @@ def test_prisms_of_any_shape_agree_with_the_ray_trace():
     scenes = [Directions(**shape) for shape in shapes]
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
         inside, direction = camera.rays(scene, (160, 120))
-        level = prediction.max_trace_level(scene)
+        level = survey.max_trace_level(scene)
         found = probes.traced(scene, direction, level)
         shown = (found.end <= End.BACK) & (found.count < level)
         agrees = np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3

@@ -12,7 +12,7 @@ from povgen import Chess, MovieSpec, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
-from povgen.scene.models import OTHER_SHEETS
+from povgen.sheets import OTHER
 
 BASELINES = PROJECT / "benchmarks"
 
@@ -61,7 +61,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     assert float(few["position error (px)"]) == pytest.approx(4 * float(many["position error (px)"]), rel=0.2)
     rows = list(csv.DictReader((tmp_path / "beyond.csv").open()))
     off = {(row["kind"], row["windows or sheet"]): float(row["position error (px)"]) for row in rows}
-    assert {name for kind, name in off if kind == "other ideal sheets"} == {*OTHER_SHEETS}
+    assert {name for kind, name in off if kind == "other ideal sheets"} == {*OTHER}
     for (kind, _), error in off.items():
         assert 0.1 < error < 12 if kind == "detailed" else error < 0.1
     assert all(float(row["CPU s"]) > 0 for row in rows)

@@ -22,8 +22,8 @@ from povgen.measure.stability import StabilityMap
 from povgen.measure.targets import SERIES, targets
 from povgen.optics import rotation
 from povgen.optics.trace import End
-from povgen.scene import camera, prediction
-from povgen.scene.models import OTHER_SHEETS
+from povgen.scene import camera, survey
+from povgen.sheets import OTHER
 
 SIZE = (320, 240)
 SMALL = (160, 120)
@@ -74,19 +74,19 @@ def exact(scenes, size):
     """
     for scene in scenes:
         inside, direction = camera.rays(scene, size)
-        if scene.sheet in ("ideal", "none", *OTHER_SHEETS):
+        if scene.sheet in ("ideal", "none", *OTHER):
             position = np.array([scene.E.real, scene.E.imag, -scene.z2]) + direction * scene.z2 / direction[:, 2:]
             ends = np.zeros(len(direction), bool)
             for place, alpha in zip(scene.places, scene.alphas, strict=True):
                 position = position + direction * (place - position[:, 2:]) / direction[:, 2:]
-                if scene.sheet in OTHER_SHEETS:
-                    direction = scene.bend(direction)
+                if scene.sheet in OTHER:
+                    direction = scene.sheets[0].bend(direction, position[:, 0] + 1j * position[:, 1])
                 if scene.sheet == "ideal":
                     direction = rotation.rotate(direction, np.radians(alpha))
                 leaves = position + direction * scene.depth / 2 / direction[:, 2:]
                 ends |= abs(leaves[:, :2]).max(1) > scene.aperture / 2
         else:
-            found = probes.traced(scene, direction, prediction.max_trace_level(scene))
+            found = probes.traced(scene, direction, survey.max_trace_level(scene))
             position, direction = found.position, found.direction
             ends = found.end > End.BACK
             if isinstance(scene, probes.Positions):

@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 from conftest import landing, seen_through_other_sheets
 
-from povgen import Chess, InputError, MovieSpec, Spheres
-from povgen.optics import ideal, rotation
-from povgen.scene import prediction
+from povgen import Chess, InputError, MovieSpec, Spheres, limits
+from povgen.scene import warnings
+from povgen.scene.cells import camera_cells
 from povgen.settings import Rendering
 from povgen.video import overlay
 
 SHEETS = [
+    {"sheet": "lens", "focal_length": 5},
+    {"sheet": "glens", "focal_length": 10, "object_focal_length": 14},
+    {"sheet": "twist", "alpha": 30, "twist": 20},
+    {"sheet": "view-rotator", "alpha": 66, "view_distance": 2},
+    {"sheet": "law", "law": "x + k*sin(2*X)*z, y + k*sin(2*Y)*z, z", "parameter": {"k": 0.05}},
     {"sheet": "axis", "alpha": 30, "axis": (0.2, 0.4, 1)},
     {"sheet": "refraction", "alpha": 40, "ratio": 0.7},
     {"sheet": "lenslets", "alpha": 180, "ratio": 1.4},
@@ -57,8 +62,7 @@ def test_the_eye_sees_a_point_where_its_ray_meets_it(values, rng):
     scene = Spheres(z1=3, eye=(0.3, -0.2), **values)
     E, found = scene.E, []
     for P in rng.uniform(-1.7, 1.7, 60) + 1j * rng.uniform(-1.7, 1.7, 60):
-        x, y, z = scene.bend(np.array([(P - E).real, (P - E).imag, 6]))
-        slope = complex(x, y) / z
+        slope = complex(scene.sheets[0].slope((P - E) / 6, P))
         L = P + 3 * slope
         assert scene.apparent_position(L, 3) == pytest.approx(P, abs=1e-7)
         points = (P - 0.15 * (P - E) / 6, P, P + 0.15 * slope)
@@ -96,7 +100,7 @@ def test_an_object_that_is_seen_is_marked(values):
     (place,) = overlay.positions(scene)
     # in the first scene no light from the sphere's centre reaches the eye, but light from 0.024 tiles beside it does
     assert abs(landing(scene, np.array([place]))[0] - scene.L) < 0.025 < scene.radius(scene.z1)
-    assert not [*prediction.warnings(scene, Rendering(overlay=True))]
+    assert not [*warnings.warnings(scene, Rendering(overlay=True))]
 
 
 # Of the three paths to L, two are nearly the same; the third one is far outside the window.
@@ -113,7 +117,8 @@ def test_both_paths_close_to_a_caustic_are_found_and_then_none():
     gone = (abs(exact) > 5) & (abs(near) < 5)
     assert gone.sum() > 50
     miss = abs(landing(scene, near[gone]) - beyond[gone])
-    assert 0.1 < miss.max() <= 0.5 + 1e-9 and (near[abs(exact) < 2] == exact[abs(exact) < 2]).all()
+    assert 0.1 < miss.max() <= 0.5 + 1e-9
+    np.testing.assert_allclose(near[abs(exact) < 2], exact[abs(exact) < 2], atol=1e-12)
 
 
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
@@ -123,7 +128,7 @@ def test_overlays_are_drawn(values):
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
     assert overlay.key(scene, Rendering(overlay=True))[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
     assert ("ratio" in overlay.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
-    assert not [*prediction.warnings(scene, Rendering(overlay=True, caption=True))]
+    assert not [*warnings.warnings(scene, Rendering(overlay=True, caption=True))]
 
 
 def shown_aside(scene, cells):
@@ -131,23 +136,25 @@ def shown_aside(scene, cells):
     side = np.linspace(-0.5, 0.5, cells + 1) * scene.aperture
     P = side + 1j * side[:, None]
     x, y = (P - scene.E).real, (P - scene.E).imag
-    unit = scene.bend(np.stack((x, y, np.full(P.shape, scene.z2)), -1))
-    unit = unit / np.linalg.norm(unit, axis=-1, keepdims=True)
+    unit = scene.sheets[0].bend(np.stack((x, y, np.full(P.shape, scene.z2)), -1), P)
     d = unit[:-1, :-1] + unit[1:, 1:]
     middle = (P[:-1, :-1] + P[1:, 1:]) / 2
     L = middle + scene.z1 * (d[..., 0] + 1j * d[..., 1]) / d[..., 2]
-    return np.nanmax(abs(scene.apparent_position(L, scene.z1) - middle)) / scene.view * 960
+    aside = abs(scene.apparent_position(L, scene.z1) - middle) / scene.view * 960
+    return np.nanmax(aside), np.nanquantile(aside, 0.98)
 
 
 @pytest.mark.parametrize("eye", [(0, 0), (0.4, -0.3)])
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
 def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
     scene = Chess(eye=eye, **values)
-    cells = prediction.camera_cells(scene)
-    assert (cells == 1) == (eye == (0, 0) and scene.sheet != "refraction")
-    assert shown_aside(scene, cells) < 0.033
+    cells = camera_cells(scene)
+    smooth = scene.sheet not in ("twist", "law", "view-rotator")
+    assert (cells == 1) == (eye == (0, 0) and scene.sheet not in ("refraction", "twist", "law"))
+    most, usual = shown_aside(scene, cells)
+    assert (most if smooth else usual) < 0.033 or cells == limits.MAX_CELLS
     if cells > 1:
-        assert shown_aside(scene, 2 * cells // 3) > 0.03
+        assert shown_aside(scene, 2 * cells // 3)[0] > 0.03
 
 
 @pytest.mark.filterwarnings("error")
@@ -160,24 +167,27 @@ def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
     ],
 )
 def test_a_camera_that_sees_no_light_needs_one_cell(values):
-    assert prediction.camera_cells(Chess(**values)) == 1
+    assert camera_cells(Chess(**values)) == 1
 
 
 def test_a_small_circle_of_light_is_not_missed():
     """Light passes within 0.18 tiles of the eye's foot: between the corners of 16 cells across the window."""
     scene = Spheres(sheet="refraction", ratio=0.1, z2=1.8, eye=(0.05, -1.4), line=(0.05, -1.4), z1=3)
-    assert prediction.camera_cells(scene) == 100
-    assert overlay.positions(scene) and not [*prediction.warnings(scene, Rendering(overlay=True))]
+    assert camera_cells(scene) == 100
+    assert overlay.positions(scene) and not [*warnings.warnings(scene, Rendering(overlay=True))]
 
 
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = 0,0,0: too short"),
-        ({"sheet": "axis", "axis": (0, -9e-4, 1e-200)}, "axis = 0,-0.0009,1e-200: too short"),
+        ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = (0, 0, 0): too short"),
+        ({"sheet": "axis", "axis": (0, -9e-4, 1e-200)}, "axis = (0, -0.0009, 1e-200): too short"),
         ({"sheet": "axis", "axis": "1,0"}, "axis = '1,0': has too few parts"),
         ({"sheet": "refraction", "ratio": 0}, "ratio = 0: should be greater than or equal to 0.1"),
-        ({"sheet": "mirror", "window": "alpha=1,z=2"}, "sheet = 'mirror': not with several windows"),
+        ({"sheet": "single", "window": "alpha=1,z=2"}, "sheet = 'single': not with several windows"),
+        ({"window": "z=2,sheet=lens"}, "window: an ideal one behind one of prisms"),
+        ({"window": "z=2,prisms=20"}, "window 2, prisms = 20: differs from that of the first window, 100"),
+        ({"sheet": "lens", "focal_length": 0.05}, "focal_length = 0.05: too close to 0"),
         ({"sheet": "axis", "predicted_image": True}, "the prediction is for two sheets, but sheet = 'axis'"),
     ],
 )
@@ -185,13 +195,3 @@ def test_sheets_that_cannot_be_are_refused(values, words):
     with pytest.raises(InputError) as error:
         Chess(**values)
     assert words in str(error.value)
-
-
-def test_the_maps_are_those_of_the_mathematics(rng):
-    d = rng.normal(size=(20, 3))
-    alpha = np.radians(30)
-    axis, refraction, lenslets, mirror = (Chess(**{**values, "alpha": 30}).bend(d) for values in SHEETS)
-    np.testing.assert_array_equal(axis, ideal.rotate_about(d, (0.2, 0.4, 1), alpha))
-    np.testing.assert_array_equal(refraction, ideal.refract(d, 0.7 * np.exp(1j * alpha)))
-    np.testing.assert_array_equal(lenslets, ideal.scale_slope(d, 1.4 * np.exp(1j * alpha)))
-    np.testing.assert_array_equal(mirror, rotation.mirror(d, alpha / 2))

@@ -8,7 +8,8 @@ from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
-from povgen.scene import camera, prediction
+from povgen.scene import camera, survey, warnings
+from povgen.scene.cells import camera_cells, grid_error
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 
@@ -69,7 +70,7 @@ from povgen.settings import Rendering
 )
 def test_predictions_warn_beyond_their_limit(scene, options, words):
     """The warning names every option that shows the prediction, and the object that is farthest beyond the limit."""
-    said = [text for _, text in prediction.warnings(scene, Rendering(**options))]
+    said = [text for _, text in warnings.warnings(scene, Rendering(**options))]
     assert (len(said) == 1 and words in said[0]) if words else not said
 
 
@@ -89,9 +90,9 @@ def test_the_trace_level_leaves_few_pixels_black():
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
         inside, direction = camera.rays(scene, SIZE)
         found = probes.traced(scene, direction, max_faces=255)
-        lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
+        lost = (found.end != End.FRAME) & (found.count >= survey.max_trace_level(scene))
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
-        levels.append(prediction.max_trace_level(scene))
+        levels.append(survey.max_trace_level(scene))
     assert levels[-1] < 40 < 100 < max(levels) <= limits.MAX_FACES + 1
 
 
@@ -100,7 +101,7 @@ def told_aside(scene):
 
     Computed for the triangles of camera/ideal.pov.j2: at the middle of each side and of each triangle.
     """
-    n, half = prediction.camera_cells(scene), scene.aperture / 2
+    n, half = camera_cells(scene), scene.aperture / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half
     at = corners + 1j * corners[:, None]
     worst = 0.0
@@ -122,9 +123,9 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
         alpha, (z1, z2) = random.uniform(-180, 180), np.exp(random.uniform((np.log(0.6), -1.8), 5))
         scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=(0, random.uniform(-1.6, 8.67)), view=VIEW)
         error = told_aside(scene)
-        assert error <= 1.02 * prediction.grid_error(scene, prediction.camera_cells(scene)), scene
-        assert prediction.camera_cells(scene) <= limits.MAX_CELLS
-        if prediction.camera_cells(scene) < limits.MAX_CELLS:
+        assert error <= 1.02 * grid_error(scene, camera_cells(scene)), scene
+        assert camera_cells(scene) <= limits.MAX_CELLS
+        if camera_cells(scene) < limits.MAX_CELLS:
             assert error <= limits.MAX_CAMERA_ERROR, scene
             errors.append(error)
             kept += 1
@@ -135,12 +136,12 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
 
 def test_the_camera_of_a_scene_without_objects_is_for_some_twice_as_far_as_the_eye():
     sheet = {"sheet": "refraction", "alpha": 40, "ratio": 0.7, "eye": (0.4, -0.3)}
-    cells = [prediction.camera_cells(probes.Positions(z1=z1, **sheet)) for z1 in (6, 12, 24)]
-    assert cells[0] < cells[1] < cells[2] and prediction.camera_cells(probes.Directions(**sheet)) == cells[1]
+    cells = [camera_cells(probes.Positions(z1=z1, **sheet)) for z1 in (6, 12, 24)]
+    assert cells[0] < cells[1] < cells[2] and camera_cells(probes.Directions(**sheet)) == cells[1]
 
 
 def said(scene, rendering=None):
-    return " ".join(text for _, text in prediction.warnings(scene, rendering))
+    return " ".join(text for _, text in warnings.warnings(scene, rendering))
 
 
 def test_no_warning_without_cause():
@@ -195,7 +196,7 @@ def test_antialiasing_quiets_the_warning_of_aliasing():
 
 
 def test_settings_follow_the_maps():
-    level, cells = prediction.max_trace_level, prediction.camera_cells
+    level, cells = survey.max_trace_level, camera_cells
     assert limits.MIN_GAP < Prism.gap < limits.WIDE_GAP
     assert 8 == level(Chess(z2=75)) < level(Chess(z2=6)) < level(Chess(z2=2)) < 62
     assert level(Chess(z2=60, z1=40, eye=(0, 8.67))) > 20  # an eye aside looks aslant, however far

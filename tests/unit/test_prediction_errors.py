@@ -13,9 +13,9 @@ from povgen import Chess, InputError, Spheres
 from povgen.limits import MAX_ERROR, RADII
 from povgen.measure import probes
 from povgen.optics import rotation, series
-from povgen.scene import prediction
-from povgen.scene.models import OTHER_SHEETS
+from povgen.scene import cells, survey, warnings
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
 
 
 def random_scene(rng):
@@ -24,7 +24,7 @@ def random_scene(rng):
     def log(least, most):
         return float(np.exp(rng.uniform(np.log(least), np.log(most))))
 
-    sheet = rng.choice(["detailed", "single", "ideal", *OTHER_SHEETS], p=[0.6, 0.15, 0.05, 0.05, 0.05, 0.05, 0.05])
+    sheet = rng.choice(["detailed", "single", "ideal", *OTHER], p=[0.6, 0.15, 0.05, 0.05, 0.05, 0.05, 0.05])
     values = {"alpha": rng.choice([rng.uniform(-360, 360), rng.uniform(-25, 25), 180 - log(0.1, 40)]), "sheet": sheet}
     values |= {"z2": log(0.6, 150), "z1": log(0.3, 1000), "eye": tuple(rng.choice([0, 1, 10]) * rng.uniform(-1, 1, 2))}
     values |= {"prisms": int(log(1, 3000)), "axis": tuple(rng.uniform(-1, 1, 3)), "ratio": log(0.1, 10)}
@@ -42,7 +42,7 @@ def random_scene(rng):
 
 def warned_error(scene):
     """Return the error that a warning about the overlay states, or None without one."""
-    texts = [text for name, text in prediction.warnings(scene, Rendering(overlay=True)) if name == "overlay"]
+    texts = [text for name, text in warnings.warnings(scene, Rendering(overlay=True)) if name == "overlay"]
     if not texts:
         return None
     stated = re.search(r"by up to ([\d.]+) pixels", texts[0])
@@ -90,7 +90,7 @@ def where_rays_end(scene, aim, z1):
     found = probes.traced(
         scene,
         np.column_stack((steps.real, steps.imag, np.full(len(aim), planes[first + 1] - planes[first]))),
-        max_faces=3 * len(prediction.prism_sheets(scene)) + 1,
+        max_faces=3 * len(survey.prism_sheets(scene.windows, scene.prism)) + 1,
         origin=np.column_stack((crossed[first].real, crossed[first].imag, np.full(len(aim), planes[first]))),
     )
     onward = (
@@ -102,7 +102,7 @@ def where_rays_end(scene, aim, z1):
 
 def error_of_camera(scene, P):
     """Return by how much a camera that interpolates between its cells' corners shows the object elsewhere than at P."""
-    cell, (L, z1) = scene.aperture / prediction.camera_cells(scene), scene.objects[0]
+    cell, (L, z1) = scene.aperture / cells.camera_cells(scene), scene.objects[0]
     x, y = ((P.real, P.imag) + np.full(2, scene.aperture / 2)) / cell
     corner = P - cell * complex(x % 1, y % 1)
     x, y = x % 1, y % 1

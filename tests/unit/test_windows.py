@@ -6,10 +6,11 @@ import pytest
 from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
-from povgen.scene import prediction
+from povgen.scene import cells, survey, warnings
 from povgen.scene.live import values as live_values
-from povgen.scene.models import OTHER_SHEETS, Window
+from povgen.scene.models import Window
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
 from povgen.video import overlay
 
 TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
@@ -22,7 +23,9 @@ def test_a_window_is_text_a_table_or_a_window():
             scene = Chess(window=given)
             assert scene.window == (Window(alpha=-50, z=2),)
             assert (scene.alphas, scene.places, scene.behind) == ((66, -50), (0, 2), ((2, pytest.approx(-0.872665)),))
-    assert Chess(**MIXED).sheets == ("ideal", "ideal", "detailed") and Chess(**MIXED).simulated == 2
+    assert [sheet.name for sheet in Chess(**MIXED).sheets] == ["ideal", "ideal", "detailed"] and len(
+        Chess(**MIXED).ideal
+    ) == 2
     assert Chess(**{**MIXED, "sheet": "none"}).sheets == ("none",) * 3
 
 
@@ -126,19 +129,17 @@ def test_captions_and_curves_are_of_all_windows():
 
 def test_settings_follow_the_windows():
     one, two = Chess(alpha=50, z2=8), Chess(alpha=50, window="alpha=75,z=2", z2=8)
-    assert prediction.survey(one).designed > prediction.survey(two).designed > 0.25
-    assert prediction.max_trace_level(two) >= prediction.max_trace_level(one) + 5
-    assert 5 == prediction.max_trace_level(two.replace(sheet="ideal"))
+    assert survey.survey(one).designed > survey.survey(two).designed > 0.25
+    assert survey.max_trace_level(two) >= survey.max_trace_level(one) + 5
+    assert 5 == survey.max_trace_level(two.replace(sheet="ideal"))
     mixed = two.replace(sheet="ideal", window="alpha=75,z=2,sheet=detailed")
-    assert prediction.max_trace_level(mixed) < prediction.max_trace_level(two)
-    assert prediction.survey(mixed).designed > prediction.survey(two).designed
-    assert (
-        prediction.camera_cells(one.replace(sheet="ideal")) == 1 < prediction.camera_cells(two.replace(sheet="ideal"))
-    )
-    words = " ".join(text for _, text in prediction.warnings(two.replace(window="alpha=1,z=2"), Rendering()))
+    assert survey.max_trace_level(mixed) < survey.max_trace_level(two)
+    assert survey.survey(mixed).designed > survey.survey(two).designed
+    assert cells.camera_cells(one.replace(sheet="ideal")) == 1 < cells.camera_cells(two.replace(sheet="ideal"))
+    words = " ".join(text for _, text in warnings.warnings(two.replace(window="alpha=1,z=2"), Rendering()))
     assert "alpha = 1: within 3 degrees" in words
     pole = Chess(sheet="ideal", alpha=180, window="alpha=180,z=2", z1=2, z2=8)  # as at z1 + z2 + 2 - 4
-    assert not [*prediction.warnings(pole, Rendering(caption=True))]
+    assert not [*warnings.warnings(pole, Rendering(caption=True))]
 
 
 def rays_to(scene, number, count, rng):
@@ -150,7 +151,7 @@ def rays_to(scene, number, count, rng):
     P = series.crossings(scene.E + (there - scene.E) / scale, scene.E, scene.z2, alpha, scene.behind)
     P = P[:, (np.maximum(abs(P[: number + 1].real), abs(P[: number + 1].imag)) < half).all(0)]
     # the camera's rays start at the last ideal window
-    first = scene.simulated
+    first = len(scene.ideal)
     places = [-scene.z2, *scene.places]
     start = P[first - 1] if first else np.full(P.shape[1], scene.E)
     step, way = P[first] - start, np.full(len(start), places[first + 1] - places[first])
@@ -175,8 +176,8 @@ FAR, NEXT = "alpha=66,z=25,sheet=detailed", "alpha=70,z=14,sheet=detailed"
 def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values, seen, rng):
     """Of the pixels that show this window. Few rays reach one that is far behind others."""
     scene = probes.Directions(**{"sheet": "detailed", **values})
-    level = prediction.max_trace_level(scene)
-    assert level == live_values(scene)["faces"] > 3 * len(prediction.prism_sheets(scene))
+    level = survey.max_trace_level(scene)
+    assert level == live_values(scene)["faces"] > 3 * len(survey.prism_sheets(scene.windows, scene.prism))
     for number in seen:
         at, direction = rays_to(scene, number, 6000, rng)
         found = probes.traced(scene, direction, max_faces=255, origin=at)
@@ -188,7 +189,7 @@ def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values
 def test_the_trace_level_never_cuts_the_designed_path():
     """Not even if no ray of the survey reaches the prisms, because other windows hide them."""
     hidden = Chess(sheet="ideal", alpha=90, window="alpha=66,z=60,sheet=detailed", eye=(9, 0), z2=3)
-    assert prediction.survey(hidden) == prediction.Survey(7, 0.0)
+    assert survey.survey(hidden) == survey.Survey(7, 0.0)
 
 
 HEAD = 'title = "A movie"\nscene = "chess"\nframes = 3\n'
@@ -263,7 +264,7 @@ def test_nu_and_M_where_nothing_is_turned():
     z1 = np.array([2.0, 3.0])
     nu, M = Chess(sheet="none", window="alpha=20,z=2").nu_and_M(z1)
     assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
-    for sheet in ("single", *OTHER_SHEETS):  # what an object looks like there is more than an angle and a size
+    for sheet in ("single", *OTHER):  # what an object looks like there is more than an angle and a size
         assert np.isnan(Chess(sheet=sheet).nu_and_M(z1)).all() and np.isnan(Chess(sheet=sheet).nu_and_M(2)).all()
 
 

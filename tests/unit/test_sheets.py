@@ -1,0 +1,239 @@
+"""Kinds of sheets: their laws against independent formulas, the grammar of laws, and what is derived from them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from povgen import Chess, InputError
+from povgen.optics import aim, rotation
+from povgen.optics.prism import Prism
+from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
+from povgen.sheets.law import Law
+
+DIRECTION = st.tuples(*[st.floats(-1, 1)] * 2, st.floats(0.1, 1)).map(np.array)
+ANGLE = st.floats(-360, 360)
+PLACE = st.builds(complex, st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+
+
+def sheet(name, **values):
+    """A sheet with these values, and defaults."""
+    return SHEETS[name]({each.name: each.default for each in SHEETS[name].parameters} | values)
+
+
+def transverse(direction):
+    """x + iy of a direction (..., 3), its length being 1."""
+    unit = direction / np.linalg.norm(direction, axis=-1, keepdims=True)
+    return unit[..., 0] + 1j * unit[..., 1], unit[..., 2]
+
+
+def agrees(bent, t, z):
+    """Whether a unit direction has this transverse part and this z, up to its length; NaN if z is not above 0."""
+    if not z > 1e-6:
+        return np.isnan(bent).all() or z > 0
+    expected = np.array([t.real, t.imag, z]) / np.hypot(abs(t), z)
+    return np.allclose(bent, expected, rtol=0, atol=1e-10)
+
+
+@given(DIRECTION, ANGLE, st.floats(0.1, 10))
+def test_laws_of_the_same_everywhere(direction, degrees, ratio):
+    t, z = transverse(direction)
+    turn = np.exp(1j * np.radians(degrees))
+    assert agrees(sheet("ideal", alpha=degrees).bend(direction), t / turn, z)
+    np.testing.assert_allclose(
+        sheet("ideal", alpha=degrees).bend(direction),
+        rotation.rotate(direction, np.radians(degrees)) / np.linalg.norm(direction),
+        atol=1e-12,
+    )
+    assert agrees(sheet("mirror", alpha=degrees).bend(direction), np.conj(t) * turn, z)
+    assert agrees(sheet("lenslets", alpha=degrees, ratio=ratio).bend(direction), t / (ratio * turn), z)
+    sine = t / (ratio * turn)
+    assert agrees(
+        sheet("refraction", alpha=degrees, ratio=ratio).bend(direction), sine, np.sqrt(max(0, 1 - abs(sine) ** 2))
+    )
+    assert agrees(sheet("none").bend(direction), t, z)
+
+
+@given(DIRECTION, ANGLE, st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda axis: max(map(abs, axis)) > 0.001))
+def test_rotation_about_an_axis(direction, degrees, axis):
+    """By the product of quaternions. The eye's ray is turned by -alpha."""
+
+    def product(p, q):
+        scalar = p[0] * q[0] - p[1:] @ q[1:]
+        return np.array([scalar, *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
+
+    half, unit = -np.radians(degrees) / 2, np.array(axis) / np.linalg.norm(axis)
+    q = np.array([np.cos(half), *np.sin(half) * unit])
+    turned = product(product(q, np.array([0, *direction])), q * [1, -1, -1, -1])[1:]
+    t, z = transverse(turned)
+    assert agrees(sheet("axis", alpha=degrees, axis=axis).bend(direction), t, z)
+
+
+@given(st.floats(0.3, 20), st.floats(-20, 20).filter(lambda f: abs(f) > 0.2), st.floats(0.3, 20), PLACE, PLACE)
+def test_a_lens_and_a_glens_image(a, f, g, point, place):
+    """Rays from a point at the distance a meet at the distance b, with f/a + g/b = 1."""
+    for one, far in ((sheet("glens", focal_length=f, object_focal_length=g), g), (sheet("lens", focal_length=f), f)):
+        if abs(1 - f / a) < 1e-3:  # the image is at infinity
+            continue
+        b = far / (1 - f / a)
+        image, other = (P + b * one.slope((P - point) / a, P) for P in (place, 0j))
+        assert image == pytest.approx(other, abs=1e-9 * (1 + abs(b)) * (1 + 20 / a) * (1 + abs(f / far)))
+
+
+@given(ANGLE, st.floats(0.1, 100), PLACE, PLACE)
+def test_the_view_rotator_turns_a_plane_as_a_whole(degrees, distance, place, slope):
+    rotator = sheet("view-rotator", alpha=degrees, view_distance=distance)
+    seen = place + distance * rotator.slope(slope, place)
+    straight = (place + distance * slope) * np.exp(-1j * np.radians(degrees))
+    assert seen == pytest.approx(straight, abs=1e-9 * (1 + distance))
+    scene = Chess(sheet="view-rotator", alpha=degrees, view_distance=2, z1=2, eye=(0.3, -0.2))
+    direct = Chess(sheet="none", z1=2, eye=(0.3, -0.2))
+    where = direct.apparent_position(place * np.exp(1j * np.radians(degrees)), 2)
+    assert scene.apparent_position(place, 2) == pytest.approx(where, abs=1e-9)
+
+
+@given(ANGLE, ANGLE, PLACE, PLACE)
+def test_a_twist_rotates_light_by_another_angle_in_each_place(degrees, twist, place, slope):
+    angle = np.radians(degrees + twist * abs(place))
+    bent = sheet("twist", alpha=degrees, twist=twist).slope(slope, place)
+    assert bent == pytest.approx(slope * np.exp(-1j * angle), abs=1e-9)
+
+
+def test_light_that_does_not_pass():
+    """Rotation about x tilts light up to 90 degrees; a denser medium reflects light beyond the critical angle."""
+    directions = np.array([[0, np.sin(t), np.cos(t)] for t in np.radians([-89, -31, -29, 29, 31, 89])])
+    passing = np.isfinite(sheet("axis", alpha=60, axis=(1, 0, 0)).bend(directions)[:, 0])
+    assert passing.tolist() == [True, True, True, True, False, False]
+    angles = np.radians([0, 30, 41, 43, 80])
+    light = np.stack((np.sin(angles), 0 * angles, np.cos(angles)), -1)
+    assert (
+        np.isfinite(sheet("refraction", alpha=0, ratio=1 / 1.5).bend(light)[:, 0]).tolist() == [True] * 3 + [False] * 2
+    )
+
+
+# ---- The grammar
+
+
+@pytest.mark.parametrize(
+    ("text", "x"),
+    [
+        ("x + 2*y - -z/4, y, z", lambda x, y, z: x + 2 * y + z / 4),
+        ("-(x - y) - (x - (y - z)), y, z", lambda x, y, z: -(x - y) - (x - (y - z))),
+        ("x/y/z*(x/(y/z)), y, z", lambda x, y, z: x / y / z * (x / (y / z))),
+        ("sqrt(abs(x)) + min(x, y)*max(x, y), y, z", lambda x, y, z: np.sqrt(abs(x)) + min(x, y) * max(x, y)),
+        ("pow(z, 3) + sin(x)*cos(y) + 1e-3, y, z", lambda x, y, z: z**3 + np.sin(x) * np.cos(y) + 1e-3),
+        ("- - -x + +y, y, z", lambda x, y, z: y - x),
+        ("x,\n  y,\n  z + 0*X*Y", lambda x, y, z: x),
+    ],
+)
+def test_the_grammar(text, x):
+    law = Law(text)
+    d = np.array([0.3, -0.2, 0.9]) / np.linalg.norm([0.3, -0.2, 0.9])
+    bent = law.bend(d, 0.4 + 0.1j, {})
+    expected = np.array([x(*d), d[1], d[2]])
+    np.testing.assert_allclose(bent, expected / np.linalg.norm(expected), rtol=1e-14)
+    again = Law(str(law))
+    assert str(again) == str(law) and again == law and hash(again) == hash(law)
+    assert not any("--" in each or "//" in each for each in law.expressions())
+    assert law.uses_place == ("X" in text)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x, y", "2 expressions; allowed: three"),
+        ("x, y^2, z", "'y^2' at character 4; allowed: decimal numbers, + - * / ( ), x, y, z, X, Y, k"),
+        ("x, y**2, z", "'y**2' at character 4"),
+        ("tan(x), y, z", "'tan(x)' at character 1"),
+        ("x, y, z + q", "'q' at character 11"),
+        ("µ + x, é, z", "'µ' at character 1"),
+        ("sqrt(x, y), y, z", "'sqrt(x, y)' at character 1"),
+        ("sqrt(x=y), y, z", "'sqrt(x=y)' at character 1"),
+        ("1e999, y, z", "'1e999' at character 1"),
+        ("x if y else z, y, z", "'x if y else z'"),
+        ("__import__('os').system('ls'), y, z", "at character 1"),
+        ("(lambda: x)(), y, z", "at character 1"),
+        ("x.real, y, z", "'x.real' at character 1"),
+        ("True, y, z", "'True' at character 1"),
+        ("1j, y, z", "'1j' at character 1"),
+        ("sqrt, y, z", "'sqrt' at character 1"),
+        ("x, y, (z", "at character"),
+        ("x +, y, z", "at character"),
+        ("", "0 expressions"),
+        ("x, y, z\0", "allowed:"),
+        ("(" * 400 + "x" + ")" * 400 + ", y, z", "allowed"),
+        ("+".join(["x"] * 200) + ", y, z", "more than 100 levels"),
+        ("x" * 1001, "1001 characters; allowed: up to 1000"),
+    ],
+)
+def test_what_is_not_in_the_grammar_is_refused(text, words):
+    with pytest.raises(ValueError) as error:
+        Law(text, ["k"])
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_law_of_ones_own_in_a_scene():
+    scene = Chess(sheet="law", law="x - k*X*z, y, z", parameter=["k=0.25"])
+    cylinder = scene.sheets[0]
+    assert cylinder.slope(0.1 + 0.2j, 0.4 + 0.3j) == pytest.approx(0.2j)
+    assert scene == Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.25})
+    with pytest.raises(InputError, match=r"^law = 'x, y, z \+ q': 'q' at character 11; allowed: decimal"):
+        Chess(sheet="law", law="x, y, z + q")
+    with pytest.raises(InputError, match="^window 2, law = 'x': 1 expressions"):
+        Chess(sheet="ideal", window={"z": 2, "sheet": "law", "law": "x"})
+    for name in ("x", "sin", "2k", "a b", "lambda", "é"):
+        with pytest.raises(InputError, match="allowed: a name"):
+            Chess(sheet="law", law="x, y, z", parameter={name: 1})
+    with pytest.raises(InputError, match="should be text such as k=0.3"):
+        Chess(sheet="law", parameter=["k"])
+
+
+# ---- What is derived
+
+
+def test_constants_are_the_parts_without_a_ray():
+    law = Law("(cos(alpha) - 1)*X + sin(alpha)*y, x*(cos(alpha) - 1)/k, z*2", ["alpha", "k"])
+    assert law.constants() == ["cos(alpha) - 1.0", "sin(alpha)", "k"]
+    assert law.with_constants() == ["c0 * X + c1 * y", "x * c0 / c2", "z * 2.0"]
+
+
+def test_kinds_that_share_a_parameter_agree():
+    for several in PARAMETERS.values():
+        assert len({(p.default if p.kind != "table" else 0, p.least, p.most, p.unit, p.kind) for p in several}) == 1
+    assert set(USED_BY["alpha"]) > {"detailed", "ideal", "axis"} and USED_BY["twist"] == ("twist",)
+    assert {"lens", "glens", "twist", "view-rotator", "law"} < set(OTHER) < set(IDEAL)
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_every_kind_says_what_it_is(name):
+    kind = SHEETS[name]
+    assert kind.title and kind.does and not kind.does.endswith(".") and kind.__doc__
+    for values in kind.examples:
+        assert set(values) <= {each.name for each in kind.parameters}
+        Chess(sheet=name, **values)
+
+
+LINEAR = {"ideal", "mirror", "lenslets", "lens", "glens", "view-rotator", "none"}
+
+
+@pytest.mark.parametrize("name", IDEAL)
+def test_matrices_are_those_of_the_laws(name, rng):
+    s, P = rng.uniform(-2, 2, (2, 30, 2)) @ [1, 1j]
+    for values in IDEAL[name].examples:
+        one = sheet(name, **values)
+        assert (one.transfer is not None) == (name in LINEAR) or values in (
+            {"alpha": 180, "ratio": 1},
+            OTHER["law"].examples[0],
+        )
+        if one.transfer is not None:
+            X, Y, sx, sy, _ = one.transfer @ np.stack((P.real, P.imag, s.real, s.imag, np.ones(30)))
+            np.testing.assert_allclose(X + 1j * Y, P)
+            np.testing.assert_allclose(sx + 1j * sy, one.slope(s, P), atol=1e-12)
+
+
+def test_matrices_of_prisms_without_size_are_those_of_thin_sheets():
+    for alpha in (-130, 0.5, 66):
+        np.testing.assert_allclose(
+            aim.pair(np.radians(alpha), Prism(0.0)), sheet("ideal", alpha=alpha).transfer, atol=1e-12
+        )
+    np.testing.assert_allclose(aim.single(Prism(0.0)), sheet("mirror", alpha=0).transfer, atol=1e-12)
