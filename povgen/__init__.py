@@ -11,11 +11,11 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from povgen.errors import InputError, PovrayError
+    from povgen.liveview.view import live
     from povgen.scene.models import Chess, Spheres
     from povgen.scene.sdl import to_pov
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
-    from povgen.teach.live import live
     from povgen.video.build import Movie, movie
     from povgen.video.still import render, save, show
 
@@ -42,7 +42,7 @@ _MODULES = {
     "PovrayError": "errors",
     "Rendering": "settings",
     "Spheres": "scene.models",
-    "live": "teach.live",
+    "live": "liveview.view",
     "movie": "video.build",
     "render": "video.still",
     "save": "video.still",

@@ -147,7 +147,7 @@ def browser():
 @pytest.fixture(scope="module")
 def demo_file(tmp_path_factory):
     """The teaching page, in a folder whose name has to be quoted in a URL."""
-    from povgen.teach.page import demo
+    from povgen.liveview.page import demo
 
     return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
+from povgen.liveview.values import values
+from povgen.liveview.view import html
 from povgen.rendering.light import encoded
-from povgen.rendering.volumes import page
-from povgen.scene import live
 from povgen.scene.models import Scene
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class View:
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
-            file.write_text(page(scene), "utf-8")
+            file.write_text(html(scene), "utf-8")
             self.page.goto(file.as_uri())
             self.page.evaluate("view.ready")
         if not self.page.evaluate("Boolean(view.gl)"):
@@ -73,7 +73,7 @@ class View:
 
     def set(self, scene: Scene) -> None:
         """Show another scene, with pieces of the same kinds."""
-        self.page.evaluate("(values) => view.set(values)", live.values(scene))
+        self.page.evaluate("(values) => view.set(values)", values(scene))
 
     def readout(self, size: Size) -> dict[str, Floats]:
         """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""

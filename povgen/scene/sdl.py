@@ -121,7 +121,7 @@ def _input(file: str) -> str:
 
 
 def to_html(page: Mapping[str, object]) -> str:
-    """Return the teaching page, with its styles and script. The script reads `page` (`teach.page`)."""
+    """Return the teaching page, with its styles and script. The script reads `page` (`liveview.page`)."""
     return _environment().get_template("demo/index.html.j2").render(page=page)
 
 

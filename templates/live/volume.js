@@ -1,4 +1,4 @@
-// A piece's distance field, from the bytes in the page to the numbers in a 3D texture. povgen/rendering/volumes.py made it.
+// A piece's distance field, from the bytes in the page to the numbers in a 3D texture. povgen/liveview/volumes.py made it.
 
 "use strict";
 

@@ -13,11 +13,11 @@ from PIL import Image
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_pov
 from povgen.cli.report import USED_BY
 from povgen.errors import PovrayError
+from povgen.liveview.view import Live
 from povgen.measure import auto
 from povgen.rendering import povray
 from povgen.scene.models import SheetModel, piece_files
 from povgen.scene.spec import MOVIES
-from povgen.teach.live import Live
 from povgen.video import still
 
 SPEC = """

@@ -21,13 +21,13 @@ from PIL import Image
 from playwright.sync_api import expect
 
 from povgen import Chess, InputError, Spheres
+from povgen.liveview import page as teaching
+from povgen.liveview.page import demo
 from povgen.optics import paraxial, rotation, series
 from povgen.optics.prism import Prism
 from povgen.scene import prediction
 from povgen.scene.models import SCENES
 from povgen.settings import Rendering
-from povgen.teach import page as teaching
-from povgen.teach.page import demo
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 SIZES = {"laptop": (1280, 720), "phone": (390, 844), "phone sideways": (844, 390), "projector": (1920, 1080)}

@@ -6,10 +6,10 @@ from conftest import refused
 
 import povgen
 from povgen import Chess, InputError, Spheres
+from povgen.liveview.values import values
 from povgen.measure import live
 from povgen.measure.browser import View
 from povgen.measure.probes import Directions
-from povgen.scene import live as given
 from povgen.scene.models import SCENES
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
@@ -54,8 +54,9 @@ def test_directions_agree_with_the_ray_trace(prisms):
 
 def test_directions_disagree_with_another_glass(prisms, monkeypatch):
     """The check can fail: the shader's index is wrong by a thousandth."""
-    right = given.values
-    monkeypatch.setattr(given, "values", lambda scene: right(scene) | {"index": 1.0015 * scene.index, "alpha": 66.1})
+    monkeypatch.setattr(
+        "povgen.measure.browser.values", lambda scene: values(scene) | {"index": 1.0015 * scene.index, "alpha": 66.1}
+    )
     assert not any(figure.holds for figure in live.directions(prisms, ({},), SIZE))
 
 
@@ -101,19 +102,17 @@ def test_a_piece_of_ones_own(browser, tmp_path):
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_the_script_derives(prisms, scene):
     """The script's prisms, frame and spheres are povgen's."""
-    for values in (
+    for given in (
         {},
         {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
         {"sheet": "single", "aspect": 1.2, "z2": 1},
         {"prisms": 3000, "aperture": 1, "z2": 150},
         {"sheet": "ideal", "window": ("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), "prisms": 40},
     ):
-        made = SCENES[scene](**{"z2": 12, **values})
+        made = SCENES[scene](**{"z2": 12, **given})
         names = ("prism", "windows", "tile", "depth", "distances", "spheres", "pieces")
         script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, windows, tile, depth, distances, spheres, pieces = prisms.page.evaluate(
-            script, [names, given.values(made)]
-        )
+        prism, windows, tile, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, values(made)])
         for name in ("pitch", "height", "length", "separation", "slab_shift"):
             assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
         assert [tuple(window.values()) for window in windows] == [
