@@ -33,6 +33,7 @@ stop = 180
 )
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
+NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
 COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
@@ -168,7 +169,8 @@ def opened(browser, file, hash_="", **options):
     page = browser.new_page(viewport=WORK, **options)
     faults = Faults().watch(page, file.parent.as_uri())
     page.goto(file.as_uri() + hash_)
-    page.evaluate("LiveView.RAYS = 1; view.ready")
+    page.evaluate(NAMES)
+    page.evaluate("PACE.RAYS = 1; view.ready")
     page.evaluate(COARSE)
     return page, faults
 
@@ -195,7 +197,7 @@ def page(shared_page):
           endGlide();  // of an earlier test, on a busy machine
           player.preset = data.presets[0];
           state.question = -1;
-          lastQuestion = 0;
+          session.lastQuestion = 0;
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;

@@ -9,6 +9,7 @@ from typing import Any
 
 from povgen.errors import InputError
 from povgen.files import checked_output, save
+from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.liveview.volumes import Volume, stored, volumes
 from povgen.rendering.parallel import worker_count
@@ -58,7 +59,7 @@ def demo(
         build.movie(specs[name], file, workers=workers, progress=progress, **given)
     quality = Rendering(**given).quality
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
-    save(to_html(data(shown, shapes, presets)).encode(), page)
+    save(to_html("demo/index", data(shown, shapes, presets), script("demo/main.js")).encode(), page)
     return page
 
 

@@ -9,11 +9,12 @@ from pydantic import Field
 
 from povgen import files
 from povgen.errors import InputError, shown
+from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.liveview.volumes import stored, volumes
 from povgen.model import Model
 from povgen.scene.models import SCENES, Scene, checked_scene, piece_files, pieces
-from povgen.scene.sdl import to_live
+from povgen.scene.sdl import to_html
 
 Side = Annotated[int, Field(ge=32, le=7680)]
 
@@ -48,7 +49,8 @@ class Live:
 
 def html(scene: Scene) -> str:
     """Return the page that shows a scene's live view. Raises what `volumes` and `values` raise."""
-    return to_live({"scene": values(scene), "volumes": stored(volumes(pieces(scene)))})
+    data = {"scene": values(scene), "volumes": stored(volumes(pieces(scene)))}
+    return to_html("live/page", data, script("live/main.js"))
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:

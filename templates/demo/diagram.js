@@ -1,9 +1,18 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
-const diagram = $("diagram");
-let diagramMap = null;
+import { radians } from "../live/geometry.js";
+import { OTHER_SHEETS } from "./beyond.js";
+import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
+import { $, clamped } from "./data.js";
+import * as equations from "./equations.js";
+import { angle, fixed, point, size } from "./numbers.js";
+import { curve, dot, heading, line, RATIOS, step, svg, TURNS, vector, words } from "./shapes.js";
+import { session, state } from "./state.js";
+import { corner, corners, triangle } from "./triangle.js";
 
-const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
+const diagram = $("diagram");
+
+export const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
 function mapOf(width, height, { L, E, P, two }) {
@@ -23,18 +32,18 @@ function mapOf(width, height, { L, E, P, two }) {
   return { at, unit: tile * abs(D), turned: arg(D), tile, ofTiles };
 }
 
-function drawDiagram(now) {
+export function drawDiagram(now) {
   const { width, height } = diagram.getBoundingClientRect();
   if (!width) return;
   const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
   const box = { width, height };
   if (now.Z && orientation() === "paper") {
-    diagramMap = null;
+    session.diagramMap = null;
     showDiagram(depthDiagram(now, box, rem), now);
     return;
   }
-  const map = held?.map ?? mapOf(width, height, now);
-  diagramMap = map;
+  const map = session.held?.map ?? mapOf(width, height, now);
+  session.diagramMap = map;
   const { at } = map;
   const [L, E] = [at([0, 0]), at([1, 0])];
   const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
@@ -73,11 +82,6 @@ function diagramName(now) {
   const nu = angle(equations.nu(now.r, now.alpha));
   return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
 }
-
-// The dots and names of L, E and P. P is left out if it is null or outside the drawing.
-const corners = (L, E, P, rem, box) => [
-  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
-];
 
 // Below L and E, or between them: the switch is above.
 function poleWords(points, height, rem) {

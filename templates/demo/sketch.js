@@ -1,8 +1,15 @@
 // The sketch: eye, sheets and object, seen from the right side. z is to scale, unless one of z1 and z2 is very short.
 
-const sketch = $("sketch");
+import { finite } from "./complex.js";
+import { $, clamped } from "./data.js";
+import { atSecondWindow } from "./equations.js";
+import { brief } from "./numbers.js";
+import { arrowhead, curve, line, svg, words } from "./shapes.js";
+import { state } from "./state.js";
 
-function drawSketch(now) {
+export const sketch = $("sketch");
+
+export function drawSketch(now) {
   const { width, height } = sketch.getBoundingClientRect();
   if (!width) return;
   const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);

@@ -37,7 +37,7 @@ FAULTS = """() => {
 @pytest.mark.parametrize("size", [*SMALL, (320, 568), (900, 560), (1280, 720)], ids=lambda size: f"{size[0]}x{size[1]}")
 def test_each_control_is_on_top_and_large_enough(page, size):
     width, height = size
-    page.evaluate("LiveView.RAYS = 0")
+    page.evaluate("PACE.RAYS = 0")
     page.set_viewport_size({"width": width, "height": height})
     for values in (
         {"caption": True, "position": True, "image": True},
@@ -52,13 +52,13 @@ def test_each_control_is_on_top_and_large_enough(page, size):
     assert stage["width"] / stage["height"] == pytest.approx(4 / 3, abs=0.01)
     # beside the picture, or below it, there is room
     assert width - stage["width"] > 250 or stage["height"] < 0.5 * height
-    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("PACE.RAYS = 1")
 
 
 def test_a_choice_is_seen_in_high_contrast(page):
     """There the user's colours replace the page's: a background that is not kept is the same for all choices."""
     page.emulate_media(forced_colors="active")
-    page.evaluate("pinned = 'alpha'; mark('alpha'); draw()")
+    page.evaluate("session.pinned = 'alpha'; mark('alpha'); draw()")
     colours = """(each) => [document.querySelector(each)].map(getComputedStyle)
         .map(({ backgroundColor, color }) => [backgroundColor, color])[0]"""
     for chosen, other in {
@@ -73,7 +73,7 @@ def test_a_choice_is_seen_in_high_contrast(page):
     # a slider's track has a colour of the user's, and the drawings keep their own paper
     assert page.evaluate("getComputedStyle($('slider-z1')).forcedColorAdjust") == "none"
     assert page.evaluate("getComputedStyle($('sketch')).backgroundColor") == "rgb(255, 254, 251)"
-    page.evaluate("pinned = ''; mark('')")
+    page.evaluate("session.pinned = ''; mark('')")
 
 
 # ---- Numbers ----
@@ -131,7 +131,7 @@ def drawn(page, width=64, height=48):
     shown = page.evaluate(
         """([width, height]) => {
           Object.assign(view.scene, moment().scene);
-          return [...view.readout(width, height).shown].filter((_, k) => k % 4 === 0);
+          return [...readout(view, width, height).shown].filter((_, k) => k % 4 === 0);
         }""",
         [width, height],
     )

@@ -455,7 +455,7 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
         "The knight appears turned by 15.0° counter-clockwise, and 0.851 times as large as if it stood in the window."
     )
     # every point of the piece's predicted image is in the window, and there the picture shows the piece
-    shown = page.evaluate("[...view.readout(160, 120).shown].filter((_, k) => k % 4 === 0)")
+    shown = page.evaluate("[...readout(view, 160, 120).shown].filter((_, k) => k % 4 === 0)")
     piece = np.reshape(shown, (120, 160))[::-1] == 3  # OBJECT in objects.glsl
     inside = page.evaluate(
         """() => {
@@ -697,7 +697,7 @@ def test_spheres_are_chosen_by_dragging(page):
 def test_the_diagram_can_be_dragged_and_turned(page):
     for name, handle in (("L", "#object-diagram"), ("E", "#eye-diagram")):
         page.evaluate("draw()")
-        tile = page.evaluate("diagramMap.tile")
+        tile = page.evaluate("session.diagramMap.tile")
         spot, box = bounds(page, handle, "#diagram-box")
         x, y = spot["x"] + spot["width"] / 2, spot["y"] + spot["height"] / 2
         start = complex(x - box["x"] - box["width"] / 2, box["y"] + box["height"] / 2 - y) / tile
@@ -735,7 +735,7 @@ def test_arrow_keys_move_eye_and_object(page):
 
 
 def test_presets_play_loop_stop_and_scrub(page):
-    page.evaluate("LiveView.RAYS = 0")
+    page.evaluate("PACE.RAYS = 0")
     show(page, sheet="none")
     page.get_by_role("button", name="vary z₁").click()
     assert page.evaluate("[state.sheet, state.alpha, player.playing]") == ["ideal", 90, True]
@@ -761,7 +761,7 @@ def test_presets_play_loop_stop_and_scrub(page):
     page.wait_for_function("state.z1 < 20")
     page.keyboard.press("3")
     assert page.evaluate("state.scene") == "spheres"
-    page.evaluate("player.pause(); draw(); LiveView.RAYS = 1")
+    page.evaluate("player.pause(); draw(); PACE.RAYS = 1")
     show(page, scene="chess")
     assert page.evaluate("player.preset.name") == "vary-alpha"
 
@@ -916,7 +916,7 @@ def test_questions_are_predicted_and_revealed(page):
 def test_an_input_ends_the_movement_to_the_answer(page):
     page.evaluate("openQuestion(6); reveal()")  # the eye moves
     page.locator("#number-z1").fill("3")
-    assert page.evaluate("[state.z1, ...state.E, gliding]") == [3, 0.8, 0, None]
+    assert page.evaluate("[state.z1, ...state.E, session.gliding]") == [3, 0.8, 0, None]
 
 
 def test_what_was_explored_comes_back_after_the_questions(page):
@@ -937,7 +937,7 @@ def test_a_link_to_a_question_does_not_show_its_answer(page):
 
 def test_play_and_reset(page):
     show(page, scene="spheres", sheet="none")
-    page.evaluate("draw(); LiveView.RAYS = 0")
+    page.evaluate("draw(); PACE.RAYS = 0")
     page.get_by_role("button", name="Play").click()
     assert page.evaluate("[state.sheet, player.playing]") == ["ideal", True]
     page.keyboard.press("2")
@@ -946,7 +946,7 @@ def test_play_and_reset(page):
     show(page, scene="spheres", alpha=3)
     page.get_by_role("button", name="Reset").click()
     assert page.evaluate("[state.scene, state.alpha, player.preset.scene]") == ["spheres", 66, "spheres"]
-    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("PACE.RAYS = 1")
 
 
 def test_full_screen(page):
@@ -1070,7 +1070,7 @@ def test_axe_finds_no_fault(page):
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_cut_off(page, size):
     width, height = SIZES[size]
-    page.evaluate("LiveView.RAYS = 0; document.querySelector('details').open = false")
+    page.evaluate("PACE.RAYS = 0; document.querySelector('details').open = false")
     page.set_viewport_size({"width": width, "height": height})
     for values in (
         {},
@@ -1111,7 +1111,7 @@ def test_nothing_is_cut_off(page, size):
         box = page.locator("#stage").bounding_box()
         assert box["width"] / box["height"] == pytest.approx(4 / 3, abs=0.01)
         assert box["width"] * box["height"] > (0.35 if size != "phone" else 0.25) * width * height
-    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("PACE.RAYS = 1")
 
 
 def test_on_a_phone_the_picture_stays_in_sight(page):

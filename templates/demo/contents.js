@@ -1,5 +1,14 @@
 // What is in the window: what the lines of sight through it meet.
 
+import { OTHER_SHEETS } from "./beyond.js";
+import { abs, finite, minus, plus, scaled, times, turn } from "./complex.js";
+import { data } from "./data.js";
+import { atSecondWindow, bent } from "./equations.js";
+import * as equations from "./equations.js";
+import { apparentPosition, outside } from "./moment.js";
+import { outlineOf, within } from "./outline.js";
+import { FLOOR, state } from "./state.js";
+
 const NO_DEPTH = { slab_shift: 0, separation: 0 };  // of sheets without thickness
 
 // The line of sight through a place of the plane z = 0, behind the last window: its slope, and where it crosses the plane at
@@ -26,8 +35,6 @@ function sight(now, place) {
   return { slope: after, point: equations.behind(place, E, z1, z2, alpha, depths, behind) };
 }
 
-const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
-
 // What a line of sight meets: "thing" (the object at L), or one of the names in SHOWN.
 function met(now, line) {
   if (!line) return "dark";
@@ -50,14 +57,14 @@ function met(now, line) {
 }
 
 const MOUNTAINS = 0.05;  // slope: most mountains are higher
-const SHOWN = {
+export const SHOWN = {
   pedestal: "the pedestal", others: "other spheres", floor: "the floor", ground: "the ground", mountains: "mountains", sky: "sky",
   dark: "black parts",
 };
 const PLACES = [-0.98, -0.8, -0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 0.98];  // of half the window
 
 // The names of what the window shows: of what it shows at a grid of places, and of small objects.
-const contents = (now) => (now.contents ??= foundInWindow(now));
+export const contents = (now) => (now.contents ??= foundInWindow(now));
 
 function foundInWindow(now) {
   const half = now.scene.aperture / 2;
@@ -75,25 +82,4 @@ const isInWindow = (now, place) =>
 function outlinePoints({ objects, z1, radii }) {
   if (state.scene === "chess") return outlineOf(state.piece).flatMap((line) => line.filter((_, n) => n % 4 === 0));
   return [[0, 0], ...Array.from({ length: 12 }, (_, k) => scaled(radii[objects.indexOf(z1)], turn((k * Math.PI) / 6)))];
-}
-
-// What an imaging sheet shows of the object's plane at its pole: "point" or "line". Otherwise "".
-function imagingPole({ sheet, alpha, ratio }, z1, z2) {
-  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, radians(alpha))) < 1e-9 * z2) return "point";
-  return sheet === "mirror" && Math.abs(z1 - z2) < 1e-9 * z2 ? "line" : "";
-}
-
-// ---- Sentences ----
-
-function listed(words) {
-  return words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0];
-}
-
-const windowShows = (now) => listed(Object.keys(SHOWN).filter((name) => contents(now).has(name)).map((name) => SHOWN[name]));
-
-// Where nothing of the object is in the window.
-function absent(now) {
-  if (contents(now).size === 1 && contents(now).has("dark")) return "No light passes: the window is black.";
-  const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(now.z1)}` : thing();
-  return `Nothing of the ${which} is in the window, which shows ${windowShows(now)}.`;
 }

@@ -1,0 +1,8 @@
+// What povgen has written into the page, and its elements.
+
+export const $ = (id) => document.getElementById(id);
+export const data = JSON.parse($("data").textContent);
+
+export const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
+export const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
+
