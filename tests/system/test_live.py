@@ -10,7 +10,6 @@ from povgen.liveview.values import values
 from povgen.measure import live
 from povgen.measure.browser import View
 from povgen.measure.probes import Directions
-from povgen.scene.models import SCENES
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
@@ -98,36 +97,6 @@ def test_a_piece_of_ones_own(browser, tmp_path):
     assert shown.sum() == pytest.approx(np.pi / 4 * across**2, rel=0.08)
     assert x == pytest.approx(SIZE[0] / 2 - 0.5, abs=0.3)
     view.page.close()
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_what_the_script_derives(prisms, scene):
-    """The script's prisms, frame and spheres are povgen's."""
-    for given in (
-        {},
-        {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
-        {"sheet": "single", "aspect": 1.2, "z2": 1},
-        {"prisms": 3000, "aperture": 1, "z2": 150},
-        {"sheet": "ideal", "window": ("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), "prisms": 40},
-    ):
-        made = SCENES[scene](**{"z2": 12, **given})
-        names = ("prism", "windows", "tile", "depth", "distances", "spheres", "pieces")
-        script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, windows, tile, depth, distances, spheres, pieces = prisms.page.evaluate(script, [names, values(made)])
-        for name in ("pitch", "height", "length", "separation", "slab_shift"):
-            assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
-        assert [tuple(window.values()) for window in windows] == [
-            *zip(made.sheets, made.alphas, made.places, strict=True)
-        ]
-        assert tile == made.tile
-        assert depth == pytest.approx(made.depth, rel=1e-12)
-        assert distances == pytest.approx(made.distances, rel=1e-12)
-        if scene == "spheres":
-            expected = [(made.places[-1] + z1, made.radius(z1)) for z1 in made.distances]
-            assert [(s["centre"][2], s["radius"]) for s in spheres] == [pytest.approx(pair) for pair in expected]
-        else:
-            feet = [(L.real, L.imag, made.places[-1] + z1) for L, z1 in made.objects]
-            assert [p["foot"] for p in pieces] == [pytest.approx(foot) for foot in feet]
 
 
 # ---- The page ----
