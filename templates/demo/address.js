@@ -29,7 +29,7 @@ export function fromHash(hash) {
   const values = {};
   for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(given.get(name))) values[name] = given.get(name);
   for (const name of Object.keys(RANGES)) if (isNumber(given.get(name))) values[name] = Number(given.get(name));
-  for (const [name, count] of [["L", 2], ["E", 2], ["axis", 3]]) {
+  for (const [name, count] of Object.entries({ L: 2, E: 2, axis: 3 })) {
     const parts = (given.get(name) ?? "").split(",");
     if (parts.length === count && parts.every(isNumber)) values[name] = parts.map(Number);
   }

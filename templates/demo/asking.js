@@ -142,7 +142,7 @@ $("again").addEventListener("click", () => {
   refresh();
   $("ask").focus();
 });
-for (const [id, aside] of [["previous", -1], ["next", 1]]) {
+for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
   $(id).addEventListener("click", () => {
     openQuestion(state.question + aside);
     $("ask").focus();

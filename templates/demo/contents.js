@@ -68,6 +68,7 @@ export const contents = (now) => (now.contents ??= foundInWindow(now));
 
 function foundInWindow(now) {
   const half = now.scene.aperture / 2;
+  /** @type {Set<string>} */
   const found = new Set(PLACES.flatMap((x) => PLACES.map((y) => met(now, sight(now, [x * half, y * half])))));
   const seen = (d, z1) => isInWindow({ ...now, z1 }, apparentPosition(now, plus(now.L, d), { ...now, z1 }));
   if (!found.has("thing") && outlinePoints(now).some((d) => seen(d, now.z1))) found.add("thing");

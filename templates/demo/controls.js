@@ -173,7 +173,7 @@ export function showNumbers(now) {
 
 // ---- Marked quantities: in the picture, the diagram and the sketch ----
 
-function mark(name) {
+export function mark(name) {
   session.marked = name || session.pinned;
   drawOverlay(moment());
   showMarks();

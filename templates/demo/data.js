@@ -1,5 +1,6 @@
 // What povgen has written into the page, and its elements.
 
+/** @type {(id: string) => any} */
 export const $ = (id) => document.getElementById(id);
 export const data = JSON.parse($("data").textContent);
 

@@ -107,6 +107,7 @@ function axes(at, { width, height }, rem) {
   ];
 }
 
+/** @type {[number, string][]} */
 const FAMILY_R = [[1 / 4, "¼"], [1 / 2, "½"], [2, "r = 2"], [4, "4"]];
 
 // The circles of constant alpha (through L and E) and of constant r (around L or E).
@@ -175,6 +176,7 @@ function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
   const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
   const unit = Math.min((width - left - 9 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
   const middle = scaled(0.5, plus(low, high));
+  /** @type {(z: number[]) => any} */
   const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
   const [O, , , Z] = ends.map(at), centre = at(middle);
   const parts = [

@@ -120,7 +120,7 @@ export function frequencies(z2, alpha, prism, behind = []) {
     turned += next;
     const near = [minus(A, scaled(a / 2, slope)), B];
     const far = [minus(A, scaled((a + g) / 2, slope)), plus(B, scaled(a - g / 2, turn(turned)))];
-    return [[near, next / 2], [far, 0]].map(([[c, d], angle]) => (
+    return /** @type {any[][]} */ ([[near, next / 2], [far, 0]]).map(([[c, d], angle]) => (
       scaled(1 / (z2 * pitch), minus(times(c, turn(-angle)), conj(times(d, turn(-angle)))))));
   });
 }
@@ -212,6 +212,7 @@ function rotatedPaths(D, z1, z2, axis, alpha) {
   const exact = zeros((q) => ((q - trace) * q + minors) * q - product, [0, ...turning, most]);
   const others = (trace - exact[0]) / 2;  // the mean of the other two; the product of all three is positive
   const close = exact.length === 1 && others > 0 ? [others] : [];
+  /** @type {(value: number) => any} */
   const slope = (value) => {
     const rows = RK.map((row, i) => row.map((a, j) => a - (i === j ? value : 0)));
     // the vector at right angles to all rows
@@ -226,6 +227,7 @@ function rotatedPaths(D, z1, z2, axis, alpha) {
 }
 
 const PAIRS = [[0, 1], [0, 2], [1, 2]];
+/** @type {(a: any, b: any) => number[]} */
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 
 // The same for light that a sheet refracts: ideal.position_by_refraction.

@@ -86,7 +86,7 @@ function release(event) {
   refresh();
 }
 
-for (const [place, take] of [[stage, holdInPicture], [$("diagram-box"), holdInDiagram]]) {
+for (const [place, take] of new Map([[stage, holdInPicture], [$("diagram-box"), holdInDiagram]])) {
   place.addEventListener("pointerdown", take);
   place.addEventListener("pointermove", drag);
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) place.addEventListener(end, release);

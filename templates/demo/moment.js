@@ -33,6 +33,7 @@ export function moment() {
   const z1 = objects.reduce((best, z) => (Math.abs(Math.log(z / state.z1)) < Math.abs(Math.log(best / state.z1)) ? z : best));
   const alpha = sheet === "none" ? 0 : radians(degrees);
   const r = z2 / z1;
+  /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
   now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
   now.behind = behindFirst(scene);

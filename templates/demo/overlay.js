@@ -162,6 +162,7 @@ function key(now, rem, { width, height }) {
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
   const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
   lines.forEach(([kind, text], n) => {
+    /** @type {any} */
     const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
     if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));
     else parts.push(dot(`${kind}${kind === "mark" ? " chosen" : ""}`, middle, (kind === "dot" ? 0.3 : 0.42) * rem));

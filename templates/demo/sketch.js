@@ -20,7 +20,8 @@ export function drawSketch(now) {
   const [top, bottom] = [0.5 * rem, height - 1.9 * rem];
   const tile = (bottom - top) / now.scene.view;
   const y = (tiles) => clamped((top + bottom) / 2 - tile * tiles, [top, bottom]);
-  const eye = [left, y(now.E[1])], object = [right, Math.max(y(now.L[1]), 1.7 * rem)];
+  /** @type {any[]} */
+  const [eye, object] = [[left, y(now.E[1])], [right, Math.max(y(now.L[1]), 1.7 * rem)]];
   const half = (tile * now.scene.aperture) / 2, middle = (top + bottom) / 2;
   const parts = [];
   if (finite(now.place)) {

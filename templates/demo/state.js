@@ -50,6 +50,7 @@ export function change(values) {
   if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
   Object.assign(state, values);
   session.refusals = [];
+  /** @type {(name: string, x: number, range: number[], why?: string) => number} */
   const limited = (name, x, [least, most], why = "") => {
     const kept = clamped(x, [least, most]);
     if (kept !== x) session.refusals.push(`${name} is at ${x < least ? "least" : "most"} ${brief(kept)}${name === SYMBOL.alpha || name === SYMBOL.alpha2 ? "°" : ""}${why}.`);
@@ -62,6 +63,7 @@ export function change(values) {
   const aside = [-ASIDE, ASIDE];
   // in the chess scene, a pedestal and the floor are below
   const heights = state.scene === "chess" ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
+  /** @type {(y: number, range: number[]) => string} */
   const why = (y, [least]) => (state.scene === "chess" && y < least ? ": the floor is below" : "");
   state.L = [limited("x of L", L[0], aside), limited("y of L", L[1], heights[0], why(L[1], heights[0]))];
   state.axis = state.axis.map((part, k) => limited(`${"xyz"[k]} of the axis`, part, [-1, 1]));

@@ -7,7 +7,11 @@ const SHADERS = JSON.parse(document.getElementById("shaders").textContent);
 export class Context {
   // `format` is that of the sums of rays. `failed` as for LiveView.
   constructor(gl, format, { scene, shapes, failed }) {
-    Object.assign(this, { gl, format, scene, shapes, failed });
+    this.gl = gl;
+    this.format = format;
+    this.scene = scene;
+    this.shapes = shapes;
+    this.failed = failed;
     this.programs = {};
     this.targets = {};
     this.kinds = null;     // what the programs are compiled for
@@ -146,7 +150,7 @@ export class Context {
 
   // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
   // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
-  addRay(name, size, count, { part = 1, rows } = {}) {
+  addRay(name, size, count, { part = 1, rows = undefined } = {}) {
     const { gl } = this, { canvas } = gl;
     // a moving picture is in a target of the canvas's size, which need not be made anew when the picture's size changes
     const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;

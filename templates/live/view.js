@@ -11,6 +11,7 @@ import { field } from "./volume.js";
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
   // `failed` is called with a sentence if the view cannot be shown, and with null when it can be shown again.
+  /** @param {(sentence: string | null) => void} failed */
   constructor(canvas, scene, volumes, failed = () => {}) {
     super();
     this.scene = { ...scene };
@@ -83,7 +84,7 @@ export class LiveView extends Schedule {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.
     const float = gl?.getExtension("EXT_color_buffer_float");
-    this.loaded();
+    this.loaded(true);
     if (!float && !gl?.getExtension("EXT_color_buffer_half_float")) {
       this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
       return;

@@ -9,6 +9,7 @@ from axe_playwright_python.sync_playwright import Axe
 from conftest import (
     BEYOND,
     COARSE,
+    PROJECT,
     SHARP,
     WORK,
     opened,
@@ -865,6 +866,7 @@ def test_the_page_is_one_small_file(demo_file):
     text = demo_file.read_text("utf-8")
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r'(src|href)="(?!data:)', text)
+    assert all(path.read_text() in text for path in (PROJECT / "templates" / "demo").glob("*.css"))
 
 
 def test_the_command(tmp_path):
