@@ -1,6 +1,7 @@
 """The modules of a page's script, joined to one script: a page is one file, which a browser opens without a server.
 
 Each module becomes a function that returns its exports. `povgen` in the page holds them, by the modules' names.
+An export is a constant, a function or a class: the functions return its value once.
 """
 
 import posixpath

@@ -1,7 +1,6 @@
 // What the page says of the choices beyond the paper, in sentences.
 
 import * as geometry from "../live/geometry.js";
-import { radians } from "../live/geometry.js";
 import { data } from "./data.js";
 import { unsure } from "./moment.js";
 import { brief, fixed, timesText } from "./numbers.js";
@@ -15,7 +14,7 @@ export function seenThrough(now) {
   const { sheet, M, degrees } = now;
   if (sheet === "none" && contents(now).has("thing")) return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
   if (now.Z) return seenInSeries(now);
-  const does = Math.abs(Math.sin(radians(degrees) / 2)) < 1e-9 && sheet === "axis" ? "At this angle the sheet does nothing." : WORK[sheet](now);
+  const does = Math.abs(Math.sin(geometry.radians(degrees) / 2)) < 1e-9 && sheet === "axis" ? "At this angle the sheet does nothing." : WORK[sheet](now);
   if (now.nearPole) return `${does} ${poleSentence(now)}`;
   if (!contents(now).has("thing")) return `${does} ${absent(now)}`;
   if (!(M > 0) || !Number.isFinite(M)) return does;

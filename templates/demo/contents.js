@@ -3,7 +3,6 @@
 import { OTHER_SHEETS } from "./beyond.js";
 import { abs, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { data } from "./data.js";
-import { atSecondWindow, bent } from "./equations.js";
 import * as equations from "./equations.js";
 import { apparentPosition, outside } from "./moment.js";
 import { outlineOf, within } from "./outline.js";
@@ -17,7 +16,7 @@ function sight(now, place) {
   const { scene, sheet, E, z1, z2, alpha, prism, behind } = now;
   const slope = scaled(1 / z2, minus(place, E));
   if (OTHER_SHEETS.includes(sheet)) {
-    const ray = bent([...slope, 1], scene);
+    const ray = equations.bent([...slope, 1], scene);
     if (!ray) return null;
     const after = scaled(1 / ray[2], [ray[0], ray[1]]);
     return { slope: after, point: plus(place, scaled(z1, after)) };
@@ -26,7 +25,7 @@ function sight(now, place) {
     const [x, y] = slope;
     return { slope: [x, -y], point: plus(E, [x * (z2 + z1 - prism.slab_shift), y * (z2 - z1)]) };
   }
-  if (behind.length && outside(atSecondWindow({ ...now, place }), scene)) {
+  if (behind.length && outside(equations.atSecondWindow({ ...now, place }), scene)) {
     const after = times(slope, turn(-alpha));
     return { slope: after, point: plus(place, scaled(now.d + z1, after)), beside: true };
   }
@@ -77,7 +76,7 @@ function foundInWindow(now) {
 }
 
 const isInWindow = (now, place) =>
-  finite(place) && !outside(place, now.scene) && !(now.Z && outside(atSecondWindow({ ...now, place }), now.scene));
+  finite(place) && !outside(place, now.scene) && !(now.Z && outside(equations.atSecondWindow({ ...now, place }), now.scene));
 
 // Points of the object's outline, from L.
 function outlinePoints({ objects, z1, radii }) {

@@ -1,11 +1,9 @@
 // The numbers that follow from the state. Lengths are in tiles, points are [x, y] as the eye sees them.
 
 import * as geometry from "../live/geometry.js";
-import { radians } from "../live/geometry.js";
 import { behindFirst, inSeries, OTHER_SHEETS } from "./beyond.js";
 import { abs, arg, determinant, minus, plus, resolved, scaled } from "./complex.js";
 import { clamped, data } from "./data.js";
-import { atSecondWindow, crossing } from "./equations.js";
 import * as equations from "./equations.js";
 import { FLOOR, state } from "./state.js";
 
@@ -31,7 +29,7 @@ export function moment() {
   const { z2, alpha: degrees, sheet } = scene;
   const objects = geometry.distances(scene);
   const z1 = objects.reduce((best, z) => (Math.abs(Math.log(z / state.z1)) < Math.abs(Math.log(best / state.z1)) ? z : best));
-  const alpha = sheet === "none" ? 0 : radians(degrees);
+  const alpha = sheet === "none" ? 0 : geometry.radians(degrees);
   const r = z2 / z1;
   /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
@@ -49,7 +47,7 @@ export function moment() {
   now.place = markedPosition(now);
   Object.assign(now, appearance(now));
   // whether the light from L, on its way through the first window, misses the second one
-  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(atSecondWindow(now), scene);
+  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(equations.atSecondWindow(now), scene);
   // near the pole, the window shows a small part of the object's plane: its width
   now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || sheet === "lenslets" || now.M === Infinity);
   now.seen = scene.aperture / now.M;
@@ -62,7 +60,7 @@ export const NEAR_POLE = 12;  // a larger M is near the pole
 export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
   const { E, prism, behind } = now;
   if (imagingPole(now.scene, z1, z2)) return [Infinity, 0];
-  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.scene, near);
+  if (OTHER_SHEETS.includes(now.sheet)) return equations.crossing(L, E, z1, z2, now.scene, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
@@ -122,6 +120,6 @@ export const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.a
 
 // What an imaging sheet shows of the object's plane at its pole: "point" or "line". Otherwise "".
 export function imagingPole({ sheet, alpha, ratio }, z1, z2) {
-  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, radians(alpha))) < 1e-9 * z2) return "point";
+  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, geometry.radians(alpha))) < 1e-9 * z2) return "point";
   return sheet === "mirror" && Math.abs(z1 - z2) < 1e-9 * z2 ? "line" : "";
 }

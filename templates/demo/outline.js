@@ -1,18 +1,18 @@
 // A piece's outline, as an eye far away sees it: from the piece's distance field.
 
 const outlines = {};
-let fields = null;
+let shapes = null;
 
 // Take the outlines from distance fields: `LiveView.loading`.
 export function outlinesOf(read) {
-  fields = read;
+  shapes = read;
 }
 
 // Closed lines of points, tiles from the foot's centre: x to the right, y up. [] until the field has been read.
 export function outlineOf(name) {
-  const k = fields?.names.indexOf(name) ?? -1;
+  const k = shapes?.names.indexOf(name) ?? -1;
   if (k < 0) return [];
-  return (outlines[name] ??= contours(silhouette(fields.fields[k], fields.grid), fields.places[k]));
+  return (outlines[name] ??= contours(silhouette(shapes.fields[k], shapes.grid), shapes.places[k]));
 }
 
 // Whether a point is inside closed lines: a line from it to the right crosses them an odd number of times.

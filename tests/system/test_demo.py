@@ -21,7 +21,7 @@ from conftest import (
 from PIL import Image
 from playwright.sync_api import expect
 
-from povgen import InputError
+from povgen import InputError, Spheres, live
 from povgen.liveview import page as teaching
 from povgen.liveview.page import demo
 from povgen.optics import paraxial, rotation
@@ -867,6 +867,15 @@ def test_the_page_is_one_small_file(demo_file):
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert all(path.read_text() in text for path in (PROJECT / "templates" / "demo").glob("*.css"))
+
+
+def test_a_page_has_one_global_name(browser, demo_file, tmp_path):
+    page = browser.new_page()
+    before = set(page.evaluate("Object.keys(window)"))
+    for file in (demo_file, live(Spheres(sheet="none")).save(tmp_path / "view.html")):
+        page.goto(file.as_uri())
+        assert set(page.evaluate("Object.keys(window)")) - before == {"povgen"}
+    page.close()
 
 
 def test_the_command(tmp_path):
