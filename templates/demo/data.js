@@ -1,4 +1,4 @@
-// What povgen has written into the page, and its elements.
+// What povgen has written into the page, its elements, and two functions of values.
 
 /** @type {(id: string) => any} */
 export const $ = (id) => document.getElementById(id);
