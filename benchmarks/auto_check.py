@@ -23,7 +23,9 @@ from rich.table import Table
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.files import save
-from povgen.measure import auto, speed
+from povgen.measure import speed
+from povgen.rendering import auto
+from povgen.rendering.flip import CONVERGED
 from povgen.scene.models import PIECES, Scene
 from povgen.scene.spec import MovieSpec
 
@@ -86,7 +88,7 @@ def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
     text = to_pov(scene)
     path = KEPT / f"{sha256(f'{text}{size}'.encode()).hexdigest()[:32]}.npz"
     if not path.is_file():
-        cpu, picture = speed.sample(text, auto.CONVERGED, size)
+        cpu, picture = speed.sample(text, CONVERGED, size)
         with path.with_suffix(".part").open("wb") as file:
             np.savez_compressed(file, cpu=cpu, picture=picture)
         path.with_suffix(".part").rename(path)

@@ -23,7 +23,8 @@ from rich.table import Table
 from povgen import Chess, Rendering, to_pov
 from povgen.measure import speed
 from povgen.optics import trace
-from povgen.scene import prediction
+from povgen.rendering.flip import CONVERGED
+from povgen.scene import survey
 
 HERE = Path(__file__).parent
 PLAIN = Rendering(size=(640, 480), antialias="off")
@@ -75,7 +76,7 @@ def mitsuba(python: str) -> Callable[[], float]:
     given = json.dumps({**values, "sheets": triangles(scene)})
 
     def run() -> float:
-        command = [python, HERE / "mitsuba_baseline.py", str(prediction.max_trace_level(scene))]
+        command = [python, HERE / "mitsuba_baseline.py", str(survey.max_trace_level(scene))]
         return float(subprocess.run(command, input=given, capture_output=True, text=True, check=True).stdout)
 
     return run
@@ -159,7 +160,7 @@ def lines() -> Iterator[Line]:
 def equal_error(detailed: str, by_hand: str) -> Line:
     """Compare the hand-written scene at +A0.3 with povgen's cheapest sampling whose picture is no worse."""
     scene, size = Chess(), speed.MAIN_SIZE
-    reference = speed.sample(detailed, speed.CONVERGED, size)[1]
+    reference = speed.sample(detailed, CONVERGED, size)[1]
     theirs, picture = speed.sample(by_hand, speed.POVRAY_DEFAULT, size)
     wanted = speed.picture_error(picture, reference, scene)[0]
     found = []

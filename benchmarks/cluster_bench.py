@@ -26,7 +26,7 @@ from povgen.files import temporary_folder
 from povgen.measure import speed
 from povgen.rendering import frames, parallel
 from povgen.rendering.cluster import Cluster
-from povgen.scene import prediction
+from povgen.scene import survey
 from povgen.video import still
 
 DASK = Path(sys.executable).with_name("dask")
@@ -117,7 +117,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Return the wall seconds of a movie, and the CPU seconds of client and encoder for each of its frames."""
     with temporary_folder() as folder, speed.empty_cache(folder / "cache"), running(workers) as (address, _):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # workers import their modules
-        prediction.surveys.clear()  # forget the first movie's ray traces of these scenes
+        survey.of_inputs.cache_clear()  # forget the first movie's ray traces of these scenes
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
         movie(spec(count), folder / "movie.mp4", scheduler=address)
         wall = time.monotonic() - start

@@ -7,33 +7,23 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+from povgen.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from povgen.errors import InputError, PovrayError
-    from povgen.liveview.view import live
-    from povgen.scene.models import Chess, Spheres
-    from povgen.scene.sdl import to_pov
-    from povgen.scene.spec import MovieSpec
-    from povgen.settings import Rendering
-    from povgen.video.build import Movie, movie
-    from povgen.video.still import render, save, show
+    from povgen.errors import InputError as InputError
+    from povgen.errors import PovrayError as PovrayError
+    from povgen.liveview.view import live as live
+    from povgen.scene.models import Chess as Chess
+    from povgen.scene.models import Spheres as Spheres
+    from povgen.scene.sdl import to_pov as to_pov
+    from povgen.scene.spec import MovieSpec as MovieSpec
+    from povgen.settings import Rendering as Rendering
+    from povgen.video.build import Movie as Movie
+    from povgen.video.build import movie as movie
+    from povgen.video.still import render as render
+    from povgen.video.still import save as save
+    from povgen.video.still import show as show
 
-__all__ = [
-    "Chess",
-    "InputError",
-    "Movie",
-    "MovieSpec",
-    "PovrayError",
-    "Rendering",
-    "Spheres",
-    "live",
-    "movie",
-    "render",
-    "save",
-    "show",
-    "to_pov",
-]
 _MODULES = {
     "Chess": "scene.models",
     "InputError": "errors",
@@ -49,6 +39,7 @@ _MODULES = {
     "show": "video.still",
     "to_pov": "scene.sdl",
 }
+__all__ = list(_MODULES)
 
 
 def __getattr__(name: str) -> object:

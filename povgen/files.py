@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
 from typing import TypeVar
 
 from povgen import stopping
@@ -143,8 +144,16 @@ def _locked_folder(parent: Path, held: ExitStack, made: ExitStack) -> Path:
     while True:
         with stopping.lock:
             stopping.check()
-            folder = Path(tempfile.mkdtemp(prefix=WORK_PREFIX, dir=parent))
-            stopping.folders.add(str(folder))
+            folder = parent / f"{WORK_PREFIX}{token_hex(4)}"
+            stopping.folders.add(str(folder))  # before it exists: a signal's handler can raise its exception anywhere
+            try:
+                folder.mkdir(mode=0o700)
+            except FileExistsError:  # another process's
+                stopping.folders.discard(str(folder))
+                continue
+            except BaseException:
+                _forget(folder)
+                raise
         made.callback(_forget, folder)
         # another process may have removed the folder before it was locked: then make another folder
         with suppress(FileNotFoundError, BlockingIOError):
@@ -235,7 +244,7 @@ def _opened(folder: Path) -> Iterator[int]:
 
 
 def _is_new(folder: Path, opened: int) -> bool:
-    """Return whether a folder has the name, owner and mode that mkdtemp gives."""
+    """Return whether a folder has the name, owner and mode that `_locked_folder` gives."""
     status = os.fstat(opened)
     named = re.fullmatch(re.escape(WORK_PREFIX) + "[a-z0-9_]{8}", folder.name)
     return bool(named) and status.st_uid == os.geteuid() and stat.S_IMODE(status.st_mode) == stat.S_IRWXU

@@ -10,6 +10,9 @@ from pydantic_core import ErrorDetails
 
 from povgen.errors import InputError, shown
 
+# Not in the class, where the plugin for mypy would read it: it would refuse the fields that sheets add to scenes.
+CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
 
 class Model(BaseModel):
     """Values that a user gave. They never change; variants are copies.
@@ -17,7 +20,7 @@ class Model(BaseModel):
     Values may be text. A value that is not allowed raises InputError, with one line about the first such value.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = CONFIG
 
     def __init__(self, /, *unnamed: object, **values: object) -> None:
         if unnamed:

@@ -15,11 +15,12 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from povgen import __version__, stopping
+from povgen import stopping
 from povgen.cli.options import with_options
 from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError, one_line, shown
 from povgen.progress import say, tell
+from povgen.version import __version__
 
 COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
 

@@ -15,8 +15,8 @@ from povgen.progress import say
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
-    from povgen.measure.auto import Tolerance as AutoTolerance
     from povgen.model import Model
+    from povgen.rendering.auto import Tolerance as AutoTolerance
     from povgen.scene.models import Scene
 
 Command = Callable[..., None]
@@ -187,14 +187,14 @@ def auto_tolerance(values: Values, tolerance: str | None) -> "AutoTolerance | No
         raise InputError("sheet = 'auto' and tolerance go together; allowed: both: --sheet auto --tolerance 1px")
     if tolerance is None:
         return None
-    from povgen.measure.auto import Tolerance
+    from povgen.rendering.auto import Tolerance
 
     return Tolerance.parse(tolerance)
 
 
 def chosen(scenes: list["Scene"], options: Values, tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
     """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
-    from povgen.measure import auto
+    from povgen.rendering import auto
     from povgen.rendering.views import views
     from povgen.settings import Rendering
 

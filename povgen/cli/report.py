@@ -10,16 +10,6 @@ if TYPE_CHECKING:
     from povgen.settings import Rendering
 
 
-PRISMS = ("detailed", "single")
-# Options that change nothing unless a window has one of these models of the sheets.
-USED_BY = {
-    **dict.fromkeys(("prisms", "index", "base_angle", "gap", "aspect", "tops", "fresnel"), PRISMS),
-    "axis": ("axis",),
-    "ratio": ("refraction", "lenslets"),
-    "alpha": ("detailed", "ideal", "axis", "refraction", "lenslets", "mirror"),
-}
-
-
 def message_of(error: Exception) -> str:
     """Return an error's message. For a file it is the file's name and the reason, without errno."""
     if isinstance(error, OSError) and error.strerror:
@@ -30,7 +20,7 @@ def message_of(error: Exception) -> str:
 
 def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     """Print one warning for each limit that scenes exceed, with the number of scenes that exceed it."""
-    from povgen.scene.prediction import warnings
+    from povgen.scene.warnings import warnings
 
     if rendering:
         from povgen.rendering import surveys
@@ -39,9 +29,7 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
     for scene in scenes:
         found: dict[str, str] = {}
         for view in views(scene, rendering) if rendering else [scene]:
-            if rendering:
-                surveys.load(view)
-            found = dict(warnings(view, rendering)) | found
+            found = dict(warnings(view, rendering, surveys.found(view) if rendering else None)) | found
         for limit, text in found.items():
             texts_by_limit.setdefault(limit, []).append(text)
     for texts in texts_by_limit.values():
@@ -51,10 +39,13 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
 
 def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
-    sheets = {sheet for scene in scenes for sheet in scene.sheets}
+    from povgen.sheets import SHEETS, USED_BY
+
+    used_by = {**USED_BY, "fresnel": tuple(kind.name for kind in SHEETS.values() if kind.layers)}
+    sheets = {sheet.name for scene in scenes for sheet in scene.sheets}
     for name, value in values.items():
-        if sheets and name in USED_BY and value is not False and not sheets & {*USED_BY[name]}:
+        if sheets and name in used_by and value is not False and not sheets & {*used_by[name]}:
             shown = "true" if value is True else value
-            *others, last = USED_BY[name]
-            allowed = ", ".join(others) + " or " * bool(others) + last
+            *others, last = used_by[name]
+            allowed = f"{', '.join(others)} or {last}" if others else last
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")

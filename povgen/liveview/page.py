@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from povgen import limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.liveview.volumes import Volume, stored, volumes
 from povgen.rendering.parallel import worker_count
-from povgen.scene import limits
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
 from povgen.scene.models import pieces as pieces_of
 from povgen.scene.pieces import PIECES, Piece, PieceFile, radius

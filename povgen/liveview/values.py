@@ -3,8 +3,8 @@
 from typing import Any
 
 from povgen.errors import InputError
-from povgen.scene import prediction
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, rgb
+from povgen.scene.survey import max_trace_level
 
 
 def values(scene: Scene) -> dict[str, Any]:
@@ -14,7 +14,7 @@ def values(scene: Scene) -> dict[str, Any]:
     """
     if scene.fresnel:
         raise InputError("fresnel = true: the live view follows one ray a pixel, which does not split; allowed: false")
-    found = scene.model_dump() | {"name": scene.name, "rim": scene.rim, "faces": prediction.max_trace_level(scene)}
+    found = scene.model_dump() | {"name": scene.name, "rim": scene.rim, "faces": max_trace_level(scene)}
     if isinstance(scene, Chess):
         colors = scene.color if isinstance(scene.color, tuple) else (scene.color,)
         found["color"] = [rgb(color) for color in colors]

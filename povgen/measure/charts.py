@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from povgen.files import save
+from povgen.measure.measured import Measured
 from povgen.measure.plotting import Axes, Axis, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
 from povgen.measure.speed import Point, pareto_front
 from povgen.measure.stability import RENDERED, StabilityMap
-from povgen.measure.verify import Measured
 
 
 def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:

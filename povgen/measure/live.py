@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from povgen.measure import probes
 from povgen.measure.browser import View, chromium
+from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Mask, Positions, Size
-from povgen.measure.speed import CONVERGED, cpu_seconds, flip, picture_error
-from povgen.measure.verify import NOT_FOUND, SMALL, Measured, other_targets, px, series_targets, targets
+from povgen.measure.speed import cpu_seconds, picture_error
+from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.optics.trace import End
-from povgen.scene import prediction
+from povgen.rendering.flip import CONVERGED, flip
+from povgen.scene import camera, survey
 from povgen.scene.models import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -76,8 +78,8 @@ def directions(view: View, scenes: tuple[dict[str, Any], ...] = PRISM_SCENES, si
         scene = Directions(**{"sheet": "detailed", **values})
         view.set(scene)
         read = view.readout(size)
-        inside, direction = probes.rays(scene, size)
-        trace_level = prediction.max_trace_level(scene)
+        inside, direction = camera.rays(scene, size)
+        trace_level = survey.max_trace_level(scene)
         found = probes.traced(scene, direction, trace_level)
         seen = (found.end <= End.BACK) & (found.count < trace_level)
         off = np.linalg.norm(read["ray"][inside][:, :3] - found.direction, axis=1)
@@ -114,8 +116,8 @@ def _seen(view: View, scene: Positions, size: Size) -> complex:
     slope = (ray[..., 0] + 1j * ray[..., 1]) / ray[..., 2]
     last = scene.places[-1]
     shown = origin[..., 0] + 1j * origin[..., 1] + slope * (last + scene.z1 - origin[..., 2]) - scene.L
-    inside = probes.rays(scene, size)[0] & (abs(origin[..., 2] - last) < 1e-3)  # through all windows
-    pixels = probes.pixels(scene, size)[inside]
+    inside = camera.rays(scene, size)[0] & (abs(origin[..., 2] - last) < 1e-3)  # through all windows
+    pixels = camera.pixels(scene, size)[inside]
     return (probes.locate(pixels, shown[inside], scene.extent) or NOT_FOUND).position
 
 

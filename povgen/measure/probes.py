@@ -19,7 +19,7 @@ from povgen.optics import trace
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import prediction
+from povgen.scene import survey
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -152,35 +152,6 @@ def _read(path: Path) -> Floats:
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 
-def pixels(scene: Scene, size: Size) -> Complexes:
-    """Return the positions of the pixels' centres, (height, width)."""
-    width, height = size
-    pixels_per_tile = height / scene.view
-    x, y = np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5
-    return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
-
-
-def rays(scene: Scene, size: Size) -> tuple[Mask, Floats]:
-    """Return which pixels show the window, (height, width), and the unit directions of these pixels' rays, (n, 3).
-
-    A pixel whose ray meets the window frame in front of the sheets does not show the window.
-    """
-    position = pixels(scene, size)
-    front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
-    half = scene.aperture / 2
-    inside = (_reach(position) < half) & (_reach(front) < half)
-    offset = position[inside] - scene.E
-    direction = np.column_stack((offset.real, offset.imag, np.full(len(offset), float(scene.z2))))
-    return inside, direction / np.linalg.norm(direction, axis=1, keepdims=True)
-
-
-def window(scene: Scene, size: Size) -> tuple[slice, slice]:
-    """Return the rows and the columns of the pixels that show the window."""
-    inside, _ = rays(scene, size)
-    y, x = np.argwhere(inside)[[0, -1]].T
-    return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)
-
-
 def traced(
     scene: Scene,
     direction: Floats,
@@ -195,13 +166,8 @@ def traced(
     """
     if origin is None:
         origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    sheets = prediction.prism_sheets(scene)
+    sheets = survey.prism_sheets(scene.windows, scene.prism)
     return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth, partial)
-
-
-def _reach(position: Complexes) -> Floats:
-    """Return the larger of |x| and |y|."""
-    return np.asarray(np.maximum(abs(position.real), abs(position.imag)))
 
 
 @dataclass(frozen=True)

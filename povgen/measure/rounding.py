@@ -7,7 +7,7 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.probes import Directions, Floats, Mask
-from povgen.scene import prediction
+from povgen.scene import survey
 
 # Tiles. POV-Ray ignores a face that is nearer than this to the face that the ray met last.
 MIN_DISTANCE = 1e-6
@@ -23,7 +23,7 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
     ray reaches the sheets at a distance of MIN_DISTANCE and is turned by TILT_PER_PRISM times N. A ray also counts if
     two faces that it meets are within MIN_DISTANCE of each other, as at an edge.
     """
-    max_faces = prediction.max_trace_level(scene)
+    max_faces = survey.max_trace_level(scene)
     path = probes.traced(scene, direction, max_faces)
     sensitive = np.zeros(len(direction), bool)
     eye = np.array([scene.E.real, scene.E.imag, -scene.z2])

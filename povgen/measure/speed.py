@@ -22,29 +22,30 @@ from math import ceil
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
-from povgen.measure import probes
 from povgen.measure.browser import View, chromium
+from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Positions
-from povgen.measure.verify import OTHER, SMALL, located, other_targets, px, rms, series_targets, targets
+from povgen.measure.targets import located, other_targets, series_targets, targets
 from povgen.rendering import parallel, povray
+from povgen.rendering.flip import CONVERGED, flip
 from povgen.rendering.frames import read_png
-from povgen.rendering.light import linear
+from povgen.rendering.light import Picture, linear
+from povgen.scene import camera
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
 from povgen.video.build import movie
 
 # A hand-written macro: it must leave the scene's names as they are.
 BASELINE = re.compile(r"(?:\s|//[^\n]*\n)*#macro Sheet\b(?:(?!#\s*(?:declare|macro)\b).)*#end\s*", re.DOTALL)
-Picture = NDArray[np.uint8]  # (height, width, 3)
 Size = tuple[int, int]  # width and height, pixels
 
 SIZES = ((160, 120), (320, 240), (640, 480))
@@ -56,7 +57,6 @@ SAMPLINGS = (
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
 LIVE_RAYS = (1, 4, 16, 64)  # a pixel
-CONVERGED = "1,0.001,9"  # 81 rays a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
 PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
@@ -130,26 +130,9 @@ def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
 def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:
     """Return the RMS difference (0 to 1) and the mean FLIP of two pictures, inside the window."""
     height, width = reference.shape[:2]
-    window = probes.window(scene, (width, height))
+    window = camera.window(scene, (width, height))
     a, b = (image[window].astype(float) / 255 for image in (reference, picture))
     return rms(a - b), float(flip(picture[window], reference[window]).mean())
-
-
-def flip(picture: Picture, reference: Picture) -> NDArray[np.float32]:
-    """Return FLIP of each pixel, (height, width). Raises InputError if flip-evaluator is not installed."""
-    a, b = (np.ascontiguousarray(image / np.float32(255), np.float32) for image in (reference, picture))
-    return np.asarray(flip_evaluator().evaluate(a, b, "LDR", applyMagma=False)[0][..., 0], np.float32)
-
-
-def flip_evaluator() -> ModuleType:
-    """Import the package that measures FLIP. Raises InputError if it is not installed."""
-    try:
-        import flip_evaluator
-    except ImportError:
-        text = "FLIP is measured with flip-evaluator, which is not installed: pip install 'povgen[charts]'"
-        raise InputError(f"{text}; a tolerance in px needs no FLIP") from None
-    evaluator: ModuleType = flip_evaluator
-    return evaluator
 
 
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
@@ -211,7 +194,7 @@ def measure_flicker(done: Callable[[str], object]) -> Iterator[tuple[str, float]
     count.
     """
     texts = [to_pov(Chess(alpha=alpha + step)) for alpha in FLICKER_ANGLES for step in (0, FLICKER_STEP)]
-    window = probes.window(Chess(), MAIN_SIZE)
+    window = camera.window(Chess(), MAIN_SIZE)
 
     def changes(sampling: str) -> NDArray[np.float32]:
         frames = np.array([linear(sample(text, sampling, MAIN_SIZE)[1][window]) for text in texts])
@@ -259,7 +242,7 @@ def measure_beyond(done: Callable[[str], object]) -> Iterator[tuple[str, str, fl
         shown = Chess(sheet=sheet, alpha=120, window=FURTHER_WINDOWS[: count - 1], z2=8)
         cases.append((sheet, str(count), shown, series_targets(sheet, count, 6, seed=3, E=0j)))
     for sheet, measured in other_targets().items():
-        cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet][0]), measured))
+        cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet].examples[0]), measured))
     texts = [to_pov(shown) for _, _, shown, _ in cases]
     seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
     for (kind, name, _, measured), times in zip(cases, zip(*seconds, strict=True), strict=True):

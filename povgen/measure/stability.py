@@ -2,7 +2,7 @@
 
 A stability map is a series of measurements: an error or loss y against one quantity x, such as the number of prisms.
 `charts` draws it. A limit is the x up to which (or above which) y is within a tolerance. Each measured limit is
-compared with the limit that povgen uses (`scene.limits`).
+compared with the limit that povgen uses (povgen/limits.py).
 """
 
 import dataclasses
@@ -14,12 +14,7 @@ from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
-from povgen.measure import probes
-from povgen.measure.probes import Directions, Floats, Positions, Size
-from povgen.measure.verify import SMALL, Measured, fractions, located, px, rms, transverse
-from povgen.optics import rotation
-from povgen.optics.trace import End
-from povgen.scene.limits import (
+from povgen.limits import (
     MAX_CAMERA_ERROR,
     MAX_CONDITION,
     MAX_ERROR,
@@ -32,8 +27,18 @@ from povgen.scene.limits import (
     MIN_PIXELS_PER_PRISM,
     WIDE_GAP,
 )
+from povgen.measure import probes
+from povgen.measure.measured import SMALL, Measured, px, rms
+from povgen.measure.probes import Directions, Floats, Positions, Size
+from povgen.measure.targets import located, transverse
+from povgen.measure.verify_prisms import fractions
+from povgen.optics import rotation
+from povgen.optics.trace import End
+from povgen.scene import camera
+from povgen.scene.cells import camera_cells, grid_error
 from povgen.scene.models import APERTURE, VIEW, Chess
-from povgen.scene.prediction import camera_cells, grid_error, max_trace_level, possible_error, survey, warnings
+from povgen.scene.survey import max_trace_level, survey
+from povgen.scene.warnings import possible_error, warnings
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
@@ -175,7 +180,7 @@ def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
 
     Designed pixels show light on the designed path. Stray pixels show other light.
     """
-    inside, direction = probes.rays(scene, size)
+    inside, direction = camera.rays(scene, size)
     found = probes.traced(scene, direction, max_trace_level(scene))
     (decoded,) = probes.decoded([scene], size)
     wrong = ~(np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3)
@@ -204,7 +209,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
         ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, eye=8j)),
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         found = probes.traced(scene, direction, 255)
         leaves = found.end != End.FRAME  # rays that the trace does not finish count as leaving
         for level in levels:
@@ -280,8 +285,8 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         enough = ceil(sqrt(grid_error(own, 1) / MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
         for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
-            place = probes.pixels(scene, size)
-            inside, _ = probes.rays(scene, size)
+            place = camera.pixels(scene, size)
+            inside, _ = camera.rays(scene, size)
             inside &= ~np.isnan(decoded[..., 0])
             predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
             error = abs(predicted - place[inside]).max(initial=0)
@@ -304,7 +309,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3, view=VIEW)
-        window = probes.window(scene, size)
+        window = camera.window(scene, size)
         coarse, fine = (
             render(scene, size=size, antialias=antialias)[window] / 255 for antialias in ("off", "1,0.001,4")
         )
@@ -326,10 +331,10 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
         contrast = []
         for alpha in alphas:
             scene = Directions(sheet="detailed", alpha=alpha, prisms=count)
-            inside, direction = probes.rays(scene, size)
+            inside, direction = camera.rays(scene, size)
             designed = np.zeros(inside.shape)
             designed[inside] = probes.traced(scene, direction).designed
-            blocks = _blocks(designed[probes.window(scene, size)][6:-6, 6:-6], 24)
+            blocks = _blocks(designed[camera.window(scene, size)][6:-6, 6:-6], 24)
             # only neighbours are compared, because the slow decrease towards the window's edges is not moire
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):

@@ -13,11 +13,11 @@ from pathlib import Path
 from threading import Thread
 from typing import Any, TypeVar
 
-from povgen import __version__
 from povgen.errors import InputError, PovrayError, TransientError
 from povgen.files import temporary_folder
 from povgen.rendering import povray
 from povgen.settings import Rendering
+from povgen.version import __version__
 
 try:
     import distributed

@@ -163,8 +163,7 @@ def _finished(
             running = {frame for frame in running if not frame.done()}
             # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
             for scene in islice(todo, at_once - len(running)):
-                surveys.load(scene, store=True)
-                source = to_pov(scene)
+                source = to_pov(scene, found=surveys.found(scene, store=True))
                 frames.append((source, pool.submit(_cached_or_rendered, scene, rendering, source, runner)))
                 running.add(frames[-1][1])
             if frames[0][1].done():

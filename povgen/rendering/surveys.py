@@ -1,39 +1,42 @@
 """Keep ray traces in the cache, because they take long, and many frames need the same one.
 
-What a ray trace finds is a `prediction.Survey`.
+What a ray trace finds is a `survey.Survey`.
 """
 
 import functools
 import inspect
+import sys
 from hashlib import sha256
 
-from povgen.optics import polarisation, prism, rotation, series, trace
+from povgen import limits, sheets
+from povgen.optics import aim, polarisation, prism, rotation, trace
 from povgen.rendering import cache
-from povgen.scene import limits, prediction
+from povgen.scene import survey
 from povgen.scene.models import Scene
+from povgen.sheets import law, sheet
 
-OPTICS = (polarisation, prism, rotation, series, trace)  # all modules of povgen.optics that a survey uses
+OPTICS = (aim, polarisation, prism, rotation, trace)  # all modules of povgen.optics that a survey uses
+SHEETS = (law, sheet, *(sys.modules[kind.__module__] for kind in sheets.SHEETS.values()))
 
 
-def load(scene: Scene, store: bool = False) -> None:
-    """Give `prediction.survey` this scene's survey: from the cache, or from a new ray trace.
+def found(scene: Scene, store: bool = False) -> survey.Survey | None:
+    """Return the scene's survey, from the cache or from a new ray trace; None without prisms.
 
     With `store`, a survey from a ray trace is put into the cache, if povgen can write there.
     """
     if not scene.has_prisms:
-        return
-    rays = prediction.surveyed(scene)
-    key = f"{_code_of_trace()}\0{rays}"
+        return None
+    key = f"{_code_of_trace()}\0{survey.inputs(scene)}"
     if values := cache.load_values(key):
-        prediction.surveys[rays] = prediction.Survey(**values)
-        return
-    survey = prediction.survey(scene)
+        return survey.Survey(**values)
+    made = survey.survey(scene)
     if store:
-        cache.store_values(key, survey._asdict())
+        cache.store_values(key, made._asdict())
+    return made
 
 
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [inspect.getsource(module) for module in (limits, prediction, *OPTICS)]
+    texts = [inspect.getsource(module) for module in (limits, survey, *OPTICS, *SHEETS)]
     return sha256("\0".join(texts).encode()).hexdigest()

@@ -5,10 +5,11 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property
 from itertools import combinations, pairwise
 from math import hypot, radians, remainder
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -16,23 +17,26 @@ from pydantic import (
     Discriminator,
     Field,
     Tag,
+    create_model,
     model_validator,
 )
 
+from povgen import limits
 from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
-from povgen.scene import limits
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
+from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets.prisms import PRISMS
+from povgen.sheets.sheet import Ideal, Parameter, Sheet
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
 
+    from povgen.optics import aim
     from povgen.optics.rotation import Booleans, Complexes, Floats
 
 T = TypeVar("T")
-SheetModel = Literal["detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror"]
-OTHER_SHEETS = ("axis", "refraction", "lenslets", "mirror")  # ideal sheets that do not rotate light about their normal
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
 MAX_VIEW = 100
@@ -40,11 +44,8 @@ PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tile
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 MAX_WINDOWS = 5
-Alpha = Annotated[float, Field(ge=-360, le=360)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
-Component = Annotated[float, Field(ge=-1, le=1)]
-MIN_COMPONENT = 0.001  # the largest component of an axis is at least this: POV-Ray squares them, and tiny squares are 0
 
 
 def as_pair(value: object) -> object:
@@ -111,22 +112,104 @@ PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
-class Window(Model):
-    """A window behind the first one, and parallel to it. Its size, its frame and its prisms are those of the first."""
+def _table(value: object) -> object:
+    """Accept texts such as 'k=0.3', one or several, in place of a table of numbers."""
+    texts = [value] if isinstance(value, str) else value
+    if not isinstance(texts, (list, tuple)):
+        return value
+    parts = [text.partition("=") if isinstance(text, str) else ("", "", "") for text in texts]
+    if not all(equals for _, equals, _ in parts):
+        raise ValueError("should be text such as k=0.3")
+    return {name.strip(): number for name, _, number in parts}
 
-    alpha: Alpha = Field(description="ray-rotation angle, -360 to 360 degrees")
+
+def _checked_size(parameter: Parameter) -> AfterValidator:
+    """Return the check of a number that may not be near 0, or of a direction's largest component."""
+
+    def check(value: Any) -> Any:  # noqa: ANN401  (a number or a direction)
+        if max(abs(x) for x in (value if isinstance(value, tuple) else [value])) < parameter.size:
+            raise ValueError("too short" if parameter.kind == "direction" else "too close to 0")
+        return value
+
+    return AfterValidator(check)
+
+
+def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is composed here)
+    """Return the type of a sheet's parameter, for pydantic."""
+    bounds = Field(ge=parameter.least, le=parameter.most)
+    number = Annotated[float, bounds]
+    match parameter.kind:
+        case "direction":
+            return Annotated[tuple[number, number, number], BeforeValidator(as_pair), _checked_size(parameter)]
+        case "choice":
+            return Literal[parameter.choices]
+        case "text":
+            return str
+        case "table":
+            return Annotated[dict[str, float], BeforeValidator(_table)]
+        case "whole number":
+            return Annotated[int, bounds]
+    return Annotated[number, _checked_size(parameter)] if parameter.size else number
+
+
+def _fields(required: bool) -> dict[str, Any]:
+    """Return the fields that scenes have for the parameters of all kinds of sheets.
+
+    Those of further windows are None if they are not given: they then have the first window's value.
+    """
+    found: dict[str, Any] = {}
+    for name, several in PARAMETERS.items():
+        kinds: dict[str, list[str]] = {}
+        for kind in SHEETS.values():
+            for text in (each.text for each in kind.parameters if each.name == name):
+                kinds.setdefault(text, []).append(kind.name)
+        about = "; ".join(f"{', '.join(names)}: {text}" if len(kinds) > 1 else text for text, names in kinds.items())
+        annotation, default = _annotation(several[0]), several[0].default
+        found[name] = (
+            (annotation, Field(default, description=about))
+            if required
+            else (annotation | None, Field(None, description=about))
+        )
+    return found
+
+
+if TYPE_CHECKING:  # mypy takes only names that are written out
+    SheetName = str
+else:
+    SheetName = Literal[tuple(SHEETS)]
+_OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(required=False))
+_OfScene: Any = create_model("_OfScene", __base__=Model, **_fields(required=True))
+
+
+class Window(_OfWindow):
+    """A window behind the first one, and parallel to it. Its size and its frame are those of the first.
+
+    A parameter of its sheet that is not given is that of the first window.
+    """
+
     z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
-    sheet: Literal["detailed", "ideal"] | None = Field(
-        None, description="model of its sheets: detailed or ideal (default: the scene's)"
-    )
+    sheet: SheetName | None = Field(None, description="model of its sheets (default: the scene's)")
+
+
+class Placed(NamedTuple):
+    """A window: where it is, and the sheet in it."""
+
+    z: float  # midway between its sheets, tiles
+    sheet: Sheet
 
 
 def _window(value: object) -> object:
-    """Accept text such as 'alpha=120,z=2'."""
+    """Accept text such as 'alpha=120,z=2'. Commas also separate the components of a direction."""
     if isinstance(value, str):
-        parts = [part.partition("=") for part in value.split(",")]
-        values = {name.strip(): number for name, _, number in parts}
-        if len(values) < len(parts) or not all(equals for _, equals, _ in parts):
+        parts: list[str] = []
+        for part in value.split(","):
+            if "=" in part or not parts:
+                parts.append(part)
+            else:
+                parts[-1] += f",{part}"
+        pairs = [part.partition("=") for part in parts]
+        values = {name.strip(): number for name, _, number in pairs}
+        if len(values) < len(pairs) or not all(equals for _, equals, _ in pairs):
             raise ValueError("should be text such as alpha=120,z=2")
         value = values
     return Window(**value) if isinstance(value, Mapping) else value
@@ -138,8 +221,8 @@ def _windows(value: object) -> object:
 
 
 WINDOW = (
-    "a further window, such as alpha=120,z=2: its angle in degrees, and how many tiles it is behind the first window; "
-    f"with sheet=ideal or sheet=detailed if it differs from the first; up to {MAX_WINDOWS - 1} windows, in order of z"
+    "a further window, such as alpha=120,z=2: how many tiles it is behind the first window, and what differs from the "
+    f"first: sheet, and the parameters of its sheet; up to {MAX_WINDOWS - 1} windows, in order of z"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],
@@ -157,51 +240,17 @@ def as_windows(value: object) -> list[Window]:
     return list(_Windows(window=value).window)
 
 
-class Scene(Model):
-    """What all scenes share: the eye, the windows and the sheets in them."""
+class Scene(_OfScene):
+    """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
 
-    alpha: Alpha = Field(66, description="ray-rotation angle alpha, -360 to 360 degrees")
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
         6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
-    sheet: SheetModel = Field(
+    sheet: SheetName = Field(
         "detailed",
-        description="model of the sheets: detailed (prisms), ideal (infinitely fine), single (one prism sheet), none, "
-        "or another ideal sheet: axis (rotation by alpha about --axis), refraction (by --ratio times exp(i alpha)), "
-        "lenslets (confocal arrays: light's slope times --ratio times exp(i alpha), for real ones alpha = 180), "
-        "mirror (about a line at alpha/2)",
-    )
-    axis: Annotated[tuple[Component, Component, Component], BeforeValidator(as_pair)] = Field(
-        (1, 0, 0),
-        description="axis of rotation of --sheet axis as X,Y,Z, to the right, up and away from the eye, "
-        "the largest component at least 0.001",
-    )
-    ratio: Annotated[float, Field(ge=0.1, le=10)] = Field(
-        1,
-        description="ratio of refractive indices of --sheet refraction, or of focal lengths of --sheet lenslets, "
-        "the object's side over the eye's, 0.1 to 10",
+        description=f"model of the sheets: {', '.join(f'{kind.name} ({kind.title})' for kind in SHEETS.values())}",
     )
     window: Windows = Field((), description=WINDOW)
-    prisms: Annotated[int, Field(ge=1, le=limits.MAX_PRISMS)] = Field(
-        100, description=f"Dove prisms across the window, in each sheet, 1 to {limits.MAX_PRISMS}"
-    )
-    index: Annotated[float, Field(ge=1.1, le=4)] = Field(
-        Prism.index, description="refractive index n of the prisms, 1.1 to 4"
-    )
-    base_angle: Annotated[float, Field(ge=15, le=75)] = Field(
-        Prism.base_angle, description="angle between a prism's base and its slanted facets, 15 to 75 degrees"
-    )
-    gap: Annotated[float, Field(ge=limits.MIN_GAP, le=0.5)] = Field(
-        Prism.gap, description=f"air between prisms, in units of their pitch, {limits.MIN_GAP:g} to 0.5"
-    )
-    aspect: Annotated[float, Field(gt=0, lt=2)] = Field(
-        Prism.aspect,
-        description="length of a prism, in units of its length at full aperture: "
-        "above a least value that depends on index and base angle, and below 2",
-    )
-    tops: Literal["clear", "black"] = Field(
-        "clear", description="the prisms' tops: clear, or black, which absorbs much of the stray light"
-    )
     fresnel: bool = Field(
         False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
     )
@@ -223,6 +272,10 @@ class Scene(Model):
     background: Literal["sky", "transparent", "black", "white"] = Field(
         "sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
     )
+
+    if TYPE_CHECKING:  # the fields that come from the sheets' parameters
+
+        def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
 
     name: ClassVar[str]
     subject: ClassVar[str]
@@ -258,21 +311,36 @@ class Scene(Model):
         """The shape of the prisms. Lengths are in tiles."""
         return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
+    @cached_property
+    def windows(self) -> tuple[Placed, ...]:
+        """The windows, the nearest to the eye first, each with its sheet."""
+
+        def sheet(window: Scene | Window) -> Sheet:
+            kind = SHEETS[window.sheet or self.sheet]
+            own = {each.name: getattr(window, each.name) for each in kind.parameters}
+            return kind({name: getattr(self, name) if x is None else x for name, x in own.items()}, self.aperture)
+
+        return (Placed(0.0, sheet(self)), *(Placed(window.z, sheet(window)) for window in self.window))
+
     @property
-    def sheets(self) -> tuple[SheetModel, ...]:
-        """The model of the sheets in each window, the first window first. 'none' is for all windows."""
-        own: SheetModel = self.sheet
-        return (own, *(own if own == "none" else window.sheet or own for window in self.window))
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The sheets in each window, the first window first."""
+        return tuple(window.sheet for window in self.windows)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether every window rotates light about its normal, as the paper's do."""
+        return all(sheet.rotates for sheet in self.sheets)
 
     @property
     def alphas(self) -> tuple[float, ...]:
-        """The ray-rotation angle of each window, degrees."""
-        return (self.alpha, *(window.alpha for window in self.window))
+        """The angle by which each window rotates light about its normal, degrees."""
+        return tuple(sheet.values.get("alpha", 0.0) for sheet in self.sheets)
 
     @property
     def places(self) -> tuple[float, ...]:
         """z of each window, midway between its sheets, tiles."""
-        return (0.0, *(window.z for window in self.window))
+        return tuple(window.z for window in self.windows)
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
@@ -281,25 +349,34 @@ class Scene(Model):
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
     @property
-    def prisms_by_window(self) -> tuple[Prism, ...]:
-        """The shape of the prisms in each window. Those of an ideal sheet have no size."""
-        return tuple(self.prism if sheet == "detailed" else Prism(0.0) for sheet in self.sheets)
+    def elements(self) -> "aim.Windows":
+        """The windows as in `optics.aim`."""
+        return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), self.sheets, strict=True)]
 
     @property
-    def simulated(self) -> int:
-        """How many windows the camera simulates: the ideal ones. They are nearer to the eye than windows of prisms."""
-        return self.sheets.count("ideal")
+    def prisms_by_window(self) -> tuple[Prism, ...]:
+        """The shape of the prisms in each window. Those of an ideal sheet have no size."""
+        return tuple(self.prism if sheet.layers else Prism(0.0) for sheet in self.sheets)
+
+    @property
+    def ideal(self) -> tuple[Ideal, ...]:
+        """The ideal sheets, the first one first. They are nearer to the eye than windows of prisms."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
 
     @property
     def has_prisms(self) -> bool:
         """Whether the sheets of a window consist of prisms."""
-        return any(sheet in ("detailed", "single") for sheet in self.sheets)
+        return any(sheet.layers for sheet in self.sheets)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no window has a sheet."""
+        return {sheet.name for sheet in self.sheets} == {"none"}
 
     @property
     def sheets_depth(self) -> float:
         """Extent along z of the sheets in a window of prisms, tiles; 0 without prisms. Its middle is the window's z."""
-        sheets = max({"detailed": 2, "single": 1}.get(sheet, 0) for sheet in self.sheets)
-        return self.prism.thickness(sheets) if sheets else 0.0
+        return max(sheet.depth for sheet in self.sheets)
 
     @property
     def depth(self) -> float:
@@ -320,65 +397,25 @@ class Scene(Model):
                 reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
         return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
 
-    def bend(self, direction: "ArrayLike") -> "Floats":
-        """Return light's directions (..., 3) behind the sheet, if it is one of OTHER_SHEETS (`optics.ideal`)."""
-        from cmath import rect
-
-        from povgen.optics import ideal, rotation
-
-        alpha = radians(self.alpha)
-        match self.sheet:
-            case "axis":
-                return ideal.rotate_about(direction, self.axis, alpha)
-            case "refraction":
-                return ideal.refract(direction, rect(self.ratio, alpha))
-            case "lenslets":
-                return ideal.scale_slope(direction, rect(self.ratio, alpha))
-            case _:
-                return rotation.mirror(direction, alpha / 2)
-
     def apparent_position(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
 
         Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
-        scene's own. `near` is for OTHER_SHEETS, which always have the scene's alpha: the distance, in tiles, at which
-        light may pass the point (`ideal.position_by_rotation`). Arrays broadcast.
+        first window's own if all windows rotate light. `near` is for sheets without a ray-transfer matrix: the
+        distance, in tiles, at which light may pass the point (`aim.position`). Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
-        from povgen.optics import paraxial, rotation
+        from povgen.optics import aim, paraxial, rotation
 
+        if not self.rotates:
+            return aim.position(L, self.E, z1, self.elements, near)
         turn = numpy.radians(self.alpha if alpha is None else alpha)
-        if self.sheet in OTHER_SHEETS:
-            return self._position_behind_other_sheet(L, z1, near)
-        if self.sheet == "single":
-            return paraxial.mirrored_position(L, self.E, z1, self.z2, self.prism)
-        if self.sheet == "none":
-            return rotation.apparent_position(L, self.E, numpy.add(z1, self.places[-1]), self.z2, 0)
-        if "detailed" in self.sheets:
+        if self.has_prisms:
             return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prisms_by_window, self.behind)
         return rotation.apparent_position(L, self.E, z1, self.z2, turn, self.behind)
-
-    def _position_behind_other_sheet(self, L: "ArrayLike", z1: "ArrayLike", near: "ArrayLike") -> "Complexes":
-        from cmath import rect
-
-        import numpy
-
-        from povgen.optics import ideal, paraxial, rotation
-
-        alpha, rays = radians(self.alpha), (L, self.E, z1, self.z2)
-        match self.sheet:
-            case "axis":
-                return ideal.position_by_rotation(*rays, self.axis, alpha, near)
-            case "refraction":
-                return ideal.position_by_refraction(*rays, rect(self.ratio, alpha), near)
-            case "lenslets":
-                return rotation.apparent_position(L, self.E, numpy.divide(z1, self.ratio), self.z2, alpha)
-            case _:  # the mirror's line becomes the x axis
-                turn = rect(1, alpha / 2)
-                return turn * paraxial.mirrored_position(numpy.divide(L, turn), self.E / turn, z1, self.z2, Prism(0.0))
 
     def visible(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
@@ -390,30 +427,33 @@ class Scene(Model):
         """
         import numpy
 
-        from povgen.optics import paraxial
+        from povgen.optics import aim, paraxial
 
         turn = numpy.radians(self.alpha if alpha is None else alpha)
 
-        def at(passed: int, z: float) -> "Complexes":
-            """Where light is, a distance z behind the last of the windows that a ray from the eye has passed."""
-            if passed == 0 or self.sheet == "none":
-                return self.E + slope * (self.z2 + self.places[max(0, passed - 1)] + z)
-            if self.sheet in OTHER_SHEETS:
-                P = self.E + slope * self.z2
-                return L - numpy.subtract(L, P) / z1 * numpy.subtract(z1, z)
-            if self.sheet == "single":
-                return L - slope.conjugate() * numpy.subtract(z1, z)
-            A, B = paraxial.depths(z, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
-            return self.E + A * slope + B * slope.conjugate()
+        def around(k: int, z: float) -> "Sequence[Complexes]":
+            """Where light crosses the planes at a distance z before window k and behind it."""
+            if not self.rotates:
+                before, slope, behind, after = followed[k]
+                return before - z * slope, behind + z * after
+            distance = self.behind[k - 1][0] if k else self.z2
+            found = []
+            for passed, at in ((k, distance - z), (k + 1, z)):
+                if not passed:
+                    found.append(self.E + slope_at_eye * at)
+                    continue
+                A, B = paraxial.depths(at, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
+                found.append(self.E + A * slope_at_eye + B * slope_at_eye.conjugate())
+            return found
 
         with numpy.errstate(invalid="ignore"):
-            slope = (self.apparent_position(L, z1, alpha, near) - self.E) / self.z2
-            crossed = []
-            for passed, sheet in enumerate(self.sheets):
-                distance = self.places[passed] - self.places[max(0, passed - 1)]
-                middle = self.prism.separation / 2 if sheet == "detailed" else 0.0  # |z| of a sheet's middle plane
+            slope_at_eye = (self.apparent_position(L, z1, alpha, near) - self.E) / self.z2
+            followed = [] if self.rotates else aim.follow(slope_at_eye, self.E, self.elements)
+            crossed: list[Complexes] = []
+            for k, sheet in enumerate(self.sheets):
+                middle = self.prism.separation / 2 if sheet.layers == 2 else 0.0  # |z| of a sheet's middle plane
                 for z in (self.depth / 2, middle):
-                    crossed += [at(passed, distance - z), at(passed + 1, z)]
+                    crossed += around(k, z)
         half = self.aperture / 2
         return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
@@ -422,20 +462,20 @@ class Scene(Model):
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
         Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
-        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN for a single sheet,
-        and for the other ideal sheets, which can distort an object. z1 is in tiles; arrays broadcast.
+        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a window does not rotate
+        light: then it can distort an object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
         from povgen.optics import paraxial, rotation
 
-        if self.sheet in ("single", *OTHER_SHEETS):
-            return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
-        if self.sheet == "none":
+        if self.is_empty:
             straight = numpy.add(self.z2 + self.places[-1], z1)
             return numpy.zeros(straight.shape)[()], self.z2 / straight
+        if not self.rotates:
+            return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)
-        if self.sheets == ("ideal",):
+        if not self.window and not self.has_prisms:
             r = rotation.r(z1, self.z2)
             nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
         else:
@@ -466,7 +506,7 @@ class Scene(Model):
     @model_validator(mode="after")
     def _check_prisms_and_eye(self) -> Self:
         least = self.prism.least_aspect
-        if self.aspect <= least:
+        if not least < self.aspect < 2:
             raise ValueError(
                 f"aspect = {self.aspect:g}: the slanted facets of prisms with index = {self.index:g} and "
                 f"base_angle = {self.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
@@ -488,6 +528,26 @@ class Scene(Model):
         return self
 
     @model_validator(mode="after")
+    def _check_sheets(self) -> Self:
+        for number, sheet in enumerate(self.sheets, 1):
+            if sheet.name == "single" and self.window:
+                raise ValueError("sheet = 'single': not with several windows; allowed: any other sheet")
+            if isinstance(sheet, Ideal):
+                try:
+                    sheet.law  # noqa: B018  (a law of one's own is read here)
+                except ValueError as error:
+                    where = f"window {number}, law" if number > 1 else "law"
+                    raise ValueError(f"{where} = {shown(sheet.values['law'])}: {error}") from None
+        for number, window in enumerate(self.window, 2):
+            for name in (parameter.name for parameter in PRISMS):
+                if getattr(window, name) not in (None, getattr(self, name)):
+                    raise ValueError(
+                        f"window {number}, {name} = {getattr(window, name)}: differs from that of the first window, "
+                        f"{getattr(self, name)}; allowed: the same"
+                    )
+        return self
+
+    @model_validator(mode="after")
     def _check_windows(self) -> Self:
         for number, (before, z) in enumerate(pairwise(self.places), 2):
             least = before + self.depth + 0.01
@@ -496,16 +556,7 @@ class Scene(Model):
                     f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
                     f"allowed: z > {least:.4g}"
                 )
-        if self.window and self.sheet in ("single", *OTHER_SHEETS):
-            raise ValueError(
-                f"sheet = {self.sheet!r}: not with several windows; allowed: 'detailed', 'ideal' or 'none'"
-            )
-        if max(map(abs, self.axis)) < MIN_COMPONENT:
-            raise ValueError(
-                f"axis = {','.join(f'{x:g}' for x in self.axis)}: too short; "
-                f"allowed: a component of at least {MIN_COMPONENT:g}, or of at most -{MIN_COMPONENT:g}"
-            )
-        if "ideal" in self.sheets[self.simulated :]:
+        if any(sheet.layers for sheet in self.sheets[: len(self.ideal)]):
             raise ValueError(
                 "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
                 "them before all prisms; allowed: ideal windows first"
@@ -592,11 +643,11 @@ class Chess(Scene):
     def apparent_steps(self, z1: float) -> tuple[complex, complex]:
         """Return the predicted image of a step of one tile to the right and of one up, at z1.
 
-        It is in the plane z = 0, or in the plane of the last window that the camera simulates.
+        It is in the plane z = 0, or in the plane of the last ideal window.
         """
         from povgen.optics import rotation
 
-        last = self.simulated - 1
+        last = len(self.ideal) - 1
         scale = rotation.depth(0, self.z2, radians(self.alpha), self.behind[:last]) / self.z2 if last > 0 else 1
         right, up = ((complex(self.apparent_position(self.E + step, z1)) - self.E) * scale for step in (1, 1j))
         return right, up
@@ -629,9 +680,10 @@ class Chess(Scene):
 
     @model_validator(mode="after")
     def _check_predicted_image(self) -> Self:
-        if self.predicted_image and self.sheet not in ("detailed", "ideal"):
+        other = [sheet.name for sheet in self.sheets if not sheet.rotates]
+        if self.predicted_image and other:
             raise ValueError(
-                f"predicted_image = true: the prediction is for two sheets, but sheet = {self.sheet!r}; "
+                f"predicted_image = true: the prediction is for two sheets, but sheet = {other[0]!r}; "
                 "allowed: sheet = 'detailed' or 'ideal'"
             )
         if self.predicted_image and not self.window and self.z2 in self.distances and abs(self.alpha) == 180:

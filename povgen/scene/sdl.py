@@ -10,12 +10,14 @@ from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from povgen import __version__
+from povgen import limits
 from povgen.errors import InputError, shown
-from povgen.scene import limits, prediction
-from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
+from povgen.scene import cells, laws, materials
+from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
+from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
+from povgen.version import __version__
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -32,8 +34,12 @@ def _environment() -> Environment:
     )
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
+    environment.filters["zip"] = zip
     environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
-    environment.globals.update(version=__version__, raw=_raw)
+    environment.filters["floats"] = materials.floats
+    environment.filters["interpolated"] = materials.interpolated
+    formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
+    environment.globals.update(version=__version__, raw=_raw, materials=materials, formula=formula)
     return environment
 
 
@@ -55,6 +61,7 @@ def to_pov(
     mosaic: Mosaic | None = None,
     sheet_macro: str | None = None,
     file: str = "scene.pov",
+    found: Survey | None = None,
     **options: object,
 ) -> str:
     """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
@@ -63,6 +70,7 @@ def to_pov(
     antialias, as of `Rendering`.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
+    `found` is the scene's survey. Without it, rays are traced.
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
     two scenes.
     """
@@ -78,6 +86,7 @@ def to_pov(
     ):
         if not isinstance(value, kinds):
             raise InputError(f"{name} = {shown(value)}: should be {allowed}")
+    shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
     return (
         _environment()
@@ -90,10 +99,11 @@ def to_pov(
             input=_input(file),
             options=" ".join(sampling.picture_options),
             supersampling=sampling.supersampling,
-            cells=prediction.camera_cells(scene) if scene.sheet in ("ideal", *OTHER_SHEETS) else None,
-            trace_level=prediction.max_trace_level(scene),
+            camera=shown_by,
+            laws=laws.to_pov(scene) if shown_by else [],
+            cells=cells.camera_cells(scene) if shown_by else None,
+            trace_level=max_trace_level(scene, found),
             least_light=limits.LEAST_LIGHT,
-            other=scene.sheet in OTHER_SHEETS,
             solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )
     )

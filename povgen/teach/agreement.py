@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.measure import probes, verify
+from povgen.measure import probes, verify_ideal
+from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, PiecePositions, Positions
+from povgen.measure.targets import located
 from povgen.optics import rotation, trace
 from povgen.optics.prism import Prism
 from povgen.scene.models import Chess, Scene, Spheres
@@ -128,8 +130,8 @@ def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     """Measure each scene's piece in a frame in which the piece's colours are coordinates."""
     coded = [PiecePositions(**scene.model_dump(exclude={"predicted_image"})) for scene in scenes]
     found = []
-    for scene, frame in zip(coded, probes.decoded(coded, verify.SMALL), strict=True):
-        a = verify.about_eye(scene, frame, verify.SMALL)
+    for scene, frame in zip(coded, probes.decoded(coded, SMALL), strict=True):
+        a = verify_ideal.about_eye(scene, frame, SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         nu, M = degrees(rotation.nu(r, alpha)), float(rotation.M(r, alpha))
         found.append(PieceAgreement(scene.alpha, scene.z1, degrees(np.angle(a)), nu, abs(a), M))
@@ -138,7 +140,7 @@ def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
 
 def horizon_angle(alpha: float) -> float:
     """Measure the angle by which two sheets of prisms rotate the horizon. Both angles are in degrees."""
-    measured = degrees(verify.horizon_angle(Directions(sheet="detailed", alpha=alpha), verify.SMALL))
+    measured = degrees(verify_ideal.horizon_angle(Directions(sheet="detailed", alpha=alpha), SMALL))
     return alpha + remainder(measured - alpha, 360)
 
 
@@ -200,9 +202,9 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
         if scene.alpha
     ]
     paraxial, fine = [], []
-    for target, seen in verify.located(targets, (320, 240)):
+    for target, seen in located(targets, (320, 240)):
         if np.isfinite(seen.position):
             L, E, z1, z2 = target.L, target.E, target.z1, target.z2
             paraxial.append(abs(seen.position - target.apparent_position(L, z1)))
             fine.append(abs(seen.position - rotation.apparent_position(L, E, z1, z2, radians(target.alpha))))
-    return SpheresAgreement(len(targets), len(fine), verify.px(verify.rms(paraxial)), verify.px(verify.rms(fine)))
+    return SpheresAgreement(len(targets), len(fine), px(rms(paraxial)), px(rms(fine)))

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from pydantic import Field
 
-from povgen import __version__
 from povgen.errors import InputError, shown
 from povgen.files import as_path, checked_output, save, unless_removed
 from povgen.model import Model
@@ -21,6 +20,7 @@ from povgen.rendering.views import views
 from povgen.scene.models import Scene, checked_scene, piece_files
 from povgen.scene.spec import FrameRate, MovieSpec, spec_file
 from povgen.settings import Rendering
+from povgen.version import __version__
 from povgen.video import encode
 from povgen.video.still import picture
 

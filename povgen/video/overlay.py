@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from povgen.optics import paraxial, rotation
-from povgen.scene.models import OTHER_SHEETS, Scene
+from povgen.optics import aim, paraxial, rotation
+from povgen.scene.models import Scene
 from povgen.settings import Rendering
+from povgen.sheets.prisms import PRISMS
 
 HALO = (0, 0, 0, 170)  # red, green, blue, opacity
 # Okabe and Ito's yellow, sky blue and vermilion, which colour-blind readers can distinguish
@@ -63,18 +64,31 @@ def facts(scene: Scene) -> dict[str, str]:
     """
     z1 = np.array(scene.distances)
     texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
-    if scene.window or scene.sheet in OTHER_SHEETS:  # r is for a single window that rotates light
+    other = not (scene.rotates or scene.is_empty or scene.sheet == "single")
+    if scene.window or other:  # r is for a single window that rotates light
         del texts["r"]
     if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places), **texts}
-    if scene.sheet in ("detailed", "ideal"):
+    if scene.rotates:
         nu, M = scene.nu_and_M(z1)
-        alphas = ", ".join(f"{alpha:z.1f}°" for alpha in scene.alphas)
-        texts = {"alpha": alphas, **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
-    if scene.sheet in OTHER_SHEETS:
-        own = {"ratio": _number(scene.ratio, ".3g")} if scene.sheet in ("refraction", "lenslets") else {}
-        texts = {"alpha": f"{scene.alpha:z.1f}°", **own, **texts}
+        texts = {**_values(scene), **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+    if other:
+        texts = {**_values(scene), **texts}
     return texts
+
+
+def _values(scene: Scene) -> dict[str, str]:
+    """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it."""
+    found: dict[str, list[str]] = {}
+    for sheet in scene.sheets:
+        numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
+        for each in numbers:
+            x = sheet.values[each.name]
+            text = f"{x:z.1f}°" if each.unit == "degrees" else _number(x, ".3g")
+            found.setdefault(each.name, []).append(text)
+        for name, x in sheet.values.get("parameter", {}).items():
+            found.setdefault(name, []).append(_number(x, ".3g"))
+    return {name: ", ".join(texts) for name, texts in found.items()}
 
 
 def _range(values: Reals, form: str = ".3g") -> str:
@@ -104,7 +118,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 
     A picture without a caption and an overlay has no key.
     """
-    two = scene.sheet in ("detailed", "ideal")
+    two = scene.rotates
     texts = []
     if rendering.overlay:
         texts += [("predicted position", P_COLOUR)] * bool(scene.objects)
@@ -200,7 +214,7 @@ def _widest_text(name: str, several: bool, windows: int) -> str:
     number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000"}.get(name, "0.000")
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
-    if name in ("alpha", "z"):
+    if name in ("alpha", "z"):  # of other parameters the space is that of one window
         number = ", ".join([number + unit * (name == "alpha")] * windows)
         unit = ""
     return f"{SYMBOLS.get(name, name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
@@ -270,8 +284,10 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     """
     alpha, prisms = radians(scene.alpha), scene.prisms_by_window
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = {"single": [scene.z2], "none": [], **dict.fromkeys(OTHER_SHEETS, [])}.get(
-        scene.sheet, paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
+    infinite = (
+        paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
+        if scene.rotates
+        else aim.infinite_z1(scene.elements)
     )
 
     def constant_alpha(L: complex) -> Curve:
@@ -281,7 +297,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
         (_visible_parts(scene, constant_alpha(L), ends, infinite, step), ALPHA_COLOUR)
         for L in dict.fromkeys(L for L, _ in scene.objects) or [scene.L]
     ]
-    if len(scene.objects) == 1 and not scene.window and scene.sheet in ("detailed", "ideal"):
+    if len(scene.objects) == 1 and not scene.window and scene.rotates:
         z1 = scene.distances[0]
         far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prisms[0]).real)
 

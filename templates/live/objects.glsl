@@ -141,14 +141,18 @@ void meetBox(vec3 o, vec3 d, vec3 lower, vec3 upper, int what, inout Hit hit) {
   hit = Hit(reach.x, what, normal * sign(place));
 }
 
-// pedestal.pov.j2: a base, a block and a cap.
+// pedestal.pov.j2: a base, a block and a cap. The formulas of their sizes are in materials.glsl.
+float PlinthShaft(float H);
+float PlinthBase(float Pedestal);
+float PlinthCap(float Pedestal);
+
 void meetPedestal(int k, vec3 o, vec3 d, inout Hit hit) {
   vec3 foot = vec3(pieceFoot[k].x, floorY, pieceFoot[k].z);
-  float wide = pedestalHalf[k], narrow = 0.88 * wide;
+  float wide = pedestalHalf[k], narrow = PlinthShaft(wide);
   vec2 reach = boxed(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, pedestal, wide));
   if (pedestal == 0.0 || reach.x > reach.y || reach.y < 0.0 || reach.x > hit.t) return;
   int what = OBJECT + PIECES + k;
-  float base = min(0.10, 0.4 * pedestal), cap = pedestal - min(0.08, 0.3 * pedestal);
+  float base = PlinthBase(pedestal), cap = pedestal - PlinthCap(pedestal);
   meetBox(o, d, foot - vec3(wide, 0, wide), foot + vec3(wide, base, wide), what, hit);
   meetBox(o, d, foot + vec3(-narrow, base, -narrow), foot + vec3(narrow, cap, narrow), what, hit);
   meetBox(o, d, foot + vec3(-wide, cap, -wide), foot + vec3(wide, pedestal, wide), what, hit);

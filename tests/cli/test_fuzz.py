@@ -380,6 +380,7 @@ def place(tmp_path_factory):
     from povgen.cli import checkup
     from povgen.liveview import page
     from povgen.measure import charts, glass, live, speed, stability, verify
+    from povgen.measure.measured import Measured
     from povgen.rendering import cluster, frames, povray
     from povgen.scene import spec
     from povgen.teach import figures
@@ -411,8 +412,8 @@ def place(tmp_path_factory):
         patch.setattr(cluster.Cluster, "_result", lambda *_: 1)  # of _threads
         patch.setattr(cluster.Cluster, "_check", lambda _: None)
         patch.setattr(cluster.Cluster, "run", staticmethod(rendered))
-        patch.setattr(verify, "checks", lambda sheet: [verify.Measured(sheet or "ideal", "error", 0.5, 1)])
-        patch.setattr(live, "checks", lambda: [verify.Measured("ideal", "live error", 0.5, 1)])
+        patch.setattr(verify, "checks", lambda sheet: [Measured(sheet or "ideal", "error", 0.5, 1)])
+        patch.setattr(live, "checks", lambda: [Measured("ideal", "live error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
         patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
         for name in ("measure_samplings", "measure_prism_counts", "measure_beyond", "measure_workers"):

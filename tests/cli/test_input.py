@@ -14,8 +14,7 @@ from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_p
 from povgen.cli.report import USED_BY
 from povgen.errors import PovrayError
 from povgen.liveview.view import Live
-from povgen.measure import auto
-from povgen.rendering import povray
+from povgen.rendering import auto, povray
 from povgen.scene.models import SheetModel, piece_files
 from povgen.scene.spec import MOVIES
 from povgen.video import still

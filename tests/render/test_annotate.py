@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 
 from povgen import Chess, MovieSpec, Spheres, movie, render
-from povgen.measure import probes, verify
+from povgen.measure import probes
+from povgen.measure.measured import px
 from povgen.measure.probes import Positions
+from povgen.measure.targets import located, transverse
 from povgen.rendering import povray
+from povgen.scene import camera
 from povgen.video import overlay
 
 
@@ -25,8 +28,8 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     """Every pixel that shows a place where it is predicted is predicted to be visible, and the reverse."""
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
     (decoded,) = probes.decoded([scene], (160, 120))
-    inside, _ = probes.rays(scene, (160, 120))
-    shown, place = scene.L + verify.transverse(decoded), probes.pixels(scene, (160, 120))
+    inside, _ = camera.rays(scene, (160, 120))
+    shown, place = scene.L + transverse(decoded), camera.pixels(scene, (160, 120))
     coarse = 2.5 * scene.prism.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
     designed = inside & (abs(scene.apparent_position(shown, 2) - place) < 0.04 + coarse)
     hidden = designed & ~scene.visible(shown, 2)
@@ -38,14 +41,14 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
 
 def test_a_single_sheet_shows_a_place_where_it_is_marked():
     scenes = [Positions(sheet="single", z1=z1, L=0.5 - 0.3j, extent=0.2, prisms=400) for z1 in (1, 3, 12)]
-    for scene, seen in verify.located(scenes, (320, 240)):
-        assert verify.px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) < 1
+    for scene, seen in located(scenes, (320, 240)):
+        assert px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) < 1
 
 
 @pytest.mark.parametrize("prisms", [20, 100])
 def test_nu_and_M_are_those_of_prisms_of_this_size(prisms):
     scenes = [Positions(prisms=prisms, z1=2, L=L, extent=0.6) for L in (0.25 + 0.3j, -0.3 + 0.1j, 0.2 - 0.3j)]
-    a = np.mean([seen.a for _, seen in verify.located(scenes, (160, 120))])
+    a = np.mean([seen.a for _, seen in located(scenes, (160, 120))])
     facts = overlay.facts(Chess(prisms=prisms, aperture=2.4))
     # eqs. 8 and 9 say 15.0 degrees and 0.851
     assert float(facts["nu"].removesuffix("°")) == pytest.approx(np.degrees(np.angle(a)), abs=10 / prisms)

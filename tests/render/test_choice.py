@@ -11,10 +11,11 @@ from conftest import PROJECT, povgen, refused
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.measure import speed
-from povgen.measure.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
-from povgen.measure.probes import APERTURE, VIEW, Positions, window
-from povgen.measure.verify import located
+from povgen.measure.probes import APERTURE, VIEW, Positions
+from povgen.measure.targets import located
 from povgen.optics import rotation
+from povgen.rendering.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
+from povgen.scene.camera import window
 from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
 

@@ -5,7 +5,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from povgen.measure import verify
 from povgen.optics import rotation
 from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
@@ -30,7 +29,7 @@ def made(tmp_path_factory):
 
     to_caption, spheres = figures.to_caption, agreement.spheres
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(verify, "SMALL", MEASURED)
+        patch.setattr(agreement, "SMALL", MEASURED)
         patch.setattr(agreement, "spheres", lambda scenes: spheres(scenes[::3]))  # alpha = 0 and 90 degrees
         patch.setattr(figures, "to_caption", caption)
         for number in FIGURES:

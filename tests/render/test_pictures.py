@@ -10,9 +10,9 @@ from IPython.core.interactiveshell import InteractiveShell
 
 import povgen
 from povgen import Chess, Rendering, Spheres, render, to_pov
-from povgen.measure import probes
 from povgen.optics import rotation
 from povgen.rendering import frames, povray
+from povgen.scene import camera
 from povgen.scene.models import APERTURE, VIEW
 from povgen.video import still
 
@@ -93,7 +93,7 @@ def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     text = to_pov(scene) + "sky_sphere { pigment { rgb z } }\n"  # pure blue; POV-Ray takes the last sky
     image = frames.read_png(povray.run(text, Rendering(size=SIZE, antialias="off"), tmp_path)).astype(int)
     sky = image[..., 2] > image[..., 0] + 150
-    inside, direction = probes.rays(scene, SIZE)
+    inside, direction = camera.rays(scene, SIZE)
     down = Y < scene.E.imag
     down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
     assert down.sum() > 4000 and sky.any() and not (sky & down).any()

@@ -10,7 +10,7 @@ from povgen.optics import rotation
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.rendering import povray
-from povgen.scene import prediction
+from povgen.scene import camera, prediction
 
 SIZE = (320, 240)
 
@@ -18,7 +18,7 @@ SIZE = (320, 240)
 def test_directions_to_16_bits():
     scene = Directions(sheet="none", eye=0.4 - 0.2j)
     (decoded,) = probes.decoded([scene], SIZE)
-    inside, direction = probes.rays(scene, SIZE)
+    inside, direction = camera.rays(scene, SIZE)
     decoded = decoded[inside]
     free = ~np.isnan(decoded[:, 0])  # the window frame hides some
     assert free.mean() > 0.95
@@ -28,7 +28,7 @@ def test_directions_to_16_bits():
 def test_positions_to_16_bits():
     scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
     (decoded,) = probes.decoded([scene], SIZE)
-    pixels = probes.pixels(scene, SIZE)
+    pixels = camera.pixels(scene, SIZE)
     on = ~np.isnan(decoded[..., 0])
     there = pixels[on] * 9 / 6 - scene.L
     assert abs(decoded[on][:, 0] + 1j * decoded[on][:, 1] - there).max() < 1e-4
@@ -42,7 +42,7 @@ def test_a_piece_shows_positions_on_it():
     on = ~np.isnan(decoded[..., 0])
     x, y, z = decoded[on].T
     seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
-    assert abs(seen - probes.pixels(scene, SIZE)[on]).max() < 1e-3
+    assert abs(seen - camera.pixels(scene, SIZE)[on]).max() < 1e-3
     assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
@@ -50,9 +50,9 @@ def test_apparent_position_through_prisms():
     """Eq. 7, which is for infinitely small prisms, is three pixels of 1280x960 off. Stray light does not matter."""
     scene = Positions(sheet="detailed", alpha=120, z1=2, L=0.5 + 0.2j, extent=0.4)
     (decoded,) = probes.decoded([scene], SIZE)
-    inside, _ = probes.rays(scene, SIZE)
+    inside, _ = camera.rays(scene, SIZE)
     decoded = decoded[inside][:, 0] + 1j * decoded[inside][:, 1]
-    seen = locate(probes.pixels(scene, SIZE)[inside], decoded, scene.extent)
+    seen = locate(camera.pixels(scene, SIZE)[inside], decoded, scene.extent)
     pixel = 3.85 / 960
     assert abs(seen.position - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
     ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
@@ -83,7 +83,7 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
         scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
     stray = []
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
-        inside, direction = probes.rays(scene, (160, 120))
+        inside, direction = camera.rays(scene, (160, 120))
         found = probes.traced(scene, direction)
         off = np.linalg.norm(decoded[inside] - found.direction, axis=1)
         shown = (found.end <= End.BACK) & (found.count < prediction.max_trace_level(scene))
@@ -106,7 +106,7 @@ def test_prisms_of_any_shape_agree_with_the_ray_trace():
     ]
     scenes = [Directions(**shape) for shape in shapes]
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
-        inside, direction = probes.rays(scene, (160, 120))
+        inside, direction = camera.rays(scene, (160, 120))
         level = prediction.max_trace_level(scene)
         found = probes.traced(scene, direction, level)
         shown = (found.end <= End.BACK) & (found.count < level)
@@ -131,7 +131,7 @@ def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     off = np.linalg.norm(ideal - none, axis=-1)[seen & ~np.isnan(ideal[..., 0])]
     assert off.max() < 0.15 * pixel / 6 + 5e-5  # interpolation, and 16 bits
 
-    inside, direction = probes.rays(scenes[2], size)
+    inside, direction = camera.rays(scenes[2], size)
     expected = np.full((*inside.shape, 3), np.nan)
     expected[inside] = rotation.rotate(direction, np.radians(66))
     off = np.linalg.norm(turned - expected, axis=-1)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, Rendering, Spheres, render, to_pov
-from povgen.measure import probes
 from povgen.rendering import cache, light, povray
+from povgen.scene import camera
 
 SIZE = (96, 72)
 
@@ -34,7 +34,7 @@ def test_a_picture_does_not_move(antialias):
 def test_it_is_nearer_to_the_converged_picture():
     """By RMS, inside the window: 1.5x than POV-Ray's 1,0.9,2, which costs as much, and 2x than 1.5x."""
     scene = Chess()
-    window = probes.window(scene, SIZE)
+    window = camera.window(scene, SIZE)
     samplings = ("1,0.001,7", "1,0.9,2", "1.5x", "2x")
     right, adaptive, less, more = (render(scene, size=SIZE, antialias=s)[window] / 255 for s in samplings)
     errors = [np.sqrt(((picture - right) ** 2).mean()) for picture in (adaptive, less, more)]

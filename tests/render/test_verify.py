@@ -7,35 +7,46 @@ import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen.measure import probes, rounding, stability, verify
+from povgen.measure import (
+    probes,
+    rounding,
+    stability,
+    verify,
+    verify_ideal,
+    verify_light,
+    verify_prisms,
+    verify_series,
+)
+from povgen.measure.measured import Measured
 from povgen.measure.stability import StabilityMap
+from povgen.measure.targets import SERIES, targets
 from povgen.optics import rotation
 from povgen.optics.trace import End
-from povgen.scene import prediction
+from povgen.scene import camera, prediction
 from povgen.scene.models import OTHER_SHEETS
 
 SIZE = (320, 240)
 SMALL = (160, 120)
 # each check with few scenes, in pictures of a given size
 REDUCED = {
-    "positions": lambda size: verify.ideal_positions(8, size),
-    "directions": verify.ideal_directions,
-    "piece": verify.chess_pieces,
-    "horizon": verify.horizon,
-    "real image": verify.real_image,
-    "alpha = 0": verify.nothing_changed,
-    "every pixel": lambda size: verify.every_pixel((100, 1000), (35,), 2, size),
-    "finite prisms": lambda size: verify.finite_prisms((25, 400), 3, size),
-    "paraxial prediction": lambda size: verify.paraxial_prediction(4, size),
-    "other prisms": lambda size: verify.other_prisms(((1.7, 40),), (35,), 4, size),
-    "other sheets": verify.other_sheets,
-    "series positions": lambda size: verify.series_positions(4, size),
-    "series directions": verify.series_directions,
-    "series image": verify.series_image,
-    "series pixels": lambda size: verify.series_pixels((100,), verify.SERIES[1:2], size),
-    "series prediction": lambda size: verify.series_prediction(3, size),
-    "hyperbola": verify.hyperbola,
-    "designed fraction": lambda size: verify.designed_fraction((66,), size),
+    "positions": lambda size: verify_ideal.ideal_positions(8, size),
+    "directions": verify_ideal.ideal_directions,
+    "piece": verify_ideal.chess_pieces,
+    "horizon": verify_ideal.horizon,
+    "real image": verify_ideal.real_image,
+    "alpha = 0": verify_ideal.nothing_changed,
+    "every pixel": lambda size: verify_prisms.every_pixel((100, 1000), (35,), 2, size),
+    "finite prisms": lambda size: verify_prisms.finite_prisms((25, 400), 3, size),
+    "paraxial prediction": lambda size: verify_prisms.paraxial_prediction(4, size),
+    "other prisms": lambda size: verify_prisms.other_prisms(((1.7, 40),), (35,), 4, size),
+    "other sheets": verify_ideal.other_sheets,
+    "series positions": lambda size: verify_series.series_positions(4, size),
+    "series directions": verify_series.series_directions,
+    "series image": verify_series.series_image,
+    "series pixels": lambda size: verify_series.series_pixels((100,), SERIES[1:2], size),
+    "series prediction": lambda size: verify_series.series_prediction(3, size),
+    "hyperbola": verify_prisms.hyperbola,
+    "designed fraction": lambda size: verify_prisms.designed_fraction((66,), size),
 }
 # pictures that are large enough for the bounds, if POV-Ray renders them; SIZE if not named
 RENDERED_SIZES = {"piece": (480, 360), "real image": (480, 360), "series image": (480, 360)}
@@ -62,7 +73,7 @@ def exact(scenes, size):
     The chess piece is a slanted board, which is as good to fit.
     """
     for scene in scenes:
-        inside, direction = probes.rays(scene, size)
+        inside, direction = camera.rays(scene, size)
         if scene.sheet in ("ideal", "none", *OTHER_SHEETS):
             position = np.array([scene.E.real, scene.E.imag, -scene.z2]) + direction * scene.z2 / direction[:, 2:]
             ends = np.zeros(len(direction), bool)
@@ -115,7 +126,9 @@ def test_bounds_hold_for_exact_probes_and_fail_for_other_scenes(name, monkeypatc
     assert not all(figure.holds for figure in REDUCED[name](size))
 
 
-@pytest.mark.parametrize("check", [verify.black_tops, verify.partial_reflection, verify.reflected_light])
+@pytest.mark.parametrize(
+    "check", [verify_light.black_tops, verify_light.partial_reflection, verify_light.reflected_light]
+)
 def test_what_real_glass_does(check, monkeypatch):
     assert all(figure.holds for figure in check(SIZE))
     # other prisms than those of the reference
@@ -131,15 +144,15 @@ def test_the_command(tmp_path, monkeypatch):
     from povgen.cli.app import app
 
     made = [
-        verify.Measured("ideal", "a thing", 0.5, 1.0, "px"),
-        verify.Measured("ideal", "more", 2, 1, "%", least=True),
+        Measured("ideal", "a thing", 0.5, 1.0, "px"),
+        Measured("ideal", "more", 2, 1, "%", least=True),
     ]
     monkeypatch.setattr(verify, "checks", lambda sheet: iter(made))
     done = CliRunner().invoke(app, ["verify", "--json", str(tmp_path / "x.json")])
     assert done.exit_code == 0 and "a thing" in done.output and "FAILS" not in done.output
     figures = json.loads((tmp_path / "x.json").read_text())["figures"]
     assert [figure["value"] for figure in figures] == [0.5, 2] and all(figure["holds"] for figure in figures)
-    made.append(verify.Measured("ideal", "nowhere", float("nan"), 1))
+    made.append(Measured("ideal", "nowhere", float("nan"), 1))
     done = CliRunner().invoke(app, ["verify", "--json", str(tmp_path / "x.json")])
     assert done.exit_code == 1 and "FAILS" in done.output
     assert json.loads((tmp_path / "x.json").read_text())["figures"][2]["value"] is None
@@ -231,7 +244,7 @@ def test_maps_are_drawn_and_tabled(tmp_path):
 def test_rounding_decides_for_few_rays():
     """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
     for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
-        _, direction = probes.rays(scene, (48, 36))
+        _, direction = camera.rays(scene, (48, 36))
         assert rounding.decided_by_rounding(scene, direction).mean() < most
 
 
@@ -241,8 +254,8 @@ def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkey
     monkeypatch.setattr(probes, "decoded", exact)
     left = []
     for alpha in (0, 400 / prisms, 800 / prisms):
-        scenes = verify.targets("detailed", 6, seed=3, E=0j, alphas=(alpha, alpha), prisms=prisms)
-        thin, thick = verify.errors(scenes, SIZE)
+        scenes = targets("detailed", 6, seed=3, E=0j, alphas=(alpha, alpha), prisms=prisms)
+        thin, thick = verify_prisms.errors(scenes, SIZE)
         left.append(thick / thin)
     assert left[0] > 0.8 and left[1] > 0.2 and left[2] < 0.1, left
 
@@ -250,7 +263,7 @@ def test_the_paraxial_prediction_fails_where_moire_bands_are_wide(prisms, monkey
 def test_the_index_of_glass_turns_no_ray_on_the_designed_path():
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = probes.Directions(z2=2)
-    _, direction = probes.rays(scene, SIZE)
+    _, direction = camera.rays(scene, SIZE)
     before = probes.traced(scene, direction)
     changed = scene.model_copy(update={"index": scene.index * (1 + 1e-6)})
     # of the same length

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from povgen import files
+from povgen import files, stopping
 from povgen.cli.report import message_of
 from povgen.video import encode
 
@@ -61,6 +61,22 @@ def test_no_room_in_a_work_folder(left, said, monkeypatch, tmp_path):
     with pytest.raises(OSError) as raised, files.work_folder(tmp_path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     assert message_of(raised.value).startswith(f"{tmp_path}: {said}")
+
+
+def test_a_work_folder_that_is_interrupted_as_it_is_made_is_known(monkeypatch, tmp_path):
+    """A signal's handler raises its exception at any moment. povgen then removes the folders that it knows."""
+    make = os.mkdir
+
+    def interrupted(*arguments, **options):
+        make(*arguments, **options)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt), files.work_folder(tmp_path):
+        pass
+    (folder,) = tmp_path.iterdir()
+    assert str(folder) in stopping.folders
+    stopping.folders.discard(str(folder))
 
 
 def test_of_two_files_the_written_one_is_named():

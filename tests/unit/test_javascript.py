@@ -17,7 +17,7 @@ from povgen.liveview import scripts
 from povgen.liveview.values import values as live_values
 from povgen.optics import paraxial, rotation, series
 from povgen.optics.prism import Prism
-from povgen.scene import prediction
+from povgen.scene import warnings
 from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
 from povgen.settings import Rendering
@@ -379,10 +379,10 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page, values):
     page.evaluate("change", values)
     scene, chosen = scene_of(page), page.evaluate("moment().objects.indexOf(moment().z1)")
     L, z1 = scene.objects[chosen]
-    error = prediction.possible_error(scene, L, z1, scene.radii[chosen]) if scene.sheet != "ideal" else 0
+    error = warnings.possible_error(scene, L, z1, scene.radii[chosen]) if scene.sheet != "ideal" else 0
     if error:
         assert page.evaluate("possibleError(moment())") == pytest.approx(error, rel=1e-6)
-    warned = error > 3 or "overlay" in dict(prediction.warnings(scene.replace(z1=z1), Rendering(overlay=True)))
+    warned = error > 3 or "overlay" in dict(warnings.warnings(scene.replace(z1=z1), Rendering(overlay=True)))
     assert page.evaluate("unsure(moment())") == warned
     said = re.search(r"can be wrong by up to ([\d.]+) pixels", page.evaluate("explanation(moment())"))
     if warned and scene.sheet == "detailed":

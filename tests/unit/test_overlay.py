@@ -10,8 +10,8 @@ import pytest
 from PIL import Image, ImageDraw
 
 from povgen import Chess, Spheres
-from povgen.measure import probes
 from povgen.optics import rotation
+from povgen.scene import camera
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 from povgen.video import overlay
@@ -30,7 +30,7 @@ def drawn(scene, size=(640, 480), **options):
 def yellow(picture):
     """Return the points of the plane z = 0 at which marks are drawn."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    place = probes.pixels(Chess(), picture.shape[1::-1])
+    place = camera.pixels(Chess(), picture.shape[1::-1])
     return place[(red > 200) & (green > 190) & (blue < 110)]
 
 
@@ -121,7 +121,7 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
 def test_no_mark_where_the_frame_hides_the_object(scene):
     picture = drawn(scene, overlay=True)
     assert not len(yellow(picture)) and not overlay.positions(scene)
-    drawn_at = probes.pixels(scene, (640, 480))[(picture != 120).any(-1)]
+    drawn_at = camera.pixels(scene, (640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
     assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
@@ -134,7 +134,7 @@ def test_marks_and_curves_have_a_dark_rim(monkeypatch):
     monkeypatch.setattr(overlay, "positions", lambda scene: [-0.5j])
     scene, size = Spheres(z1=[2]), (1280, 960)
     monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
-    picture, place = drawn(scene, size, overlay=True), probes.pixels(scene, size)
+    picture, place = drawn(scene, size, overlay=True), camera.pixels(scene, size)
     wide = 960 / 180
     for colour, inner, outer, part, middle in (
         (overlay.P_COLOUR, 1.1, 1.7, place.imag < 0, -0.5j),
@@ -150,7 +150,7 @@ def test_marks_and_curves_have_a_dark_rim(monkeypatch):
 def test_the_overlay_leaves_the_rest_of_the_picture():
     scene = Chess(sheet="ideal", alpha=90)
     changed = (drawn(scene, overlay=True) != 120).any(-1)
-    place = probes.pixels(scene, (640, 480))[changed]
+    place = camera.pixels(scene, (640, 480))[changed]
     curves = np.concatenate([piece for pieces, _ in overlay.loci(scene) for piece in pieces])
     assert 500 < changed.sum() < 20000
     assert max(abs(curves - z).min() for z in place[::7]) < 0.06

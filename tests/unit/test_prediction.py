@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, Spheres
-from povgen.measure import probes, verify
+from povgen import Chess, Spheres, limits
+from povgen.measure import probes
+from povgen.measure.measured import px
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
-from povgen.scene import limits, prediction
+from povgen.scene import camera, prediction
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
 
@@ -86,7 +87,7 @@ def test_the_trace_level_leaves_few_pixels_black():
         (100, 66, 6, 0j),
     ):
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
-        inside, direction = probes.rays(scene, SIZE)
+        inside, direction = camera.rays(scene, SIZE)
         found = probes.traced(scene, direction, max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= prediction.max_trace_level(scene))
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
@@ -111,7 +112,7 @@ def told_aside(scene):
             place = sum(w * place for w, place in zip(weights, triangle, strict=True))
             worst = max(worst, abs(shown - place).max())
     z1 = scene.z1
-    return verify.px(worst) * abs(z1 / (z1 + scene.z2 * np.exp(1j * np.radians(scene.alpha))))
+    return px(worst) * abs(z1 / (z1 + scene.z2 * np.exp(1j * np.radians(scene.alpha))))
 
 
 def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():

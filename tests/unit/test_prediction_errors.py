@@ -10,10 +10,10 @@ from itertools import islice
 import numpy as np
 
 from povgen import Chess, InputError, Spheres
+from povgen.limits import MAX_ERROR, RADII
 from povgen.measure import probes
 from povgen.optics import rotation, series
 from povgen.scene import prediction
-from povgen.scene.limits import MAX_ERROR, RADII
 from povgen.scene.models import OTHER_SHEETS
 from povgen.settings import Rendering
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, Rendering, Spheres
-from povgen.measure import probes
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
+from povgen.scene import camera
 from povgen.scene.models import APERTURE, SCENES, VIEW
 
 
@@ -163,7 +163,7 @@ def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():
 
 def test_the_view_is_the_height_of_the_picture():
     for view in (0.1, VIEW, 100):
-        position = probes.pixels(Chess(view=view), (40, 30))
+        position = camera.pixels(Chess(view=view), (40, 30))
         assert position.shape == (30, 40) and position.mean() == pytest.approx(0)
         assert np.ptp(position.imag) == pytest.approx(view * 29 / 30)
         assert np.ptp(position.real) == pytest.approx(view * 39 / 30)

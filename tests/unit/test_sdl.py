@@ -3,10 +3,12 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from povgen import Chess, Spheres, to_pov
 from povgen.measure.probes import Directions, PiecePositions, Positions
+from povgen.scene import materials
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
@@ -139,3 +141,15 @@ def test_every_part_begins_with_its_name():
 
 def test_pieces_are_those_that_have_a_template():
     assert {path.name.removesuffix(".pov.j2") for path in (TEMPLATES / "pieces").glob("*.j2")} == {*PIECES, "turned"}
+
+
+def test_formulas_and_colour_maps_in_glsl():
+    assert materials.floats("2*pi*x2 + 13*A - 1.5*sin(17) + 1e-6") == "2.0*pi*x2 + 13.0*A - 1.5*sin(17.0) + 1e-6"
+    glsl = {"vec3": lambda *colour: np.array(colour), "mix": lambda a, b, t: a + t * (b - a), "clamp": np.clip}
+    for colours in materials.COLOUR_MAPS.values():
+        places = [float(place) for place in colours]
+        rgb = np.array([[float(part) for part in colour.split(",")] for colour in colours.values()])
+        expression = materials.interpolated(colours)
+        for value in np.linspace(-0.1, 1.1, 49):
+            wanted = [np.interp(value, places, rgb[:, k]) for k in range(3)]
+            assert eval(expression, glsl | {"value": value}) == pytest.approx(wanted, abs=1e-12)

@@ -5,8 +5,8 @@ import pytest
 
 from povgen import Chess, Rendering
 from povgen.errors import InputError
-from povgen.measure.auto import MAX_SHARE, MOSAIC_SIDES, Tolerance, choose, mosaic
-from povgen.measure.probes import window
+from povgen.rendering.auto import MAX_SHARE, MOSAIC_SIDES, Tolerance, choose, mosaic
+from povgen.scene.camera import window
 
 SIZE = (320, 240)
 STANDARD = Rendering(size=SIZE)

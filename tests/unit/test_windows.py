@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, MovieSpec, Spheres, live, to_pov
+from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
 from povgen.liveview.values import values as live_values
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
-from povgen.scene import limits, prediction
+from povgen.scene import prediction
 from povgen.scene.models import OTHER_SHEETS, Window
 from povgen.settings import Rendering
 from povgen.video import overlay

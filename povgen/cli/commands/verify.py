@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen import __version__
 from povgen.cli.options import made_folder
 from povgen.errors import InputError
+from povgen.version import __version__
 
 if TYPE_CHECKING:  # slow to import
     from collections.abc import Iterator
 
-    from povgen.measure.verify import Measured
+    from povgen.measure.measured import Measured
 
 
 def command(

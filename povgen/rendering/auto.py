@@ -11,18 +11,18 @@ from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
+from povgen import limits
 from povgen.errors import InputError
 from povgen.files import temporary_folder
-from povgen.measure import probes, speed
-from povgen.measure.probes import Floats
-from povgen.measure.speed import Picture
 from povgen.optics import rotation
 from povgen.rendering import povray
+from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
-from povgen.rendering.light import reduced
+from povgen.rendering.light import Picture, reduced
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import limits
+from povgen.scene import camera
 from povgen.scene.models import Scene
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Rendering
@@ -34,7 +34,6 @@ FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the
 # beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
-CONVERGED = speed.CONVERGED
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
 MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic contains
 BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
@@ -135,7 +134,7 @@ class _Trial:
     """The comparison of candidates with the converged picture, on small blocks of the windows of a few scenes."""
 
     def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]) -> None:
-        speed.flip_evaluator()  # raises before anything is rendered
+        flip_evaluator()  # raises before anything is rendered
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
         self.right = self._pictures("detailed", CONVERGED)
@@ -183,10 +182,10 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
 
     The window is divided into equal parts, with one block at a random place in each part.
     """
-    inside, _ = probes.rays(scene, size)
+    inside, _ = camera.rays(scene, size)
     if not inside.any():
         return None
-    y, x = probes.window(scene, size)
+    y, x = camera.window(scene, size)
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(MAX_SHARE * height * width), *MOSAIC_SIDES)), height, width)
     count = max(MIN_BLOCKS, round(whole / BLOCK_SIDE))
@@ -197,7 +196,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     return Mosaic(size, side, np.stack((columns, rows), axis=-1).tolist())
 
 
-def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> Floats:
+def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> NDArray[np.float64]:
     """Return the mean FLIP of each block of a mosaic, (rows, columns).
 
     Each block is first surrounded by copies of itself, `around` pixels wide.
@@ -209,7 +208,7 @@ def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> Float
         blocks = mosaic.reshape(-1, side, columns, side, 3)[:, index][:, :, :, index]
         return blocks.reshape(-1, columns * extent, 3)
 
-    off = speed.flip(repeated(picture), repeated(right)).reshape(-1, extent, columns, extent)
+    off = flip(repeated(picture), repeated(right)).reshape(-1, extent, columns, extent)
     inner = slice(around, around + side)
     return np.asarray(off[:, inner, :, inner].mean((1, 3)), np.float64)
 

@@ -1,0 +1,199 @@
+"""Sheets of prisms, compared with the exact ray trace and with predictions."""
+
+from collections.abc import Iterator
+from math import radians
+
+import numpy as np
+
+from povgen.measure import probes
+from povgen.measure.measured import SMALL, Measured, px, rms
+from povgen.measure.probes import Directions, Positions, Size
+from povgen.measure.rounding import decided_by_rounding
+from povgen.measure.targets import located, targets
+from povgen.optics import rotation
+from povgen.optics.trace import End
+from povgen.scene import camera, survey
+
+
+def every_pixel(
+    prisms: tuple[int, ...] = (100, 1000),
+    alphas: tuple[float, ...] = (0, 35, 90, 180),
+    others: int = 16,
+    size: Size = SMALL,
+) -> Iterator[Measured]:
+    """Compare the direction that every pixel shows with the exact ray trace, stray light included.
+
+    `others` is the number of random scenes.
+    """
+    for count in prisms:
+        scenes = [Directions(sheet="detailed", prisms=count, alpha=alpha) for alpha in alphas]
+        yield from pixel_checks(f"2x{count}, {len(alphas)} alphas", scenes, size)
+    if others:
+        yield from pixel_checks(f"{others} scenes at random", any_window(others, seed=1), size)
+
+
+def any_window(count: int, seed: int) -> list[Directions]:
+    """Return random windows: 12 to 3000 prisms, all alphas, eyes 0.3 to 60 tiles away, half of them off the axis."""
+    random = np.random.default_rng(seed)
+    scenes = []
+    for n in range(count):
+        number = int(np.exp(random.uniform(np.log(12), np.log(3001))))
+        E = (n % 2) * complex(random.uniform(-1, 1), random.uniform(-1.3, 8))
+        farthest = Directions(prisms=number, z2=60, alpha=random.uniform(-180, 180), eye=E)
+        nearest = max(0.3, farthest.depth / 2 + 0.05)
+        scenes.append(farthest.model_copy(update={"z2": nearest * (60 / nearest) ** random.uniform()}))
+    return scenes
+
+
+def pixel_checks(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
+    designed, agree, by_rounding = [], [], []
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
+        inside, direction = camera.rays(scene, size)
+        trace_level = survey.max_trace_level(scene)
+        found = probes.traced(scene, direction, trace_level)
+        off = np.nan_to_num(np.linalg.norm(decoded[inside] - found.direction, axis=1), nan=np.inf)
+        seen = (found.end <= End.BACK) & (found.count < trace_level)
+        designed.append((off < 1e-3)[seen & found.designed])
+        agree.append((off < 1e-3)[seen])
+        by_rounding.append(decided_by_rounding(scene, direction[seen & (off >= 1e-3)]))
+    yield Measured(
+        "detailed", f"{kind}: pixels on the designed path within 1e-3 rad of the ray trace",
+        100 * np.concatenate(designed).mean(), 99.99, "%", least=True,
+    )  # fmt: skip
+    yield Measured(
+        "detailed", f"{kind}: all pixels whose ray leaves, within 1e-3 rad of the ray trace",
+        100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
+    )  # fmt: skip
+    differing = np.concatenate(by_rounding)
+    yield Measured(
+        "detailed", f"{kind}: of the {len(differing)} pixels that differ, not decided by rounding",
+        100 * (1 - differing).mean() if len(differing) else 0, 1, "%",
+    )  # fmt: skip
+
+
+def finite_prisms(
+    prisms: tuple[int, ...] = (25, 50, 100, 200, 400, 800, 1600), count: int = 8, size: Size = SMALL
+) -> Iterator[Measured]:
+    """Measure how the error of eq. 7, which is for infinitely small prisms, decreases with the number of prisms."""
+    thin = [errors(targets("detailed", count, seed=3, E=0j, prisms=number), size)[0] for number in prisms]
+    slope = np.polyfit(np.log(prisms), np.log(thin), 1)[0]
+    yield Measured(
+        "detailed", f"error of eq. 7 falls as N^k, N = {prisms[0]} to {prisms[-1]}: |k + 1|", abs(slope + 1), 0.15
+    )
+
+
+# Ranges of |alpha|, degrees, each with the greatest allowed ratio of the paraxial prediction's error to eq. 7's error.
+ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
+
+
+# Refractive indices, and base angles in degrees: dense glass, BK7, and flat prisms.
+OTHER_PRISMS = ((1.7, 40), (1.5168, 45), (1.5, 35))
+
+
+def paraxial_prediction(count: int = 12, size: Size = SMALL) -> Iterator[Measured]:
+    """Measure the error of the paraxial prediction, for 100 prisms, as a fraction of eq. 7's error.
+
+    The fraction is large near alpha = 0: nearly parallel sheets show bands (moire), which the prediction ignores.
+    """
+    for between, most in ALPHA_RANGES:
+        yield _prediction_error("2x100", targets("detailed", count, seed=5, E=0j, alphas=between), between, most, size)
+
+
+def other_prisms(
+    shapes: tuple[tuple[float, float], ...] = OTHER_PRISMS,
+    alphas: tuple[float, ...] = (0, 35, 90, 180),
+    count: int = 12,
+    size: Size = SMALL,
+) -> Iterator[Measured]:
+    """Measure 100 prisms of other shapes against the exact ray trace, and the paraxial prediction for them."""
+    between, most = ALPHA_RANGES[1]
+    for index, base_angle in shapes:
+        shape, kind = {"index": index, "base_angle": base_angle}, f"2x100, n = {index:g}, {base_angle:g} deg"
+        scenes = [Directions(sheet="detailed", alpha=alpha, **shape) for alpha in alphas]
+        yield from pixel_checks(f"{kind}, {len(alphas)} alphas", scenes, size)
+        yield _prediction_error(
+            kind, targets("detailed", count, seed=5, E=0j, alphas=between, **shape), between, most, size
+        )
+
+
+def _prediction_error(
+    kind: str, scenes: list[Positions], between: tuple[float, float], most: float, size: Size
+) -> Measured:
+    thin, thick = errors(scenes, size)
+    what = f"{kind}, |alpha| {between[0]} to {between[1]} deg: paraxial prediction's error ({px(thick):.2f} px)"
+    return Measured("detailed", f"{what} / eq. 7's error", thick / thin, most)
+
+
+def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
+    """Return the errors of eq. 7 and of the scenes' paraxial predictions, RMS over the scenes, in tiles.
+
+    For windows in series, the complex depth takes the place of eq. 7.
+    """
+    thin, thick = [], []
+    for scene, seen in located(scenes, size):
+        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha), scene.behind)
+        thin.append(abs(seen.position - ideal))
+        thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
+    return rms(thin), rms(thick)
+
+
+def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
+    """Measure how a line perpendicular to a single sheet appears through the sheet: as a hyperbola.
+
+    The line through (X, Y) appears as (x - X/2)(y - Y/2) = XY/4.
+    """
+    L = 0.45 + 0.3j
+    scenes = [
+        Positions(sheet="single", prisms=1600, z1=z1, L=L, extent=0.1) for z1 in (0.4, 0.8, 1.3, 1.8, 2.4, 3, 3.5)
+    ]
+    position = np.array([seen.position for _, seen in located(scenes, size)])
+    x, y = position.real, position.imag
+    # x y = p x + q y + c
+    p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
+    away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
+    yield Measured(
+        "detailed", "single sheet: a perpendicular line's distance from its hyperbola, rms", px(rms(away)), 0.2, "px"
+    )
+    centre = abs(q + 1j * p - L / 2)
+    yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(centre), 2, "px")
+    y = (p * L.real + c) / (L.real - q)
+    yield Measured(
+        "detailed",
+        "single sheet: the hyperbola's distance from L, where the line meets the sheet",
+        px(abs(y - L.imag)),
+        2,
+        "px",
+    )
+
+
+def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
+    """Compare the fraction of pixels that show rotated light with the exact ray trace, for each field angle."""
+    found = list(fractions(alphas, size))
+    worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
+    angles = [angle for _, angle, *_ in found] or [np.nan]
+    yield Measured(
+        "detailed",
+        f"fraction of pixels on the designed path, fields of {min(angles):g} to {max(angles):g} deg, worst error",
+        worst,
+        0.002,
+    )
+
+
+def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:
+    """Yield alpha, field angle, and two fractions of pixels that show rotated light: rendered, and traced exactly.
+
+    Angles are in degrees. Pixels are grouped by field angle, in rings 5 degrees wide; each ring's middle is yielded.
+    """
+    scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
+    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
+        inside, direction = camera.rays(scene, size)
+        turned = rotation.rotate(direction, radians(scene.alpha))
+        found = probes.traced(scene, direction, survey.max_trace_level(scene))
+        rendered = np.linalg.norm(decoded[inside] - turned, axis=1) < 1e-3
+        exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
+        exact &= found.count < survey.max_trace_level(scene)
+        field = np.degrees(np.arccos(direction[:, 2])) // 5
+        for ring in np.unique(field):
+            pixels = field == ring
+            if pixels.sum() > 500:
+                yield scene.alpha, float(5 * ring + 2.5), rendered[pixels].mean(), exact[pixels].mean()

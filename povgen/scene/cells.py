@@ -1,0 +1,181 @@
+"""The cells in which the camera that simulates ideal sheets interpolates rays (templates/camera/)."""
+
+from cmath import rect
+from math import ceil, hypot, inf, radians, sqrt
+from typing import TYPE_CHECKING
+
+from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
+from povgen.scene.models import Scene
+
+if TYPE_CHECKING:
+    from povgen.optics.rotation import Complexes, Floats
+
+_CELLS = 16  # across the window, in which the error is computed first
+_SERIES_CELLS = 24  # the least, so that the eye sees no further window within a single cell
+
+
+def template(scene: Scene) -> str:
+    """Return the name of the template of the camera that simulates the ideal windows. "" is POV-Ray's own camera.
+
+    Several windows that do no more than rotate light have exact polygons. Other laws have triangles that are halved.
+    """
+    if {sheet.name for sheet in scene.ideal} <= {"none"}:
+        return ""
+    if all(sheet.rotates for sheet in scene.ideal):
+        return "ideal" if len(scene.ideal) == 1 else "series"
+    return "law"
+
+
+def camera_cells(scene: Scene) -> int:
+    """Return the number of cells across the window in which the ideal sheets' camera interpolates rays.
+
+    This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
+    `grid`. See camera/ideal.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the
+    part of it that shows a second window is no rectangle.
+    """
+    grid: int | None = getattr(scene, "grid", None)
+    if grid:
+        return grid
+    if template(scene) == "law":
+        return _cells_of_laws(scene)
+    return (
+        ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR))))
+        if scene.E or len(scene.ideal) > 1
+        else 1
+    )
+
+
+def grid_error(scene: Scene, cells: int) -> float:
+    """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
+
+    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates
+    between unit vectors at the corners of triangles. A ray then has the direction that belongs to another point, up to
+    d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
+    displaced by |P| times this distance, or for several windows |z1/Z| times.
+    """
+    half = scene.aperture / 2
+    x, y = abs(scene.E.real), abs(scene.E.imag)
+    nearest, farthest = hypot(max(0, x - half), max(0, y - half)), hypot(x + half, y + half)
+    tangent = min(max(1, nearest / scene.z2), farthest / scene.z2)  # sin(2 angle) is greatest at 45 degrees
+    displaced = 2 * (scene.aperture / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
+    return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view * 960
+
+
+def _P(scene: Scene, z1: float) -> float:
+    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `rotation` it does not need numpy, slow to load."""
+    Z, turn = complex(scene.z2), 1 + 0j
+    for distance, alpha in ((0, radians(scene.alphas[0])), *scene.behind):
+        Z, turn = Z + distance * turn, turn * rect(1, -alpha)
+    Z += z1 * turn
+    return z1 / abs(Z) if Z else inf
+
+
+def is_dark(scene: Scene) -> bool:
+    """Whether no light passes the ideal windows."""
+    import numpy as np
+
+    return bool(np.isnan(_behind(scene, MAX_CELLS)[1]).all())
+
+
+def _cells_of_laws(scene: Scene) -> int:
+    """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
+
+    The error is computed in 16 cells across the window. It falls as their square where the law is smooth. Where a law
+    depends on the place, it is computed again for the number found. If light passes only between the corners of these
+    cells, the number is MAX_CELLS.
+    """
+    if len(scene.ideal) > 1:
+        return max(_SERIES_CELLS, _cells_of_smooth_laws(scene))
+    return 1 if _is_exact(scene) else _cells_of_smooth_laws(scene)
+
+
+def _cells_of_smooth_laws(scene: Scene) -> int:
+    import numpy as np
+
+    error = _law_error(scene, _CELLS)
+    if np.isnan(error):
+        return 1 if is_dark(scene) else MAX_CELLS
+    cells = ceil(min(MAX_CELLS, max(1, _CELLS * sqrt(error / MAX_CAMERA_ERROR))))
+    if any(sheet.law.uses_place for sheet in scene.ideal):
+        while cells < MAX_CELLS and (error := _law_error(scene, cells)) > MAX_CAMERA_ERROR:
+            cells = min(MAX_CELLS, max(cells + 1, ceil(cells * min(2, sqrt(error / MAX_CAMERA_ERROR)))))
+    return cells
+
+
+def _is_exact(scene: Scene) -> bool:
+    """Whether interpolation between the window's corners is exact."""
+    import numpy as np
+
+    start, unit = _behind(scene, 1)
+    share = np.linspace(0.05, 0.95, 7)
+    parts = np.array(np.meshgrid(share, share))
+    low, high = parts.min(0), parts.max(0)
+    corner = np.where(parts[0] > parts[1], 1, 0)  # of the triangle: x = 1, y = 0, or x = 0, y = 1
+    weights = (1 - high), low, high - low
+    place = (share[None, :] - 0.5 + 1j * (share[:, None] - 0.5)) * scene.aperture
+    exact_start, exact = _behind_points(scene, place)
+    third = np.where(corner[..., None], unit[0, 1], unit[1, 0])
+    third_start = np.where(corner, start[0, 1], start[1, 0])
+    shown = weights[0][..., None] * unit[0, 0] + weights[1][..., None] * unit[1, 1] + weights[2][..., None] * third
+    shown_start = weights[0] * start[0, 0] + weights[1] * start[1, 1] + weights[2] * third_start
+    with np.errstate(invalid="ignore", divide="ignore"):
+        off = np.linalg.norm(shown / shown[..., 2:] - exact / exact[..., 2:], axis=-1)
+    return bool((off < 1e-9).all() and (abs(shown_start - exact_start) < 1e-9).all())
+
+
+def _law_error(scene: Scene, n: int) -> float:
+    """Return the error of an object's position with n cells across the window, in pixels of 1280x960.
+
+    It is computed in the middle of the cells' diagonals. NaN if no light passes at the corners of any cell.
+    """
+    import numpy as np
+
+    step = scene.aperture / n
+    with np.errstate(invalid="ignore", divide="ignore"):
+        start, corners = _behind(scene, n)
+        side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
+        middle = (side[1:] + side[:-1]) / 2
+        right_start, right = _behind_points(scene, middle + 1j * middle[:, None])
+        shown = corners[:-1, :-1] + corners[1:, 1:]
+        shown_start = (start[:-1, :-1] + start[1:, 1:]) / 2
+        slope = corners[..., :2] / corners[..., 2:]
+        places = np.stack((start.real, start.imag), -1)
+        aside = (shown / shown[..., 2:] - right / right[..., 2:])[..., :2]
+        away = np.stack(((shown_start - right_start).real, (shown_start - right_start).imag), -1)
+        worst = 0.0
+        for z1 in scene.distances or (2 * scene.z2,):
+            # a lower bound of the smallest singular value of d(object)/d(apparent position)
+            steps = [np.diff(places + z1 * slope, axis=axis)[:n, :n] / step for axis in (1, 0)]
+            jacobian = np.stack(steps, -1)
+            least = abs(np.linalg.det(jacobian)) / np.linalg.norm(jacobian, axis=(-2, -1))
+            errors = np.linalg.norm(away + z1 * aside, axis=-1) / np.maximum(least, 0.02)
+            errors = errors[~np.isnan(errors)]  # NaN: no light passes there
+            if not len(errors):
+                return float("nan")
+            worst = max(worst, np.quantile(errors, 0.98, method="higher"))
+    return worst / scene.view * 960
+
+
+def _behind(scene: Scene, n: int) -> "tuple[Complexes, Floats]":
+    """Return places (n + 1, n + 1) and unit directions (n + 1, n + 1, 3), behind the ideal windows, of lines of sight.
+
+    They cross the first window at the corners of n cells across it. NaN: no light passes.
+    """
+    import numpy as np
+
+    side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
+    return _behind_points(scene, side + 1j * side[:, None])
+
+
+def _behind_points(scene: Scene, P: "Complexes") -> "tuple[Complexes, Floats]":
+    """Return the same for lines of sight that cross the first window at these points."""
+    import numpy as np
+
+    view, z = P - scene.E, -scene.z2
+    direction = np.stack(np.broadcast_arrays(view.real, view.imag, scene.z2), -1)
+    place = scene.E + 0 * P
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for window, sheet in zip(scene.windows, scene.ideal, strict=False):
+            place = place + (window.z - z) * (direction[..., 0] + 1j * direction[..., 1]) / direction[..., 2]
+            direction, z = sheet.bend(direction, place), window.z
+        return place, direction

@@ -1,0 +1,103 @@
+"""Materials, light and sky, for POV-Ray (templates/*.pov.j2) and for the live view (templates/live/*.glsl) alike.
+
+Colours are red, green and blue: linear light, 0 to 1. Numbers are text, as the scene's text shows them. Formulas are in
+POV-Ray's language; `floats` makes GLSL of them. Lengths are in tiles.
+"""
+
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+
+# Places, and the colours there. Between two places the colour is interpolated.
+COLOUR_MAPS = {
+    "LightTile": {"0.00": "0.58, 0.50, 0.40", "0.06": "0.76, 0.71, 0.61", "1.00": "0.82, 0.78, 0.69"},
+    "DarkTile": {"0.00": "0.20, 0.25, 0.23", "0.06": "0.085, 0.125, 0.115", "1.00": "0.055, 0.085, 0.078"},
+    "Frame": {"0": "0.080, 0.032, 0.015", "1": "0.160, 0.066, 0.028"},
+    "Plinth": {"0": "0.70, 0.70, 0.68", "0.08": "0.40, 0.42, 0.43", "1": "0.33, 0.35, 0.37"},
+    "SphereColor": {
+        "0.00": "1.00, 0.74, 0.00",
+        "0.30": "0.95, 0.24, 0.01",
+        "0.55": "0.75, 0.02, 0.03",
+        "0.78": "0.45, 0.01, 0.28",
+        "1.00": "0.08, 0.01, 0.22",
+    },
+    "SkyPigment": {
+        "0.00": "0.72, 0.83, 0.92",
+        "0.08": "0.46, 0.66, 0.88",
+        "0.33": "0.16, 0.36, 0.70",
+        "0.71": "0.05, 0.16, 0.44",
+    },
+    "RockPigment": {"0": "0.10, 0.15, 0.26", "1": "0.27, 0.29, 0.34"},
+    "SnowPigment": {"0": "0.42, 0.54, 0.74", "1": "1.00, 0.98, 0.95"},
+    "FoothillPigment": {"0": "0.66, 0.72, 0.68", "1": "0.19, 0.33, 0.25"},
+    "PlainPigment": {"0": "0.20, 0.17, 0.11", "0.15": "0.12, 0.11, 0.08", "1": "0.05, 0.05, 0.04"},
+}
+LIP = "0.85, 0.58, 0.22"  # the metal at the frame's opening
+WOOD = {"0": "0.78, 0.70, 0.62", "0.4": "0.95, 0.92, 0.89", "1": "1"}  # factors of the piece's colour, sRGB
+
+# ambient, diffuse, specular, roughness
+FINISHES = {
+    "floor": ("0.10", "0.72", "0.15", "0.03"),
+    "frame": ("0.12", "0.8", "0.5", "0.02"),
+    "lip": ("0.2", "0.55", "0.8", "0.04"),
+    "plinth": ("0.12", "0.75", "0.2", "0.03"),
+    "wood": ("0.14", "0.78", "0.7", "0.018"),
+    "sphere": ("0.15", "0.75", "0.5", "0.02"),
+}
+
+# x, y and z are a point's; for the sky, a direction's.
+FORMULAS = {
+    "StoneVein(x, y, z)": "abs(sin(1.3*x + 0.9*z + 1.9*sin(0.9*z - 0.5*x) + 0.9*sin(2.3*x + 1.7*z)"
+    " + 0.35*sin(5.3*z - 4.1*x) + 0.15*sin(13*x + 9*z)))",
+    "Fibres(x, y, z)": "0.5 + 0.5*sin(60*y + 40*z + 1.5*sin(2.1*x + 3*y) + 0.7*sin(5.3*x))",
+    "PlinthVein(x, y, z)": "abs(sin(1.9*x + 2.3*y + 1.7*z + 1.9*sin(1.3*y - 1.9*x) + 0.7*sin(4*x + 3*z - 3*y)"
+    " + 0.2*sin(17*x + 13*y)))",
+    "PlinthBase(Pedestal)": "min(0.10, 0.4*Pedestal)",
+    "PlinthCap(Pedestal)": "min(0.08, 0.3*Pedestal)",
+    "PlinthShaft(H)": "0.88*H",
+    "TrunkX(x, y, z)": "x - 1.45 + 0.16*sin(1.3*y) + 0.03*sin(5.1*y + 4*z)",
+    "TrunkZ(y, z)": "z - 0.9 - 0.12*sin(1.9*y + 1)",
+    "Rings(x, y, z)": "0.5 + 0.36*sin(2*pi*13*Trunk(x, y, z) + 1.6*sin(2*pi*2.7*Trunk(x, y, z)))"
+    " + 0.14*sin(150*x + 5*sin(1.3*y))*sin(130*z + 4*sin(1.7*y))",
+    "Rise(x, y, z)": "y/sqrt(x*x + z*z + 1e-6)",
+    "Zigzag(T)": "1 - 2*abs(T - floor(T + 0.5))",
+    "Mountain(A)": "0.020 + 0.068*Zigzag(5*A - 0.274) + 0.050*Zigzag(11*A + 0.398) + 0.020*Zigzag(26*A + 0.127)"
+    " + 0.008*Zigzag(67*A + 0.318)",
+    "SnowLine(A)": "0.070 + 0.022*Zigzag(17*A) - 0.030*Zigzag(41*A + 0.191) + 0.012*Zigzag(97*A + 0.318)",
+    "Foothill(A)": "0.016 + 0.010*sin(7*pi*A + 2.5) + 0.005*sin(17*pi*A + 1) + 0.002*sin(43*pi*A)",
+    "Above(D)": "min(1, max(0, 0.5 + D/0.002))",
+    "Fold(A, D)": "min(1, max(0, 0.5 + 60*(Heights(A + D).x - Heights(A - D).x)))",
+    "Sunlit(A, R)": "Fold(A, 0.0013 + 0.08*(Heights(A).x - R))",
+    "FoothillHaze(x, y, z)": "min(1, max(0, Rise(x, y, z)/0.03))",
+}
+
+SUN = {"direction": "-1000, 1300, -550", "colour": "1.02, 0.95, 0.82", "row": "70, 50, 20", "lights": 7}
+SKY_LIGHT = {"direction": "900, 500, -1200", "colour": "0.26, 0.30, 0.36"}
+# The floor's pattern fades into its mean colour: the distance, and the nearness where it is gone and where it is whole.
+FADE = {"distance": "120", "colour": "0.43, 0.42, 0.37", "gone": "0.1", "whole": "0.9"}
+# The upper ends of the foothills and of the mountains: (1 + sine of the angle above the horizon)/2.
+LAND_TOP, MOUNTAIN_TOP = "0.517", "0.584"
+
+
+def finish(name: str) -> str:
+    """Return what stands in the braces of POV-Ray's `finish`."""
+    return "ambient {} diffuse {} specular {} roughness {}".format(*FINISHES[name])
+
+
+def color_map(name: str) -> str:
+    """Return what stands in the braces of POV-Ray's `color_map`."""
+    return " ".join(f"[{place} rgb <{colour}>]" for place, colour in COLOUR_MAPS[name].items())
+
+
+def floats(formula: str) -> str:
+    """Return a formula in GLSL, which has no whole numbers where it wants others."""
+    return re.sub(r"(?<![\w.])(?<!e-)\d+(?![\w.])", r"\g<0>.0", formula)
+
+
+def interpolated(colours: Mapping[str, str], wanted: str = "vec3({})") -> str:
+    """Return a colour map's colour at `value`, as a GLSL expression. `wanted` is the expression for a colour."""
+    found = wanted.format(next(iter(colours.values())))
+    for before, place in pairwise(colours):
+        share = floats(f"clamp((value - {before})/({place} - {before}), 0, 1)")
+        found = f"mix({found}, {wanted.format(colours[place])}, {share})"
+    return found

@@ -1,0 +1,171 @@
+"""Where the rays from a scene's eye go in its prisms, and the trace level that POV-Ray needs for them.
+
+The designed path leads, in each sheet, through one slanted facet, to the base, and through the other slanted facet. All
+other light is stray light.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
+from povgen.optics.prism import Prism
+from povgen.scene.models import Placed, Scene
+
+if TYPE_CHECKING:
+    from povgen.optics import trace
+    from povgen.optics.rotation import Complexes, Floats
+
+
+class Survey(NamedTuple):
+    """The result of tracing rays from the eye through the windows of prisms."""
+
+    # the least max_trace_level with which POV-Ray loses few of the rays to each window of prisms (MAX_LOST_FRACTION)
+    trace_level: int
+    designed: float  # the fraction of the rays to the last window that are on the designed path
+
+
+class SurveyInputs(NamedTuple):
+    """Everything on which a survey depends. Objects behind the prisms do not matter."""
+
+    windows: tuple[Placed, ...]
+    z2: float
+    E: complex
+    aperture: float
+    prism: Prism
+    side: int  # the number of rays is at least its square
+
+
+def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
+    """Return everything on which a scene's survey depends."""
+    return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.prism, side)
+
+
+def prism_sheets(windows: tuple[Placed, ...], prism: Prism) -> "tuple[trace.Sheet, ...]":
+    """Return the sheets of prisms in windows, the nearest to the eye first."""
+    from povgen.optics import trace  # slow to load, and only prisms need it
+
+    glass = [window for window in windows if window.sheet.layers]
+    if [window.sheet.layers for window in glass] == [1]:
+        return (trace.Sheet(0.0, glass[0].z),)
+    behind = [(b.z - a.z, b.sheet.alpha) for a, b in zip(glass, glass[1:], strict=False)]
+    pairs = trace.pair(glass[0].sheet.alpha, prism, behind)
+    return tuple(replace(sheet, centre=sheet.centre + glass[0].z) for sheet in pairs)
+
+
+def survey(scene: Scene, side: int = 60) -> Survey:
+    """Return the survey of a scene with prisms."""
+    return of_inputs(inputs(scene, side))
+
+
+@lru_cache(100)
+def of_inputs(given: SurveyInputs) -> Survey:
+    """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
+
+    So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The
+    trace level is the greatest that one of them needs. The rays to the last window give the fraction on the designed
+    path. Ideal windows are always nearer to the eye. Rays that pass them start at the last one.
+    """
+    import numpy as np
+
+    from povgen.optics import trace
+
+    windows, z2, E, aperture, prism, side = given
+    glass = prism_sheets(windows, prism)
+    level, designed = max(5, 3 * len(glass) + 1), 0.0  # the designed path meets three faces of each sheet
+    first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
+    start_z = windows[first - 1].z if first else -z2
+    for number in range(first, len(windows)):
+        P = _crossings_up_to(number, given)
+        count = P.shape[1]
+        if not count:  # other windows hide this one
+            designed = 0.0
+            continue
+        start, end = P[first - 1] if first else np.full(count, E), P[first]
+        origin = np.column_stack((start.real, start.imag, np.full(count, start_z)))
+        away = end - start
+        direction = np.column_stack((away.real, away.imag, np.full(count, windows[first].z - start_z)))
+        found = trace.trace(origin, direction, glass, aperture, prism)
+        level = max(level, _level(origin, direction, found, glass, aperture, prism))
+        designed = float(found.designed.mean())
+    return Survey(level, designed)
+
+
+def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
+    """Return where rays from the eye cross the windows up to this one (0: the first), (number + 1, rays).
+
+    These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
+    window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if
+    otherwise fewer rays than that would cross all windows. There is a random point in each, the same each time.
+    Regularly spaced points would make moire with the prisms.
+    """
+    import numpy as np
+
+    from povgen.optics import aim
+
+    windows, z2, E, aperture, _, side = given
+    half = aperture / 2
+    elements, z = [], -z2
+    for window in windows[: number + 1]:
+        elements.append((window.z - z, window.sheet.thin))
+        z = window.z
+
+    def crossings(P: "Complexes") -> "Complexes":
+        return np.stack([place for place, *_ in aim.follow((P - E) / z2, E, elements)])
+
+    low, high = np.full(2, -half), np.full(2, half)
+    if aim.matrix(elements[:-1]) is not None:  # the crossings are linear functions of P
+        origin = crossings(np.array([E]))[:, 0]
+        steps = crossings(E + np.array([1, 1j])) - origin[:, None]
+        for at, (a, b) in zip(origin, steps, strict=True):
+            size = (a.conjugate() * b).imag
+            if abs(size) < 1e-18:  # the eye sees a point, or a line, of this window
+                continue
+            inverse = np.array([[b.imag, -b.real], [-a.imag, a.real]]) / size
+            middle = np.array([E.real, E.imag]) - inverse @ (at.real, at.imag)
+            reach = half * abs(inverse).sum(1)
+            low, high = np.maximum(low, middle - reach), np.minimum(high, middle + reach)
+    if (low >= high).any():
+        return np.empty((number + 1, 0), complex)
+    for n in (side, 2 * side, 4 * side):
+        parts = np.indices((n, n)) + np.random.default_rng(1).uniform(size=(2, n, n))
+        x, y = low[:, None] + (high - low)[:, None] * parts.reshape(2, -1) / n
+        P = crossings(x + 1j * y)
+        P = P[:, (np.maximum(abs(P.real), abs(P.imag)) <= half).all(0)]  # NaN: no light passes
+        if P.shape[1] >= side**2:
+            break
+    return P
+
+
+def _level(
+    origin: "Floats",
+    direction: "Floats",
+    found: "trace.Rays",
+    glass: "tuple[trace.Sheet, ...]",
+    window: float,
+    prism: Prism,
+) -> int:
+    """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""
+    import numpy as np
+
+    from povgen.optics import trace
+
+    reached = found.count > 0
+    faces = np.where(found.end == trace.End.FRAME, 0, found.count)
+    # 0.8 is a margin: pictures can lose a larger fraction than this sample
+    lost = max(1, int(0.8 * MAX_LOST_FRACTION * reached.sum()))
+    unfinished = found.end == trace.End.UNFINISHED
+    if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
+        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
+        faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
+    return int(np.sort(faces)[-lost]) + 1
+
+
+def max_trace_level(scene: Scene, found: Survey | None = None) -> int:
+    """Return POV-Ray's max_trace_level (5 or more). A ray that meets this many faces is black.
+
+    `found` is the scene's survey; without it, rays are traced. A probe (a scene for measuring) can set the level with
+    `trace_level`.
+    """
+    level: int | None = getattr(scene, "trace_level", None)
+    return level or ((found or survey(scene)).trace_level if scene.has_prisms else 5)

@@ -1,0 +1,115 @@
+"""Warnings: the limits of the methods that a picture exceeds. The limits are in povgen/limits.py."""
+
+from collections.abc import Iterator
+from math import inf, radians
+
+from povgen.limits import (
+    MAX_CONDITION,
+    MAX_ERROR,
+    MIN_ALPHA,
+    MIN_DESIGNED_FRACTION,
+    MIN_PIXELS_PER_PRISM,
+    RADII,
+)
+from povgen.scene.cells import camera_cells, grid_error, is_dark
+from povgen.scene.models import Scene
+from povgen.scene.survey import Survey, survey
+from povgen.settings import Rendering
+
+
+def warnings(
+    scene: Scene, rendering: Rendering | None = None, found: Survey | None = None
+) -> Iterator[tuple[str, str]]:
+    """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence.
+
+    `found` is the scene's survey; without it, rays are traced.
+    """
+    glass = scene.has_prisms
+    if glass and (designed := (found or survey(scene)).designed) < MIN_DESIGNED_FRACTION:
+        eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
+        shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
+        unusual = (f", {name} = {x:g}" for name, x in shape.items() if x != type(scene).model_fields[name].default)
+        text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
+        text += " prisms' designed path,"
+        least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
+        yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
+    for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
+        if sheet.layers < 2 or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
+            continue
+        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
+        yield "alpha", f"{text} parallel and make dark bands (moire)"
+    yield from _prediction(scene, rendering) if scene.rotates or scene.sheet == "single" else _laws(scene, rendering)
+    if glass and rendering and rendering.antialias is None:
+        pixels = scene.aperture / scene.view * rendering.size[1] / scene.prisms
+        if pixels < MIN_PIXELS_PER_PRISM:
+            text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {MIN_PIXELS_PER_PRISM} pixels,"
+            yield "prisms", f"{text} without antialiasing, the picture is noise"
+
+
+def _laws(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield a warning if no light passes through the ideal windows, and if the overlay cannot mark an object."""
+    if scene.is_empty:
+        return
+    import numpy as np
+
+    if scene.ideal and is_dark(scene):
+        names = dict.fromkeys(name for sheet in scene.ideal for name in sheet.values)
+        by = f"{', '.join(names)}, z2 and eye"
+        yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True) if rendering and rendering.overlay else ():
+        if not np.isfinite(scene.apparent_position(L, z1, near=radius)):
+            text = f"overlay: at z1 = {z1:g} the object has no mark: it appears at infinity,"
+            yield "overlay", f"{text} or none of its light reaches the eye"
+
+
+def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
+    """Return by how many pixels of 1280x960 the prediction for an object behind prisms can be wrong.
+
+    L and z1 are the object's; its radius is in tiles. Infinite if the object appears at infinity.
+    """
+    from povgen.optics import paraxial
+
+    alpha = radians(scene.alpha)
+    if scene.sheet == "single":
+        k, near = [1 / scene.prism.pitch + 0j], abs(scene.z2 - z1)
+        M = scene.z2 / near if near else inf
+    else:
+        k = paraxial.frequencies(scene.z2, alpha, scene.prisms_by_window, scene.behind)
+        A, B = paraxial.depths(z1, scene.z2, alpha, scene.prisms_by_window, scene.behind)
+        M, near = float(scene.nu_and_M(z1)[1]), float(abs(abs(A) - abs(B)))
+    if not near:
+        return inf
+    tangent = abs(complex(scene.apparent_position(L, z1)) - scene.E) / scene.z2
+    apparent = min(max(M * radius, RADII[0]), RADII[1])
+    error = paraxial.possible_error(k, scene.z2 / near, apparent, tangent, scene.z2, scene.prism)
+    return error / scene.view * 960
+
+
+def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
+    two = scene.rotates
+    shows = {
+        "predicted_image": getattr(scene, "predicted_image", False),
+        "overlay": rendering and rendering.overlay,
+        "caption": rendering and rendering.caption and two,
+    }
+    names = [name for name, shown in shows.items() if shown]
+    if not names:
+        return
+    from povgen.optics import rotation
+
+    found = []
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
+        if scene.has_prisms:
+            found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, "the prisms' size"))
+        else:  # up to MAX_CONDITION, the error is one pixel; so is that between the camera's cells
+            Z = abs(rotation.depth(z1, scene.z2, radians(scene.alpha), scene.behind))
+            M = float(scene.z2 / Z) if Z else inf
+            cells = camera_cells(scene)
+            error = max(M / MAX_CONDITION, grid_error(scene, cells) if cells > 1 else 0)
+            found.append((error, 1, z1, f"the magnification of the object, {M:.3g} times"))
+    error, limit, z1, cause = max(found, key=lambda each: each[0])
+    if error > limit:
+        where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1:g}"
+        much = f"by up to {error:.3g} pixels of 1280x960" if error < 1280 else "by more than the picture's width"
+        yield names[0], f"{', '.join(names)}: at {where} the prediction can be wrong {much}, because of {cause}"

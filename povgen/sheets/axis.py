@@ -1,0 +1,46 @@
+"""A sheet that rotates light about any axis."""
+
+from povgen.sheets.law import Law
+from povgen.sheets.parameters import ALPHA
+from povgen.sheets.sheet import Ideal, Parameter
+
+# Rodrigues' formula for the angle -alpha, because the ray runs against the light.
+_SQUARE = "(axis_x*axis_x + axis_y*axis_y + axis_z*axis_z)"
+_ALONG = f"(axis_x*x + axis_y*y + axis_z*z)*((1 - cos(alpha))/{_SQUARE})"
+_ACROSS = f"(sin(alpha)/sqrt({_SQUARE}))"
+
+
+class AxisRotation(Ideal):
+    """Light is rotated by alpha about an axis.
+
+    alpha is positive if the rotation is counter-clockwise for somebody who looks along the axis: for the axis (0, 0, 1)
+    it is that of the ideal sheet. Light passes if the rotation leaves it on its way through the sheet.
+    """
+
+    name = "axis"
+    title = "rotation about an axis"
+    does = "turns light by alpha about the axis"
+    source = "Hamilton, Sundar and Courtial, J. Opt. 12, 095101 (2010)"
+    parameters = (
+        ALPHA,
+        Parameter(
+            "axis",
+            "axis of rotation as X,Y,Z, to the right, up and away from the eye, the largest component at least 0.001",
+            (1.0, 0.0, 0.0),
+            -1,
+            1,
+            kind="direction",
+            size=0.001,  # POV-Ray squares the components, and tiny squares are 0
+        ),
+    )
+    law = Law(
+        f"cos(alpha)*x - {_ACROSS}*(axis_y*z - axis_z*y) + {_ALONG}*axis_x,"
+        f"cos(alpha)*y - {_ACROSS}*(axis_z*x - axis_x*z) + {_ALONG}*axis_y,"
+        f"cos(alpha)*z - {_ACROSS}*(axis_x*y - axis_y*x) + {_ALONG}*axis_z",
+        ["alpha", "axis_x", "axis_y", "axis_z"],
+    )
+    examples = (
+        {"alpha": 25, "axis": (0, 1, 0)},
+        {"alpha": -40, "axis": (0.6, 0.3, 1)},
+        {"alpha": 60, "axis": (1, 0, -1)},
+    )

@@ -1,0 +1,210 @@
+"""Laws of ideal sheets: the direction of a ray behind a sheet, as text that several languages read alike.
+
+They are numpy, POV-Ray's scene description language, GLSL and JavaScript.
+
+A law is three expressions, for x, y and z. They may contain
+
+- x, y, z: the direction before the sheet, of length 1, of a ray that runs away from the eye (z > 0);
+- X, Y: where the ray meets the sheet, from the window's centre, tiles;
+- the names of the sheet's parameters; angles are in radians;
+- decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
+  not negative).
+
+x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where its
+z is above 0. Light itself runs the other way along the same path.
+"""
+
+import ast
+from collections.abc import Callable, Collection, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # numpy is slow to load
+    from numpy.typing import ArrayLike
+
+# The functions, with the number of their arguments and numpy's name.
+FUNCTIONS = {
+    "sqrt": (1, "sqrt"),
+    "sin": (1, "sin"),
+    "cos": (1, "cos"),
+    "abs": (1, "abs"),
+    "min": (2, "minimum"),
+    "max": (2, "maximum"),
+    "pow": (2, "power"),
+}
+RAY = ("x", "y", "z", "X", "Y")
+LONGEST, DEEPEST = 1000, 100  # characters of a law, and levels of its tree
+LEAST_Z = 1e-6  # of the new direction, relative to its length: with less, no light passes
+_SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
+
+
+class Law:
+    """A law that is checked. Two laws are equal if their expressions are."""
+
+    def __init__(self, text: str, parameters: Collection[str] = ()) -> None:
+        """Read a law: three expressions, separated by commas.
+
+        Raises ValueError, which says where the text is not in the grammar.
+        """
+        self.parameters = tuple(parameters)
+        self._parts = _Reader(text, self.parameters).parts
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Law) and str(self) == str(other)
+
+    def __hash__(self) -> int:
+        return hash(str(self))
+
+    def __str__(self) -> str:
+        return ", ".join(self.expressions())
+
+    def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
+        """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
+
+        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` are those
+        of the parameters, with angles in radians.
+        """
+        import numpy as np
+
+        d = np.asarray(direction, float)
+        names: dict[str, Any] = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()} | {**values}
+        with np.errstate(all="ignore"):  # light that does not pass is NaN
+            x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
+            at = np.asarray(place, complex)
+            names |= {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag, "__builtins__": {}}
+            # the grammar has no other names, no attributes and no other calls
+            bent = np.stack(np.broadcast_arrays(*eval(self._code, names), x + 0 * at.real)[:3], -1)
+            bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
+            return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
+
+    @property
+    def uses_place(self) -> bool:
+        """Whether the law differs from place to place."""
+        return bool(
+            {"X", "Y"} & {each.id for part in self._parts for each in ast.walk(part) if isinstance(each, ast.Name)}
+        )
+
+    @cached_property
+    def _code(self) -> Any:  # noqa: ANN401  (a code object)
+        body = ast.Expression(ast.Tuple([_copy(part) for part in self._parts], ast.Load()))
+        return compile(ast.fix_missing_locations(body), "<law>", "eval")
+
+    @cached_property
+    def _extracted(self) -> tuple[list[ast.expr], list[ast.expr]]:
+        """The `constants`, and the expressions with names in their place."""
+        constants: list[ast.expr] = []
+        return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
+
+    def expressions(self, name: Callable[[str], str] = str) -> list[str]:
+        """Return the three expressions in a language that calls each name, also of functions, `name(it)`."""
+        return [_written(part, name) for part in self._parts]
+
+    def constants(self, name: Callable[[str], str] = str) -> list[str]:
+        """Return the largest parts that contain parameters, but neither the direction nor the place of a ray."""
+        return [_written(part, name) for part in self._extracted[0]]
+
+    def with_constants(self, name: Callable[[str], str] = str) -> list[str]:
+        """Return the three expressions with the names c0, c1, ... in place of the `constants`."""
+        return [_written(part, name) for part in self._extracted[1]]
+
+
+class _Reader:
+    """The text of a law, as three expressions of the grammar."""
+
+    def __init__(self, text: str, parameters: tuple[str, ...]) -> None:
+        self.text, self.names = text, (*RAY, *parameters)
+        if len(text) > LONGEST:
+            raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
+        try:
+            tree = ast.parse(
+                f"({text}\n)", mode="eval"
+            ).body  # the text is on the first line, one character to the right
+        except SyntaxError as error:
+            raise self._error(min(max((error.offset or 2) - 2, 0), len(text))) from None
+        except (ValueError, RecursionError, MemoryError):  # a NUL, or hundreds of parentheses
+            raise ValueError("not text of expressions; allowed: three, for x, y and z, separated by commas") from None
+        parts = tree.elts if isinstance(tree, ast.Tuple) else [tree]
+        if len(parts) != 3:
+            raise ValueError(f"{len(parts)} expressions; allowed: three, for x, y and z, separated by commas")
+        if _depth(tree) > DEEPEST:
+            raise ValueError(f"an expression with more than {DEEPEST} levels; allowed: fewer")
+        self.parts = tuple(self._checked(part) for part in parts)
+
+    def _error(self, start: int, end: int | None = None) -> ValueError:
+        wrong = self.text[start : (start + 12 if end is None else end)]
+        functions = ", ".join(FUNCTIONS)
+        return ValueError(
+            f"{wrong!r} at character {start + 1}; "
+            f"allowed: decimal numbers, + - * / ( ), {', '.join(self.names)}, and the functions {functions}"
+        )
+
+    def _checked(self, node: ast.expr) -> ast.expr:
+        """Return an expression in the form that every language reads alike: numbers have decimal points."""
+        match node:
+            case ast.BinOp(left, op, right) if isinstance(op, _SIGNS):
+                return ast.BinOp(self._checked(left), op, self._checked(right))
+            case ast.UnaryOp(ast.UAdd(), operand):
+                return self._checked(operand)
+            case ast.UnaryOp(ast.USub(), ast.UnaryOp(ast.USub(), operand)):  # `--` is another operator in JavaScript
+                return self._checked(operand)
+            case ast.UnaryOp(ast.USub(), operand):
+                return ast.UnaryOp(ast.USub(), self._checked(operand))
+            case ast.Constant(float() | int() as number) if not isinstance(number, bool) and self._finite(number):
+                return ast.Constant(float(number))
+            case ast.Name(name) if name in self.names:
+                return ast.Name(name, ast.Load())
+            case ast.Call(ast.Name(name), arguments, []) if name in FUNCTIONS and len(arguments) == FUNCTIONS[name][0]:
+                return ast.Call(ast.Name(name, ast.Load()), [self._checked(each) for each in arguments], [])
+        if node.lineno > 1 or node.end_lineno != node.lineno:
+            raise self._error(0)
+        before = self.text.encode()  # Python counts bytes
+        start, end = (
+            len(before[: at - 1].decode(errors="ignore")) for at in (node.col_offset, node.end_col_offset or 0)
+        )
+        raise self._error(start, end)
+
+    @staticmethod
+    def _finite(number: float) -> bool:
+        return abs(number) < 1e30  # a 32-bit number of the graphics processor
+
+
+def _depth(tree: ast.AST) -> int:
+    """Return how many levels a tree has, without recursion."""
+    depth, level = 0, [tree]
+    while level:
+        depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]
+    return depth
+
+
+class _Extract(ast.NodeTransformer):
+    """Replace parts that contain parameters, but no ray, by names c0, c1, ... and collect them."""
+
+    def __init__(self, constants: list[ast.expr]) -> None:
+        self.constants = constants
+
+    def visit(self, node: ast.AST) -> Any:  # noqa: ANN401  (as ast declares it)
+        functions = {each.func for each in ast.walk(node) if isinstance(each, ast.Call)}
+        names = {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and each not in functions}
+        if not isinstance(node, ast.expr) or not names or names & {*RAY}:
+            return self.generic_visit(node) if names else node
+        texts = [ast.unparse(each) for each in self.constants]
+        if ast.unparse(node) not in texts:
+            self.constants.append(node)
+            texts.append(ast.unparse(node))
+        return ast.Name(f"c{texts.index(ast.unparse(node))}", ast.Load())
+
+
+class _Rename(ast.NodeTransformer):
+    def __init__(self, name: Callable[[str], str]) -> None:
+        self.name = name
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.name(node.id), node.ctx)
+
+
+def _copy(node: Any) -> Any:  # noqa: ANN401
+    return ast.parse(ast.unparse(node), mode="eval").body
+
+
+def _written(node: ast.expr, name: Callable[[str], str]) -> str:
+    return ast.unparse(_Rename(name).visit(_copy(node)))

@@ -1,0 +1,17 @@
+"""A thin lens that fills the window."""
+
+from povgen.sheets.law import Law
+from povgen.sheets.parameters import FOCAL_LENGTH
+from povgen.sheets.sheet import Ideal
+
+
+class Lens(Ideal):
+    """An object and its image are at distances z1 and b with 1/z1 + 1/b = 1/focal_length, at any angle of light."""
+
+    name = "lens"
+    title = "thin lens"
+    does = "bends light towards the window's centre as an ideal thin lens does"
+    source = "any textbook of optics"
+    parameters = (FOCAL_LENGTH,)
+    law = Law("x - X*z/focal_length, y - Y*z/focal_length, z", ["focal_length"])
+    examples = ({"focal_length": 4}, {"focal_length": -3})

@@ -1,0 +1,37 @@
+"""A sheet whose law the user states."""
+
+from functools import cached_property
+
+from povgen.sheets.law import Law
+from povgen.sheets.sheet import Ideal, Parameter
+
+
+class OwnLaw(Ideal):
+    """The law and the values of its parameters are the user's. Angles in it are in radians."""
+
+    name = "law"
+    title = "a law of one's own"
+    does = "bends light by the user's law"
+    source = "docs/beyond.md"
+    parameters = (
+        Parameter(
+            "law",
+            "direction behind the sheet of a ray from the eye: three expressions, for x, y and z, separated by commas, "
+            "such as 'x, y - k*Y*z, z'",
+            "x, y, z",
+            kind="text",
+        ),
+        Parameter("parameter", "number in the law, such as k=0.3; can be repeated", {}, kind="table"),
+    )
+    examples = (
+        {"law": "x - k*X*z, y, z", "parameter": {"k": 0.3}},  # a cylinder lens
+        {"law": "x + k*sin(2*X)*z, y + k*sin(2*Y)*z, z", "parameter": {"k": 0.05}},
+    )
+
+    @cached_property
+    def law(self) -> Law:  # type: ignore[override]  # of other kinds it is the class's
+        return Law(self.values["law"], self.values["parameter"])
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        return dict(self.values["parameter"])

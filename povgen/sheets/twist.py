@@ -1,0 +1,22 @@
+"""A sheet that rotates light by an angle that depends on the place."""
+
+from povgen.sheets.law import Law
+from povgen.sheets.parameters import ALPHA
+from povgen.sheets.sheet import Ideal, Parameter
+
+_ANGLE = "(alpha + twist*sqrt(X*X + Y*Y))"
+
+
+class Twist(Ideal):
+    """Light is turned about the normal by alpha + twist R, where R is the distance from the window's centre."""
+
+    name = "twist"
+    title = "rotation by an angle that grows from the centre"
+    does = "turns light by alpha at the centre, and by more outside"
+    source = "this project"
+    parameters = (
+        ALPHA,
+        Parameter("twist", "change of the angle, -360 to 360 degrees a tile", 30, -360, 360, "degrees a tile"),
+    )
+    law = Law(f"cos({_ANGLE})*x + sin({_ANGLE})*y, cos({_ANGLE})*y - sin({_ANGLE})*x, z", ["alpha", "twist"])
+    examples = ({"alpha": 66, "twist": 30}, {"alpha": 0, "twist": -45})
