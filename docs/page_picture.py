@@ -7,8 +7,8 @@ from argparse import ArgumentParser
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from povgen.liveview.page import demo
 from povgen.measure.browser import chromium
-from povgen.teach.page import demo
 
 ADDRESS = "#sheet=ideal&alpha=66&show=position,circles,image"
 
@@ -22,7 +22,7 @@ def main() -> None:
         made = demo(Path(folder) / "demo.html", progress=False)
         page = browser.new_page(viewport={"width": 1280, "height": 720})
         page.goto(made.as_uri() + ADDRESS)
-        page.wait_for_function("view.converged()", timeout=300_000)
+        page.wait_for_function("povgen.picture.view.converged()", timeout=300_000)
         page.screenshot(path=output)
 
 

@@ -12,12 +12,12 @@ from povgen.version import __version__ as __version__
 if TYPE_CHECKING:
     from povgen.errors import InputError as InputError
     from povgen.errors import PovrayError as PovrayError
+    from povgen.liveview.view import live as live
     from povgen.scene.models import Chess as Chess
     from povgen.scene.models import Spheres as Spheres
     from povgen.scene.sdl import to_pov as to_pov
     from povgen.scene.spec import MovieSpec as MovieSpec
     from povgen.settings import Rendering as Rendering
-    from povgen.teach.live import live as live
     from povgen.video.build import Movie as Movie
     from povgen.video.build import movie as movie
     from povgen.video.still import render as render
@@ -32,7 +32,7 @@ _MODULES = {
     "PovrayError": "errors",
     "Rendering": "settings",
     "Spheres": "scene.models",
-    "live": "teach.live",
+    "live": "liveview.view",
     "movie": "video.build",
     "render": "video.still",
     "save": "video.still",

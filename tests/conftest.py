@@ -14,6 +14,7 @@ from hypothesis import settings
 
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
+from povgen.scene.models import SCENES
 
 PROJECT = Path(__file__).parents[1]
 ALPHA_MOVIE = MovieSpec.parse(
@@ -33,6 +34,7 @@ stop = 180
 )
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
+NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
 COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
@@ -145,7 +147,7 @@ def browser():
 @pytest.fixture(scope="module")
 def demo_file(tmp_path_factory):
     """The teaching page, in a folder whose name has to be quoted in a URL."""
-    from povgen.teach.page import demo
+    from povgen.liveview.page import demo
 
     return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
 
@@ -166,7 +168,8 @@ def opened(browser, file, hash_="", **options):
     page = browser.new_page(viewport=WORK, **options)
     faults = Faults().watch(page, file.parent.as_uri())
     page.goto(file.as_uri() + hash_)
-    page.evaluate("LiveView.RAYS = 1; view.ready")
+    page.evaluate(NAMES)
+    page.evaluate("PACE.RAYS = 1; view.ready")
     page.evaluate(COARSE)
     return page, faults
 
@@ -193,7 +196,7 @@ def page(shared_page):
           endGlide();  // of an earlier test, on a busy machine
           player.preset = data.presets[0];
           state.question = -1;
-          lastQuestion = 0;
+          session.lastQuestion = 0;
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;
@@ -215,3 +218,24 @@ def show(page, **values):
 def sentence(page, **values):
     """Change the page's state, and return what the page will say of it. It draws nothing, which costs less."""
     return page.evaluate("(values) => { change(values); return explanation(moment()); }", values)
+
+
+def scene_of(page):
+    """Return the scene that the page shows, as one of povgen's."""
+    values = page.evaluate("moment().scene")
+    scene = SCENES[values["name"]]
+    return scene(**{name: values[name] for name in scene.model_fields.keys() & values.keys() - {"color"}})
+
+
+BEYOND = [
+    {"sheet": "axis", "axis": [0.3, -1, 0.2], "alpha": 40},
+    {"sheet": "axis", "axis": [1, 0, 0], "alpha": -20, "E": [0.4, -0.3]},
+    {"sheet": "refraction", "ratio": 0.6, "alpha": -50, "E": [0.4, -0.3]},
+    {"sheet": "refraction", "ratio": 1.8, "alpha": 180},
+    {"sheet": "lenslets", "ratio": 1.6, "alpha": 170, "E": [0.4, -0.3]},
+    {"sheet": "mirror", "alpha": 75, "E": [0.4, -0.3]},
+    {"scene": "spheres", "sheet": "mirror", "alpha": -10, "z1": 12},
+    {"windows": 2, "sheet": "ideal", "alpha": 50, "alpha2": 75, "d": 1.5, "E": [0.4, -0.3]},
+    {"windows": 2, "sheet": "detailed", "alpha": 50, "alpha2": -120, "d": 0.01, "prisms": 30},
+    {"windows": 2, "sheet": "none", "alpha": 50, "alpha2": 75, "d": 3},
+]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
+from povgen.liveview.values import values
+from povgen.liveview.view import html
 from povgen.rendering.light import encoded
-from povgen.rendering.volumes import page
-from povgen.scene import live
 from povgen.scene.models import Scene
 
 if TYPE_CHECKING:
@@ -65,20 +65,20 @@ class View:
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
-            file.write_text(page(scene), "utf-8")
+            file.write_text(html(scene), "utf-8")
             self.page.goto(file.as_uri())
-            self.page.evaluate("view.ready")
-        if not self.page.evaluate("Boolean(view.gl)"):
+            self.page.evaluate("povgen.main.view.ready")
+        if not self.page.evaluate("Boolean(povgen.main.view.gl)"):
             raise InputError(f"Chromium: {self.page.inner_text('#message')}")
 
     def set(self, scene: Scene) -> None:
         """Show another scene, with pieces of the same kinds."""
-        self.page.evaluate("(values) => view.set(values)", live.values(scene))
+        self.page.evaluate("(values) => povgen.main.view.set(values)", values(scene))
 
     def readout(self, size: Size) -> dict[str, Floats]:
         """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
         names = ("ray", "shown")
-        script = f"([width, height]) => Object.values(view.readout(width, height)).map({ENCODE})"
+        script = f"(size) => Object.values(povgen.readout.readout(povgen.main.view, ...size)).map({ENCODE})"
         found = self.page.evaluate(script, list(size))
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
 
@@ -96,7 +96,10 @@ class View:
         """
         before = self.cpu_seconds()
         for _ in range(repeats):
-            self.page.evaluate("(numbers) => { window.sums = view.light(...numbers); }", [*size, rays, part])
+            self.page.evaluate(
+                "(numbers) => { window.sums = povgen.readout.light(povgen.main.view, ...numbers); }",
+                [*size, rays, part],
+            )
         seconds = (self.cpu_seconds() - before) / repeats
         light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / np.float32(rays)
         return seconds, np.rint(encoded(light)).astype(np.uint8)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from povgen.measure.browser import Browser
 
 PICTURE = (320, 240)  # pictures are compared at this size
-RAYS = 64  # a pixel: `LiveView.RAYS`
+RAYS = 64  # a pixel: `PACE.RAYS` in templates/live/scheduling.js
 SHADOW_RAYS = 13  # through the same point, for soft shadows: each asks for one of the sun's lights
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
 SKY, OBJECT = 0, 3  # templates/live/objects.glsl

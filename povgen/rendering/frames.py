@@ -18,8 +18,7 @@ from povgen.files import unless_removed
 from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, default_workers, thread_pool
 from povgen.rendering.views import views
-from povgen.scene import live
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
@@ -66,7 +65,7 @@ def _rendered_once(scene: Scene, rendering: Rendering, source: str, runner: Runn
         except PovrayError as error:
             given = scene.model_dump(exclude_unset=True).items()
             values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
-            message, origin = povray.message_and_origin(error, source, live.pieces(scene).values())
+            message, origin = povray.message_and_origin(error, source, pieces(scene).values())
             origin = f"{origin}, in" if origin else "in"
             raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
 

@@ -764,10 +764,14 @@ def checked_scene(scene: object) -> Scene:
     return scene
 
 
+def pieces(scene: Scene) -> dict[str, str | PieceFile]:
+    """Return the pieces that a scene shows, by their names."""
+    return {str(standing.piece): standing.piece for standing in scene.pieces} if isinstance(scene, Chess) else {}
+
+
 def piece_files(scenes: Iterable[Scene]) -> set[str]:
     """Return the paths of the files that declare the scenes' pieces."""
-    pieces = [piece for scene in scenes if isinstance(scene, Chess) for piece in _tuple(scene.piece)]
-    return {piece.path for piece in pieces if isinstance(piece, PieceFile)}
+    return {piece.path for scene in scenes for piece in pieces(scene).values() if isinstance(piece, PieceFile)}
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

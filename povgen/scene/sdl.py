@@ -118,9 +118,9 @@ def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: floa
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)
 
 
-def to_live(data: Mapping[str, object]) -> str:
-    """Return the page that shows the live view alone. `data`: the scene's values, and the shapes of its pieces."""
-    return _environment().get_template("live/page.html.j2").render(data=data)
+def to_html(page: str, data: Mapping[str, object], script: str) -> str:
+    """Return a page of the live view, `live/page` or `demo/index`, with its styles. Its script reads `data`."""
+    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script)
 
 
 def _input(file: str) -> str:
@@ -128,11 +128,6 @@ def _input(file: str) -> str:
     if re.fullmatch(r"[\w.-]+", file, re.ASCII):
         return f"+I{file}"
     return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else ""
-
-
-def to_html(page: Mapping[str, object]) -> str:
-    """Return the teaching page, with its styles and script. The script reads `page` (`teach.page`)."""
-    return _environment().get_template("demo/index.html.j2").render(page=page)
 
 
 def to_caption(number: int, data: dict[str, object]) -> str:

@@ -1,1 +1,1 @@
-"""What teaches: the page and the paper's figures. May import all but `cli`."""
+"""The paper's figures. May import all but `cli`."""

@@ -1,5 +1,21 @@
 // Inputs, tabs, marked quantities, and keys.
 
+import { SWITCHES } from "./address.js";
+import { openQuestion } from "./asking.js";
+import { chooseBeyond, chosenBeyond, LABELS, replace, replacedNames } from "./beyond.js";
+import { abs, arg, finite, minus } from "./complex.js";
+import { $, clamped, data, pick } from "./data.js";
+import * as equations from "./equations.js";
+import { refresh } from "./frame.js";
+import { moment } from "./moment.js";
+import { angle, brief, placeText, point, prismsText, quantity, readNumber, SETTINGS, size } from "./numbers.js";
+import { drawOverlay } from "./overlay.js";
+import { pieceName } from "./phrases.js";
+import { player } from "./player.js";
+import { isAsked } from "./questions.js";
+import { change, session, state } from "./state.js";
+import { explanation } from "./text.js";
+
 // The sliders: the values at their ends, and whether a step is a ratio.
 const SLIDERS = {
   alpha: { ends: [-180, 180] }, z1: { ends: [0.3, 300], log: true }, z2: { ends: [0.5, 150], log: true },
@@ -42,21 +58,19 @@ $("slider-z1").addEventListener("keydown", (event) => {
   given({ z1: ordered[clamped(ordered.indexOf(z1) + aside, [0, ordered.length - 1])] });
 });
 
-let typing = null;  // the field that someone is typing in
-
 // A field for a number. The arrows up and down change it by a step.
 function numberField(input, step, values) {
   input.addEventListener("input", () => {
-    typing = input;
+    session.typing = input;
     const x = readNumber(input.value);
     if (!Number.isFinite(x)) return;
     given(values(x));
     const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
-    if (noSphere) refusals = [`No sphere is at z₁ = ${brief(x)}: the nearest one is chosen.`];
+    if (noSphere) session.refusals = [`No sphere is at z₁ = ${brief(x)}: the nearest one is chosen.`];
   });
   input.addEventListener("change", () => {
-    typing = null;
-    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) refusals = [`“${input.value}” is not a number.`];
+    session.typing = null;
+    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [`“${input.value}” is not a number.`];
     refresh();
   });
   input.addEventListener("keydown", (event) => {
@@ -64,7 +78,7 @@ function numberField(input, step, values) {
     const x = readNumber(input.value) + sign * step;
     if (!Number.isFinite(x)) return;
     event.preventDefault();
-    typing = null;
+    session.typing = null;
     given(values(x));
   });
 }
@@ -89,8 +103,8 @@ $("beyond").addEventListener("change", () => {
   refresh();
 });
 $("undo").addEventListener("click", () => {
-  given(pick(replaced.before, "scene", ...Object.keys(SETTINGS)));
-  replaced = null;
+  given(pick(session.replaced.before, "scene", ...Object.keys(SETTINGS)));
+  session.replaced = null;
   $("scrub").focus();  // the button Undo is gone
 });
 $("piece").addEventListener("change", () => given({ piece: $("piece").value }));
@@ -102,7 +116,7 @@ for (const name of SWITCHES) {
 }
 
 // Show the state in all inputs, except in a field that someone is typing in.
-function showInputs(now) {
+export function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
     const x = name === "z1" || name === "z2" || (name === "d" && now.d) ? now[name] : state[name];
     const slider = $(`slider-${name}`);
@@ -132,12 +146,12 @@ function showInputs(now) {
 }
 
 function put(id, x) {
-  if ($(id) !== typing) $(id).value = typed(x);
+  if ($(id) !== session.typing) $(id).value = typed(x);
 }
 
 // ---- Numbers ----
 
-function showNumbers(now) {
+export function showNumbers(now) {
   const some = now.two || now.Z || now.sheet === "none";
   $("value-r").textContent = size(now.r);
   $("value-Z").textContent = now.Z ? point(now.Z) : "–";
@@ -159,32 +173,29 @@ function showNumbers(now) {
 
 // ---- Marked quantities: in the picture, the diagram and the sketch ----
 
-let marked = "";
-let pinned = "";
-
-function mark(name) {
-  marked = name || pinned;
+export function mark(name) {
+  session.marked = name || session.pinned;
   drawOverlay(moment());
   showMarks();
 }
 
-function showMarks() {
-  for (const part of document.querySelectorAll("svg .q")) part.classList.toggle("marked", part.classList.contains(`q-${marked}`));
-  document.body.classList.toggle("marking", Boolean(marked));
-  for (const button of document.querySelectorAll("button.symbol")) button.setAttribute("aria-pressed", button.value === pinned);
+export function showMarks() {
+  for (const part of document.querySelectorAll("svg .q")) part.classList.toggle("marked", part.classList.contains(`q-${session.marked}`));
+  document.body.classList.toggle("marking", Boolean(session.marked));
+  for (const button of document.querySelectorAll("button.symbol")) button.setAttribute("aria-pressed", button.value === session.pinned);
 }
 
 for (const row of document.querySelectorAll("[data-quantity]")) {
   const { quantity: name } = row.dataset;
-  row.addEventListener("pointerenter", () => !held && mark(name));
+  row.addEventListener("pointerenter", () => !session.held && mark(name));
   row.addEventListener("pointerleave", () => mark(""));
   row.addEventListener("focusin", () => mark(name));
   row.addEventListener("focusout", () => mark(""));
 }
 for (const button of document.querySelectorAll("button.symbol")) {
   button.addEventListener("click", () => {
-    pinned = pinned === button.value ? "" : button.value;
-    mark(button.value === pinned ? pinned : "");
+    session.pinned = session.pinned === button.value ? "" : button.value;
+    mark(button.value === session.pinned ? session.pinned : "");
   });
 }
 
@@ -192,7 +203,7 @@ for (const button of document.querySelectorAll("button.symbol")) {
 
 const TABS = [$("tab-explore"), $("tab-questions")];
 
-function drawTabs() {
+export function drawTabs() {
   const open = state.question >= 0 ? 1 : 0;
   TABS.forEach((tab, n) => {
     tab.setAttribute("aria-selected", n === open);
@@ -202,7 +213,7 @@ function drawTabs() {
 }
 
 TABS.forEach((tab, n) => {
-  tab.addEventListener("click", () => openQuestion(n ? lastQuestion : -1));
+  tab.addEventListener("click", () => openQuestion(n ? session.lastQuestion : -1));
   tab.addEventListener("keydown", (event) => {
     if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
     event.preventDefault();
@@ -220,7 +231,7 @@ const KEYS = {
   c: () => $("show-circles").click(),
   i: () => $("show-image").click(),
   f: () => $("full-screen").click(),
-  q: () => openQuestion(state.question < 0 ? lastQuestion : -1),
+  q: () => openQuestion(state.question < 0 ? session.lastQuestion : -1),
 };
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 

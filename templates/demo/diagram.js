@@ -1,9 +1,18 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
-const diagram = $("diagram");
-let diagramMap = null;
+import { radians } from "../live/geometry.js";
+import { OTHER_SHEETS } from "./beyond.js";
+import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
+import { $, clamped } from "./data.js";
+import * as equations from "./equations.js";
+import { angle, fixed, point, size } from "./numbers.js";
+import { curve, dot, heading, line, RATIOS, step, svg, TURNS, vector, words } from "./shapes.js";
+import { session, state } from "./state.js";
+import { corner, corners, triangle } from "./triangle.js";
 
-const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
+const diagram = $("diagram");
+
+export const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
 function mapOf(width, height, { L, E, P, two }) {
@@ -23,18 +32,18 @@ function mapOf(width, height, { L, E, P, two }) {
   return { at, unit: tile * abs(D), turned: arg(D), tile, ofTiles };
 }
 
-function drawDiagram(now) {
+export function drawDiagram(now) {
   const { width, height } = diagram.getBoundingClientRect();
   if (!width) return;
   const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
   const box = { width, height };
   if (now.Z && orientation() === "paper") {
-    diagramMap = null;
+    session.diagramMap = null;
     showDiagram(depthDiagram(now, box, rem), now);
     return;
   }
-  const map = held?.map ?? mapOf(width, height, now);
-  diagramMap = map;
+  const map = session.held?.map ?? mapOf(width, height, now);
+  session.diagramMap = map;
   const { at } = map;
   const [L, E] = [at([0, 0]), at([1, 0])];
   const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
@@ -74,11 +83,6 @@ function diagramName(now) {
   return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
 }
 
-// The dots and names of L, E and P. P is left out if it is null or outside the drawing.
-const corners = (L, E, P, rem, box) => [
-  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
-];
-
 // Below L and E, or between them: the switch is above.
 function poleWords(points, height, rem) {
   const room = (y) => Math.min(...points.map((point) => Math.abs(point[1] - y)));
@@ -103,6 +107,7 @@ function axes(at, { width, height }, rem) {
   ];
 }
 
+/** @type {[number, string][]} */
 const FAMILY_R = [[1 / 4, "¼"], [1 / 2, "½"], [2, "r = 2"], [4, "4"]];
 
 // The circles of constant alpha (through L and E) and of constant r (around L or E).
@@ -171,6 +176,7 @@ function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
   const [left, above] = width > 24 * rem ? [9 * rem, 0] : [0, 3.6 * rem];
   const unit = Math.min((width - left - 9 * rem) / Math.max(high[0] - low[0], 0.1), (height - above - 4 * rem) / Math.max(high[1] - low[1], 0.1));
   const middle = scaled(0.5, plus(low, high));
+  /** @type {(z: number[]) => any} */
   const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
   const [O, , , Z] = ends.map(at), centre = at(middle);
   const parts = [

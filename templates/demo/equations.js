@@ -1,191 +1,160 @@
-// Complex numbers and the paper's equations.
-
-"use strict";
-
-// ---- Complex numbers, [re, im] ----
-
-const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
-const plus = (a, b) => [a[0] + b[0], a[1] + b[1]];
-const times = (a, b) => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
-const scaled = (k, a) => [k * a[0], k * a[1]];
-const conj = (a) => [a[0], -a[1]];
-const abs = (a) => Math.hypot(a[0], a[1]);
-const arg = (a) => Math.atan2(a[1], a[0]);
-const turn = (angle) => [Math.cos(angle), Math.sin(angle)];
-const finite = (a) => Number.isFinite(a[0]) && Number.isFinite(a[1]);
-
-// The signed area of the parallelogram of two vectors; negative if the second one is clockwise of the first.
-const determinant = ([a, b]) => a[0] * b[1] - a[1] * b[0];
-
-// The numbers [s, t] with s a + t b = v.
-const resolved = (v, [a, b]) => scaled(1 / determinant([a, b]), [determinant([v, b]), determinant([a, v])]);
-
-// a/b for a other than 0. If b is 0, the result is infinite.
-function quotient(a, b) {
-  const size = b[0] ** 2 + b[1] ** 2;
-  return size === 0 ? [Infinity, 0] : scaled(1 / size, times(a, conj(b)));
-}
-
-// ---- The equations ----
+// The paper's equations.
+//
 // Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
 // povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with these modules.
 
-const equations = (() => {
-  // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
-  function sum(a, b, alpha) {
-    const half = alpha / 2;
-    const cosine = Math.cos(half);
-    // pi is not a double: for a = b, its nearest double is treated as pi
-    const atPi = a === b && Math.abs(cosine) <= spacing(Math.abs(half)) / 2;
-    const product = atPi ? 0 : 2 * b * cosine;
-    return [a - b + product * Math.cos(half), product * Math.sin(half)];
+import { radians } from "../live/geometry.js";
+import { abs, arg, conj, finite, minus, plus, quotient, scaled, times, turn } from "./complex.js";
+
+// a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
+function sum(a, b, alpha) {
+  const half = alpha / 2;
+  const cosine = Math.cos(half);
+  // pi is not a double: for a = b, its nearest double is treated as pi
+  const atPi = a === b && Math.abs(cosine) <= spacing(Math.abs(half)) / 2;
+  const product = atPi ? 0 : 2 * b * cosine;
+  return [a - b + product * Math.cos(half), product * Math.sin(half)];
+}
+
+// The distance from x >= 0 to the next greater double.
+function spacing(x) {
+  const number = new Float64Array([x]);
+  new BigUint64Array(number.buffer)[0] += 1n;
+  return number[0] - x;
+}
+
+// The point where light from L = 0 crosses the sheet on its way to E = 1: eq. 7.
+export const P = (r, alpha) => quotient([1, 0], sum(1, r, alpha));
+
+// E - P for L = 0, E = 1.
+export const oneMinusP = (r, alpha) => quotient([r, 0], sum(r, 1, -alpha));
+
+// The angle by which an object appears rotated about E: arg(1 - P), eq. 8 corrected.
+// It is NaN at the pole, where P is infinite.
+export function nu(r, alpha) {
+  const inverse = sum(r, 1, -alpha);
+  return abs(inverse) === 0 ? NaN : -arg(inverse);
+}
+
+// The magnification of an object, compared with the object in the plane of the sheet: |1 - P|, eq. 9 corrected.
+export const M = (r, alpha) => abs(oneMinusP(r, alpha));
+
+// The point where light from L crosses an infinitely fine sheet on its way to E: eq. 7. L and E must differ.
+export function ideal(L, E, z1, z2, alpha, behind = []) {
+  return plus(E, quotient(scaled(z2, minus(L, E)), depth(z1, z2, alpha, behind)));
+}
+
+// The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
+// first one: the distance from the window before, and the angle. povgen/optics/rotation.py
+export function depth(z1, z2, alpha, behind = []) {
+  if (!behind.length) return sum(z2, z1, -alpha);
+  let [Z, angle, all] = [[z2, 0], -alpha, Math.abs(z2) + Math.abs(z1)];
+  for (const [distance, next] of behind) {
+    Z = plus(Z, scaled(distance, turn(angle)));
+    angle -= next;
+    all += Math.abs(distance);
   }
+  Z = plus(Z, scaled(z1, turn(angle)));
+  return abs(Z) <= 1e-14 * all ? [0, 0] : Z;  // no more than rounding errors
+}
 
-  // The distance from x >= 0 to the next greater double.
-  function spacing(x) {
-    const number = new Float64Array([x]);
-    new BigUint64Array(number.buffer)[0] += 1n;
-    return number[0] - x;
-  }
+// The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
+// povgen/optics/prism.py: slab_shift and separation.
+export function prisms(L, E, z1, z2, alpha, prism, behind = []) {
+  const { A, B } = depths(z1, z2, alpha, prism, behind);
+  const D = minus(L, E);
+  const place = minus(times(conj(A), D), times(B, conj(D)));
+  return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
+}
 
-  // The point where light from L = 0 crosses the sheet on its way to E = 1: eq. 7.
-  const P = (r, alpha) => quotient([1, 0], sum(1, r, alpha));
+// The point of the object's plane that is seen at a place of the plane z = 0: the inverse of `prisms`. At the pole of
+// an infinitely fine sheet, it is E for every place.
+export function behind(place, E, z1, z2, alpha, prism, windows = []) {
+  const { A, B } = depths(z1, z2, alpha, prism, windows);
+  const D = minus(place, E);
+  return plus(E, scaled(1 / z2, plus(times(A, D), times(B, conj(D)))));
+}
 
-  // E - P for L = 0, E = 1.
-  const oneMinusP = (r, alpha) => quotient([r, 0], sum(r, 1, -alpha));
+// The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
+export function turned(z1, z2, alpha, prism, behind = []) {
+  const { A, B } = depths(z1, z2, alpha, prism, behind);
+  const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
+  return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
+}
 
-  // The angle by which an object appears rotated about E: arg(1 - P), eq. 8 corrected.
-  // It is NaN at the pole, where P is infinite.
-  function nu(r, alpha) {
-    const inverse = sum(r, 1, -alpha);
-    return abs(inverse) === 0 ? NaN : -arg(inverse);
-  }
+// `prism` is the shape of the prisms in all windows, or a list with that of each.
+export function depths(z1, z2, alpha, prism, behind = []) {
+  const shapes = (Array.isArray(prism) ? prism : [alpha, ...behind].map(() => prism)).map(sheet);
+  let [B, total] = [scaled(shapes[0].b, turn(alpha)), alpha];
+  behind.forEach(([, next], k) => {
+    total += next;
+    B = plus(B, scaled(shapes[k + 1].b, turn(total)));
+  });
+  const [near, far] = [z2 - shapes[0].h, z1 - shapes.at(-1).h];
+  if (!behind.length) return { A: plus([near, 0], scaled(far, turn(-alpha))), B };
+  const shorter = behind.map(([distance, next], k) => [distance - shapes[k].h - shapes[k + 1].h, next]);
+  return { A: depth(far, near, alpha, shorter), B };
+}
 
-  // The magnification of an object, compared with the object in the plane of the sheet: |1 - P|, eq. 9 corrected.
-  const M = (r, alpha) => abs(oneMinusP(r, alpha));
+// How far an object appears at most from the predicted place, and the numbers of prisms that this depends on: possible_error
+// and frequencies of povgen/optics/paraxial.py.
+export function possibleError(k, scale, radius, tangent, z2, { reach, slab_shift }, index) {
+  const share = (frequency, least) => Math.min(1, (least / (abs(frequency) * radius)) ** 4);
+  const shares = k.map((one, i) => {
+    const pairs = k.filter((_, j) => j !== i).flatMap((other) => [plus(one, other), minus(one, other)]);
+    return Math.max(share(one, 1), ...pairs.map((pair) => share(pair, 0.6)));
+  });
+  const beyond = (k.length * slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2);
+  const spread = scale * reach;
+  const displaced = spread * Math.max(2 * Math.max(...shares), shares.reduce((a, b) => a + b));
+  return displaced + scale * beyond + spread ** 2 / (0.15 * z2);
+}
 
-  // The point where light from L crosses an infinitely fine sheet on its way to E: eq. 7. L and E must differ.
-  function ideal(L, E, z1, z2, alpha, behind = []) {
-    return plus(E, quotient(scaled(z2, minus(L, E)), depth(z1, z2, alpha, behind)));
-  }
+export function frequencies(z2, alpha, prism, behind = []) {
+  const { separation: a, slab_shift: g, pitch } = prism;
+  let turned = 0;
+  return [alpha, ...behind.map(([, next]) => next)].flatMap((next, n) => {
+    const before = behind.slice(0, Math.max(0, n - 1));
+    const { A, B } = n ? depths(behind[n - 1][0], z2, alpha, prism, before) : { A: [z2, 0], B: [0, 0] };
+    const slope = turn(-turned);
+    turned += next;
+    const near = [minus(A, scaled(a / 2, slope)), B];
+    const far = [minus(A, scaled((a + g) / 2, slope)), plus(B, scaled(a - g / 2, turn(turned)))];
+    return /** @type {any[][]} */ ([[near, next / 2], [far, 0]]).map(([[c, d], angle]) => (
+      scaled(1 / (z2 * pitch), minus(times(c, turn(-angle)), conj(times(d, turn(-angle)))))));
+  });
+}
 
-  // The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
-  // first one: the distance from the window before, and the angle. povgen/optics/rotation.py
-  function depth(z1, z2, alpha, behind = []) {
-    if (!behind.length) return sum(z2, z1, -alpha);
-    let [Z, angle, all] = [[z2, 0], -alpha, Math.abs(z2) + Math.abs(z1)];
-    for (const [distance, next] of behind) {
-      Z = plus(Z, scaled(distance, turn(angle)));
-      angle -= next;
-      all += Math.abs(distance);
-    }
-    Z = plus(Z, scaled(z1, turn(angle)));
-    return abs(Z) <= 1e-14 * all ? [0, 0] : Z;  // no more than rounding errors
-  }
+function sheet({ slab_shift, separation }) {
+  return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
+}
 
-  // The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
-  // povgen/optics/prism.py: slab_shift and separation.
-  function prisms(L, E, z1, z2, alpha, prism, behind = []) {
-    const { A, B } = depths(z1, z2, alpha, prism, behind);
-    const D = minus(L, E);
-    const place = minus(times(conj(A), D), times(B, conj(D)));
-    return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
-  }
+// The point where light from L crosses the plane z = 0 if there is a single sheet: paraxial.mirrored_position.
+export function mirrored(L, E, z1, z2, prism) {
+  const [x, y] = minus(L, E);
+  return plus(E, scaled(z2, [x / (z2 + z1 - prism.slab_shift), y ? y / (z2 - z1) : 0]));
+}
 
-  // The point of the object's plane that is seen at a place of the plane z = 0: the inverse of `prisms`. At the pole of
-  // an infinitely fine sheet, it is E for every place.
-  function behind(place, E, z1, z2, alpha, prism, windows = []) {
-    const { A, B } = depths(z1, z2, alpha, prism, windows);
-    const D = minus(place, E);
-    return plus(E, scaled(1 / z2, plus(times(A, D), times(B, conj(D)))));
-  }
+// The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
+// To get the values of z2 instead, pass z1 as the first argument.
+export function infiniteZ1(z2, alpha, prism) {
+  const { b, h } = sheet(prism);
+  const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
+  return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
+}
 
-  // The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
-  function turned(z1, z2, alpha, prism, behind = []) {
-    const { A, B } = depths(z1, z2, alpha, prism, behind);
-    const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
-    return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
-  }
-
-  // `prism` is the shape of the prisms in all windows, or a list with that of each.
-  function depths(z1, z2, alpha, prism, behind = []) {
-    const shapes = (Array.isArray(prism) ? prism : [alpha, ...behind].map(() => prism)).map(sheet);
-    let [B, total] = [scaled(shapes[0].b, turn(alpha)), alpha];
-    behind.forEach(([, next], k) => {
-      total += next;
-      B = plus(B, scaled(shapes[k + 1].b, turn(total)));
-    });
-    const [near, far] = [z2 - shapes[0].h, z1 - shapes.at(-1).h];
-    if (!behind.length) return { A: plus([near, 0], scaled(far, turn(-alpha))), B };
-    const shorter = behind.map(([distance, next], k) => [distance - shapes[k].h - shapes[k + 1].h, next]);
-    return { A: depth(far, near, alpha, shorter), B };
-  }
-
-  // How far an object appears at most from the predicted place, and the numbers of prisms that this depends on: possible_error
-  // and frequencies of povgen/optics/paraxial.py.
-  function possibleError(k, scale, radius, tangent, z2, { reach, slab_shift }, index) {
-    const share = (frequency, least) => Math.min(1, (least / (abs(frequency) * radius)) ** 4);
-    const shares = k.map((one, i) => {
-      const pairs = k.filter((_, j) => j !== i).flatMap((other) => [plus(one, other), minus(one, other)]);
-      return Math.max(share(one, 1), ...pairs.map((pair) => share(pair, 0.6)));
-    });
-    const beyond = (k.length * slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2);
-    const spread = scale * reach;
-    const displaced = spread * Math.max(2 * Math.max(...shares), shares.reduce((a, b) => a + b));
-    return displaced + scale * beyond + spread ** 2 / (0.15 * z2);
-  }
-
-  function frequencies(z2, alpha, prism, behind = []) {
-    const { separation: a, slab_shift: g, pitch } = prism;
-    let turned = 0;
-    return [alpha, ...behind.map(([, next]) => next)].flatMap((next, n) => {
-      const before = behind.slice(0, Math.max(0, n - 1));
-      const { A, B } = n ? depths(behind[n - 1][0], z2, alpha, prism, before) : { A: [z2, 0], B: [0, 0] };
-      const slope = turn(-turned);
-      turned += next;
-      const near = [minus(A, scaled(a / 2, slope)), B];
-      const far = [minus(A, scaled((a + g) / 2, slope)), plus(B, scaled(a - g / 2, turn(turned)))];
-      return [[near, next / 2], [far, 0]].map(([[c, d], angle]) => (
-        scaled(1 / (z2 * pitch), minus(times(c, turn(-angle)), conj(times(d, turn(-angle)))))));
-    });
-  }
-
-  function sheet({ slab_shift, separation }) {
-    return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
-  }
-
-  // The point where light from L crosses the plane z = 0 if there is a single sheet: paraxial.mirrored_position.
-  function mirrored(L, E, z1, z2, prism) {
-    const [x, y] = minus(L, E);
-    return plus(E, scaled(z2, [x / (z2 + z1 - prism.slab_shift), y ? y / (z2 - z1) : 0]));
-  }
-
-  // The values of z1 at which a curve of constant alpha passes through infinity, or comes nearest to infinity.
-  // To get the values of z2 instead, pass z1 as the first argument.
-  function infiniteZ1(z2, alpha, prism) {
-    const { b, h } = sheet(prism);
-    const half = Math.sqrt(Math.max(0, b ** 2 - ((z2 - h) * Math.sin(alpha)) ** 2));
-    return [-half, half].map((aside) => h - (z2 - h) * Math.cos(alpha) + aside);
-  }
-
-  // The same for alpha, along a curve of constant r.
-  function infiniteAlpha(z1, z2, prism) {
-    const { b, h } = sheet(prism);
-    const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
-    const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
-    return [-alpha, alpha];
-  }
-
-  return { P, oneMinusP, nu, M, ideal, prisms, behind, mirrored, turned, depth, depths, infiniteZ1, infiniteAlpha,
-    possibleError, frequencies };
-})();
-
-const radians = (degrees) => degrees * (Math.PI / 180);
+// The same for alpha, along a curve of constant r.
+export function infiniteAlpha(z1, z2, prism) {
+  const { b, h } = sheet(prism);
+  const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
+  const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
+  return [-alpha, alpha];
+}
 
 // ---- The other ideal sheets: povgen/optics/ideal.py ----
 
 // The direction [x, y, z], behind one of the other sheets, of a line of sight d, or null if no light passes.
-function bent(d, { sheet, alpha: degrees, ratio, axis }) {
+export function bent(d, { sheet, alpha: degrees, ratio, axis }) {
   const alpha = radians(degrees);
   const transverse = [d[0], d[1]], length = Math.hypot(...d);
   const back = times(transverse, turn(-alpha));
@@ -211,12 +180,12 @@ function bent(d, { sheet, alpha: degrees, ratio, axis }) {
 // Where light from L to E crosses one of the other sheets: of several paths, the one whose crossing is the nearest to the
 // middle of the window. Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if
 // there is none.
-function crossing(L, E, z1, z2, { sheet, alpha: degrees, ratio, axis }, near = 0) {
+export function crossing(L, E, z1, z2, { sheet, alpha: degrees, ratio, axis }, near = 0) {
   const D = minus(L, E), alpha = radians(degrees);
-  if (sheet === "lenslets") return equations.ideal(L, E, z1 / ratio, z2, alpha);
+  if (sheet === "lenslets") return ideal(L, E, z1 / ratio, z2, alpha);
   if (sheet === "mirror") {
     const [place, eye] = [L, E].map((point) => times(point, turn(-alpha / 2)));  // the mirror's line becomes the x axis
-    return times(equations.mirrored(place, eye, z1, z2, { slab_shift: 0 }), turn(alpha / 2));
+    return times(mirrored(place, eye, z1, z2, { slab_shift: 0 }), turn(alpha / 2));
   }
   const paths = sheet === "axis" ? rotatedPaths(D, z1, z2, axis, alpha) : refractedPaths(D, z1, z2, ratio, alpha);
   const places = paths.filter(({ miss }) => miss <= near).map(({ slope }) => plus(E, scaled(z2, slope))).filter(finite);
@@ -243,6 +212,7 @@ function rotatedPaths(D, z1, z2, axis, alpha) {
   const exact = zeros((q) => ((q - trace) * q + minors) * q - product, [0, ...turning, most]);
   const others = (trace - exact[0]) / 2;  // the mean of the other two; the product of all three is positive
   const close = exact.length === 1 && others > 0 ? [others] : [];
+  /** @type {(value: number) => any} */
   const slope = (value) => {
     const rows = RK.map((row, i) => row.map((a, j) => a - (i === j ? value : 0)));
     // the vector at right angles to all rows
@@ -257,6 +227,7 @@ function rotatedPaths(D, z1, z2, axis, alpha) {
 }
 
 const PAIRS = [[0, 1], [0, 2], [1, 2]];
+/** @type {(a: any, b: any) => number[]} */
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 
 // The same for light that a sheet refracts: ideal.position_by_refraction.
@@ -299,7 +270,7 @@ function zeros(f, numbers) {
 }
 
 // Where the light from L to E crosses the second window.
-function atSecondWindow({ E, place, z2, d, alpha }) {
+export function atSecondWindow({ E, place, z2, d, alpha }) {
   const slope = scaled(1 / z2, minus(place, E));
   return plus(place, scaled(d, times(slope, turn(-alpha))));
 }

@@ -1,6 +1,14 @@
 // Dragging the object and the eye, in the picture and in the diagram; and moving them by the arrow keys.
 
-let held = null;  // what is being dragged
+import { abs, finite, minus, plus, scaled } from "./complex.js";
+import { $, clamped } from "./data.js";
+import { orientation } from "./diagram.js";
+import { refresh } from "./frame.js";
+import { apparentPosition, appearance, moment, objectStep } from "./moment.js";
+import { placeText } from "./numbers.js";
+import { onStage, stage, tilePixels } from "./overlay.js";
+import { player, povray } from "./player.js";
+import { change, session, state } from "./state.js";
 
 const KEY_STEP = 0.05;  // tiles; with Shift five times as far
 const KEY_STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -47,7 +55,7 @@ function holdInPicture(event) {
 function holdInDiagram(event) {
   const handle = event.target.closest(".handle");
   if (event.button || !handle) return;
-  const map = diagramMap;
+  const map = session.diagramMap;
   hold(event, handle.dataset.moves, (step) => scaled(1 / map.tile, [step[0], -step[1]]), map);
 }
 
@@ -58,27 +66,27 @@ function hold(event, what, toTiles, map) {
   const handle = event.target.closest(".handle");
   if (handle?.dataset.moves === what) handle.focus();
   player.pause();
-  held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };
+  session.held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };
   event.currentTarget.setPointerCapture(event.pointerId);
   document.body.classList.add("dragging");
   $("hint").hidden = true;
 }
 
 function drag(event) {
-  if (held?.pointer !== event.pointerId) return;
-  const step = held.toTiles([event.clientX - held.start[0], event.clientY - held.start[1]]);
-  change({ [held.what]: plus(held.from, step) });
+  if (session.held?.pointer !== event.pointerId) return;
+  const step = session.held.toTiles([event.clientX - session.held.start[0], event.clientY - session.held.start[1]]);
+  change({ [session.held.what]: plus(session.held.from, step) });
   refresh();
 }
 
 function release(event) {
-  if (held?.pointer !== event.pointerId) return;
-  held = null;
+  if (session.held?.pointer !== event.pointerId) return;
+  session.held = null;
   document.body.classList.remove("dragging");
   refresh();
 }
 
-for (const [place, take] of [[stage, holdInPicture], [$("diagram-box"), holdInDiagram]]) {
+for (const [place, take] of new Map([[stage, holdInPicture], [$("diagram-box"), holdInDiagram]])) {
   place.addEventListener("pointerdown", take);
   place.addEventListener("pointermove", drag);
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) place.addEventListener(end, release);
@@ -97,7 +105,7 @@ for (const handle of document.querySelectorAll(".handle")) {
 }
 
 // Put the handles where the eye and the object's image are; at the border if they are outside.
-function placeHandles(now) {
+export function placeHandles(now) {
   const inside = ([x, y], { clientWidth: width, clientHeight: height }) =>
     [clamped(x, [20 - width / 2, width / 2 - 20]), clamped(y, [20 - height / 2, height / 2 - 20])];
   const put = (id, at, box) => {
@@ -110,7 +118,7 @@ function placeHandles(now) {
   put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);
   const turns = orientation() === "picture";
   for (const id of ["eye-diagram", "object-diagram"]) $(id).hidden = !turns;
-  if (!turns || !diagramMap) return;
-  put("eye-diagram", diagramMap.at([1, 0]), $("diagram-box"));
-  put("object-diagram", diagramMap.at([0, 0]), $("diagram-box"));
+  if (!turns || !session.diagramMap) return;
+  put("eye-diagram", session.diagramMap.at([1, 0]), $("diagram-box"));
+  put("object-diagram", session.diagramMap.at([0, 0]), $("diagram-box"));
 }

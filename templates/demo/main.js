@@ -1,16 +1,22 @@
 // Show the state everywhere: in the picture, the diagram, the numbers, the address, and in words.
 
-let asked = false;
+import { benchText } from "../live/readout.js";
+import { fromHash, toHash } from "./address.js";
+import { drawQuestion, endGlide } from "./asking.js";
+import { drawTabs, showInputs, showMarks, showNumbers } from "./controls.js";
+import { $ } from "./data.js";
+import { drawDiagram } from "./diagram.js";
+import { drawBy, refresh } from "./frame.js";
+import { placeHandles } from "./handles.js";
+import { moment } from "./moment.js";
+import { drawOverlay, stage } from "./overlay.js";
+import { view } from "./picture.js";
+import { player, povray } from "./player.js";
+import { drawSketch, sketch } from "./sketch.js";
+import { session, state } from "./state.js";
+import { describe } from "./text.js";
 
-// Draw all that depends on the state, before the next frame.
-function refresh() {
-  if (asked) return;
-  asked = true;
-  requestAnimationFrame(draw);
-}
-
-function draw() {
-  asked = false;
+export function draw() {
   const now = moment();
   view.set(now.scene);
   drawTabs();
@@ -49,7 +55,7 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
   addEventListener(event, ({ buttons }) => (pressed = Boolean(buttons & 1)), true);
 }
 
-function keepAddress() {
+export function keepAddress() {
   if (pressed) return later("address", 400, keepAddress);
   if (toHash() === kept) return;
   kept = toHash();
@@ -60,13 +66,14 @@ addEventListener("popstate", () => {
   if (location.hash === kept) return;
   player.pause();
   endGlide();
-  typing = null;
-  if (state.question < 0) explored = { ...state };
+  session.typing = null;
+  if (state.question < 0) session.explored = { ...state };
   fromHash(location.hash);
   kept = toHash();
   refresh();
 });
 
+drawBy(draw);
 fromHash(location.hash);
 let kept = toHash();  // the state that the address has
 for (const part of [stage, $("diagram-box"), sketch]) new ResizeObserver(refresh).observe(part);
@@ -76,4 +83,4 @@ view.ready.then(() => {
   refresh();
 });
 refresh();
-if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = view.benchText()));
+if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = benchText(view)));

@@ -1,16 +1,22 @@
 // A piece's outline, as an eye far away sees it: from the piece's distance field.
 
 const outlines = {};
+let shapes = null;
+
+// Take the outlines from distance fields: `LiveView.loading`.
+export function outlinesOf(read) {
+  shapes = read;
+}
 
 // Closed lines of points, tiles from the foot's centre: x to the right, y up. [] until the field has been read.
-function outlineOf(name) {
-  const k = view?.names?.indexOf(name) ?? -1;
+export function outlineOf(name) {
+  const k = shapes?.names.indexOf(name) ?? -1;
   if (k < 0) return [];
-  return (outlines[name] ??= contours(silhouette(view.fields[k], data.volumes.grid), data.volumes.pieces[name].place));
+  return (outlines[name] ??= contours(silhouette(shapes.fields[k], shapes.grid), shapes.places[k]));
 }
 
 // Whether a point is inside closed lines: a line from it to the right crosses them an odd number of times.
-function within([x, y], lines) {
+export function within([x, y], lines) {
   let inside = false;
   for (const points of lines) {
     points.forEach(([bx, by], n) => {

@@ -1,18 +1,33 @@
 // What is drawn on the picture: predicted positions, circles, the predicted image, the caption, and a key.
 
-const overlay = $("overlay");
-const stage = $("stage");
+import { abs, finite, minus, plus, scaled } from "./complex.js";
+import { $, data } from "./data.js";
+import * as equations from "./equations.js";
+import { apparentPosition, appearance, imagingPole, markedPosition, NEAR_POLE, unsure } from "./moment.js";
+import { rough } from "./numbers.js";
+import { outlineOf } from "./outline.js";
+import { thing } from "./phrases.js";
+import { povray } from "./player.js";
+import { isAsked } from "./questions.js";
+import { arrowhead, branches, curve, dot, edge, line, step, svg, words } from "./shapes.js";
+import { session, state } from "./state.js";
+import { caption } from "./text.js";
+import { corner, corners, triangle } from "./triangle.js";
+import { contents } from "./contents.js";
+
+export const overlay = $("overlay");
+export const stage = $("stage");
 
 // From tiles of the plane z = 0 to pixels of the stage, from its centre.
-const tilePixels = () => stage.clientHeight / data.scenes.chess.view;
-const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
+export const tilePixels = () => stage.clientHeight / data.scenes.chess.view;
+export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 
-function drawOverlay(now) {
+export function drawOverlay(now) {
   const box = { width: stage.clientWidth, height: stage.clientHeight };
   if (!box.width) return;
   const rem = Math.max(12, box.height / 36);
   const parts = [];
-  if (now.two && (state.circles || PATHS.includes(marked))) parts.push(...paths(now));
+  if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
   parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.nearPole && !isAsked()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
@@ -147,6 +162,7 @@ function key(now, rem, { width, height }) {
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
   const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
   lines.forEach(([kind, text], n) => {
+    /** @type {any} */
     const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
     if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));
     else parts.push(dot(`${kind}${kind === "mark" ? " chosen" : ""}`, middle, (kind === "dot" ? 0.3 : 0.42) * rem));

@@ -1,16 +1,16 @@
 // The canvas, its picture as a file, and what is shown where there is none.
 
-class PageView extends LiveView {
-  show(...what) {
-    this.last = what;
-    super.show(...what);
-  }
-
-  // Draw the last picture again: a browser keeps the canvas's pixels only until they have been shown.
-  repaint() {
-    super.show(...this.last);
-  }
-}
+import { LiveView } from "../live/view.js";
+import { toHash } from "./address.js";
+import { replace } from "./beyond.js";
+import { $, data } from "./data.js";
+import { refresh } from "./frame.js";
+import { moment, sceneValues } from "./moment.js";
+import { outlinesOf } from "./outline.js";
+import { drawOverlay, overlay } from "./overlay.js";
+import { player } from "./player.js";
+import { svg } from "./shapes.js";
+import { OPENING, session, START, state } from "./state.js";
 
 function failed(sentence) {
   $("message").textContent = sentence ? `${sentence}${data.presets.some(({ movie }) => movie) ? " Meanwhile you see POV-Ray’s movies." : ""}` : "";
@@ -18,13 +18,14 @@ function failed(sentence) {
   refresh();
 }
 
-const view = new PageView($("view"), sceneValues(), data.volumes, failed);
+export const view = new LiveView($("view"), sceneValues(), data.volumes, failed);
+view.loading.then(outlinesOf, () => {});
 
 // Save the picture with its overlay and its numbers.
 async function savePicture() {
   const canvas = Object.assign(document.createElement("canvas"), { width: view.canvas.width, height: view.canvas.height });
   const pen = canvas.getContext("2d");
-  view.repaint();
+  view.context.repaint();
   pen.drawImage(view.canvas, 0, 0);
   pen.drawImage(await overlayImage(canvas), 0, 0);
   const link = document.createElement("a");
@@ -57,7 +58,7 @@ $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
 $("reset").addEventListener("click", () => {
   player.reset();
-  [explored, own] = [null, {}];
+  [session.explored, session.own] = [null, {}];
   const { scene } = state;
   replace({ ...OPENING, scene, ...START[scene] });
   refresh();

@@ -1,8 +1,14 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
-const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
+import { chosenBeyond, replace } from "./beyond.js";
+import { $, clamped, data } from "./data.js";
+import { refresh } from "./frame.js";
+import { brief, quantity, SYMBOL } from "./numbers.js";
+import { change, OPENING, START, state } from "./state.js";
 
-const player = {
+export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
+
+export const player = {
   preset: data.presets[0], playing: false, since: 0,
 
   // The ends of the movie. A sheet that rotates light about an axis is dark for large angles.
@@ -122,7 +128,7 @@ $("scrub").addEventListener("input", () => {
 
 // ---- POV-Ray's picture: the movie's frame at the same value ----
 
-const povray = {
+export const povray = {
   shown: false, broken: new Set(),
 
   movie() {

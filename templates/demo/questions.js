@@ -1,5 +1,12 @@
 // Questions for a class: predict, then reveal. The page's equations compute every answer.
 
+import { radians } from "../live/geometry.js";
+import { BEYOND } from "./beyond.js";
+import * as equations from "./equations.js";
+import { brief, fixed } from "./numbers.js";
+import { turnedBy } from "./phrases.js";
+import { START, state } from "./state.js";
+
 const UP = { scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L };
 const WAYS = ["counter-clockwise", "clockwise", "it does not turn"];
 const nuDegrees = (z1, z2, degrees) => equations.nu(z2 / z1, radians(degrees)) / radians(1);
@@ -31,7 +38,7 @@ function mostTurned(z1, z2) {
 
 // Each: the question; what the page shows with it; the choices and the number of the right one, or a number; what the page
 // then shows; why; and what the sentence beside the picture says first.
-const QUESTIONS = [
+export const QUESTIONS = [
   {
     ask: "A single sheet of prisms is put into the window. What happens to the sky and the floor?",
     before: { ...UP, sheet: "none" }, after: { sheet: "single" },
@@ -97,151 +104,6 @@ const QUESTIONS = [
   },
 ];
 
-const revealed = new Map();  // the numbers of the questions, and the predictions that were made
-let explored = null;   // what the page showed before the questions
-let lastQuestion = 0;
+export const revealed = new Map();  // the numbers of the questions, and the predictions that were made
 
-const isAsked = () => state.question >= 0 && !revealed.has(state.question);
-
-// Open a question with what the page shows before its answer. -1 goes back to what has been explored.
-function openQuestion(n) {
-  if (n === state.question) return;
-  player.pause();
-  endGlide();
-  if (state.question < 0) explored = { ...state };
-  replaced = null;
-  if (n >= 0) {
-    lastQuestion = n;
-    ask(n);
-  } else {
-    const shows = Object.fromEntries(["diagram", ...SWITCHES].map((name) => [name, state[name]]));
-    change({ ...explored, ...shows, question: -1 });
-  }
-  drawQuestion();
-  refresh();
-}
-
-// Show a question as before its answer.
-function ask(n) {
-  endGlide();
-  revealed.delete(n);
-  drawnQuestion = -1;
-  change({ ...QUESTIONS[n].before, question: n });
-}
-
-let asksForNumber = false;
-
-// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
-function reveal() {
-  const { before, after } = QUESTIONS[state.question];
-  revealed.set(state.question, new FormData($("question-form")).get("prediction"));
-  glide({ ...before, ...(typeof after === "function" ? after() : after) });
-}
-
-let gliding = null;  // the values that the page is going to
-
-// Any input ends the movement: the page is then at its end.
-function endGlide() {
-  if (!gliding) return;
-  change(gliding);
-  gliding = null;
-  refresh();
-}
-for (const event of ["pointerdown", "keydown", "click", "input", "change"]) document.addEventListener(event, endGlide, true);
-
-// Go to other values: numbers gently, unless motion is to be reduced.
-function glide(target) {
-  gliding = target;
-  const start = performance.now();
-  const from = Object.fromEntries(Object.keys(target).map((name) => [name, state[name]]));
-  const numeric = (x) => typeof x === "number" || Array.isArray(x);
-  const mixed = (a, b, part) => (Array.isArray(a) ? a.map((x, k) => mixed(x, b[k], part)) : a + (b - a) * part);
-  const tick = () => {
-    const time = reducedMotion.matches ? 1 : Math.min(1, (performance.now() - start) / 1500);
-    const part = time * time * (3 - 2 * time);
-    if (gliding !== target) return;
-    change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? mixed(from[name], to, part) : to])));
-    refresh();
-    if (time < 1) requestAnimationFrame(tick);
-    else gliding = null;
-  };
-  tick();
-}
-
-// ---- The panel ----
-
-let drawnQuestion = -1;
-
-function drawQuestion() {
-  const n = state.question;
-  if (n < 0) return (drawnQuestion = -1);
-  const question = QUESTIONS[n];
-  if (n !== drawnQuestion) {
-    $("question-count").textContent = `Question ${n + 1} of ${QUESTIONS.length}`;
-    $("ask").textContent = question.ask.replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
-    $("prediction").replaceChildren(...(question.choices ? question.choices.map(choiceInput) : [numberInput(question)]));
-    drawnQuestion = n;
-    asksForNumber = false;
-  }
-  $("reveal").hidden = revealed.has(n);
-  $("again").hidden = !revealed.has(n);
-  for (const input of $("prediction").querySelectorAll("input")) {
-    input.disabled = revealed.has(n);
-    const made = revealed.get(n);
-    if (made && input.type === "radio") input.checked = input.value === made;
-    else if (made) input.value = made;
-  }
-  const said = document.createElement("p");
-  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? ["Type a number first."] : []));
-  if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
-  $("previous").disabled = n === 0;
-  $("next").disabled = n === QUESTIONS.length - 1;
-}
-
-function choiceInput(text, k) {
-  const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { type: "radio", name: "prediction", value: k });
-  label.append(input, text);
-  return label;
-}
-
-function numberInput({ unit, tolerance }) {
-  const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { className: "field", autocomplete: "off", name: "prediction" });
-  label.append(input, ` ${unit}, within ${tolerance}`);
-  return label;
-}
-
-// Whether the class is right, the answer, and why.
-function answerText(question) {
-  const right = question.answer();
-  const given = revealed.get(QUESTIONS.indexOf(question));
-  const isRight = question.choices ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
-  const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
-  const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
-  const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
-  const strong = Object.assign(document.createElement("strong"), { textContent: `${said}.` });
-  return [strong, ` ${question.why()}`];
-}
-
-$("question-form").addEventListener("submit", (event) => {
-  event.preventDefault();
-  const field = $("prediction").querySelector(".field");
-  asksForNumber = Boolean(field) && !Number.isFinite(readNumber(field.value));
-  if (!asksForNumber) reveal();
-  drawQuestion();
-  if (asksForNumber) field.focus();
-  else ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
-});
-$("again").addEventListener("click", () => {
-  ask(state.question);
-  drawQuestion();
-  refresh();
-  $("ask").focus();
-});
-for (const [id, aside] of [["previous", -1], ["next", 1]]) {
-  $(id).addEventListener("click", () => {
-    openQuestion(state.question + aside);
-    $("ask").focus();
-  });
-}
+export const isAsked = () => state.question >= 0 && !revealed.has(state.question);

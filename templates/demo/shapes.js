@@ -1,20 +1,22 @@
 // Shapes in SVG. Points are [x, y] with y down. Angles are as the eye sees them: counter-clockwise.
 
-function svg(tag, attributes, text = "") {
+import { abs, conj, finite, minus, plus, scaled, turn } from "./complex.js";
+
+export function svg(tag, attributes, text = "") {
   const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
   node.textContent = text;
   return node;
 }
-const dot = (kind, [cx, cy], r, id = "") => svg("circle", { class: kind, cx, cy, r, ...(id && { id }) });
-const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2, y2 });
-const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, text);
-const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle))));
+export const dot = (kind, [cx, cy], r, id = "") => svg("circle", { class: kind, cx, cy, r, ...(id && { id }) });
+export const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2, y2 });
+export const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, text);
+export const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle))));
 
-const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]);
+export const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]);
 
 // A curve through points. It is interrupted at null, and at points far outside the drawing.
-function curve(kind, points) {
+export function curve(kind, points) {
   let d = "";
   let joined = false;
   for (const point of points) {
@@ -27,7 +29,7 @@ function curve(kind, points) {
 
 // Points of a curve between two parameters. Where the curve may pass through infinity it is interrupted, and the points
 // near there are closer together.
-function branches(place, first, last, infinite) {
+export function branches(place, first, last, infinite) {
   const within = infinite.filter((at) => first < at && at < last).sort((a, b) => a - b);
   const ends = [first, ...within, last];
   return within.concat(last).flatMap((end, n) => {
@@ -37,18 +39,18 @@ function branches(place, first, last, infinite) {
 }
 
 // An arc that begins at the angle `start` and extends by the angle `through`.
-function arc(kind, centre, radius, start, through) {
+export function arc(kind, centre, radius, start, through) {
   const steps = Array.from({ length: 41 }, (_, n) => step(centre, start + (through * n) / 40, radius));
   return curve(kind, steps);
 }
 
-function arrowhead(kind, tip, angle, length) {
+export function arrowhead(kind, tip, angle, length) {
   const corners = [tip, step(tip, angle + 2.7, length), step(tip, angle - 2.7, length)];
   return svg("polygon", { class: kind, points: corners.map((corner) => corner.join(",")).join(" ") });
 }
 
 // A line that stops just short of the dot at its end. It has an arrowhead unless it is too short.
-function vector(kind, from, to, rem) {
+export function vector(kind, from, to, rem) {
   const [x, y] = minus(to, from);
   const length = Math.hypot(x, y) - 0.4 * rem;
   if (length < 0.8 * rem) return [line(kind, from, to)];
@@ -60,7 +62,7 @@ function vector(kind, from, to, rem) {
 }
 
 // For a point outside a picture: the tip and the angle of an arrow at the edge that points to it. Otherwise null.
-function edge(place, { width, height }, margin) {
+export function edge(place, { width, height }, margin) {
   const excess = Math.max(Math.abs(place[0]) / (width / 2 - margin), Math.abs(place[1]) / (height / 2 - margin));
   return excess > 1 ? { tip: scaled(1 / excess, place), angle: heading([0, 0], place) } : null;
 }
@@ -71,8 +73,8 @@ for (let near = 1e-8; near < 0.5; near *= 1.04) SHARES.push(near, 1 - near);
 SHARES.sort((a, b) => a - b);
 
 // Values of r along curves of constant alpha, and of alpha along curves of constant r. They are dense near the pole.
-const RATIOS = Array.from({ length: 361 }, (_, n) => Math.exp(8 * (n / 180 - 1) ** 3));
-const TURNS = Array.from({ length: 361 }, (_, n) => {
+export const RATIOS = Array.from({ length: 361 }, (_, n) => Math.exp(8 * (n / 180 - 1) ** 3));
+export const TURNS = Array.from({ length: 361 }, (_, n) => {
   const part = n / 180 - 1;
   return Math.PI * part * (2 - Math.abs(part));
 });

@@ -1,8 +1,15 @@
 // The sketch: eye, sheets and object, seen from the right side. z is to scale, unless one of z1 and z2 is very short.
 
-const sketch = $("sketch");
+import { finite } from "./complex.js";
+import { $, clamped } from "./data.js";
+import { atSecondWindow } from "./equations.js";
+import { brief } from "./numbers.js";
+import { arrowhead, curve, line, svg, words } from "./shapes.js";
+import { state } from "./state.js";
 
-function drawSketch(now) {
+export const sketch = $("sketch");
+
+export function drawSketch(now) {
   const { width, height } = sketch.getBoundingClientRect();
   if (!width) return;
   const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
@@ -13,7 +20,8 @@ function drawSketch(now) {
   const [top, bottom] = [0.5 * rem, height - 1.9 * rem];
   const tile = (bottom - top) / now.scene.view;
   const y = (tiles) => clamped((top + bottom) / 2 - tile * tiles, [top, bottom]);
-  const eye = [left, y(now.E[1])], object = [right, Math.max(y(now.L[1]), 1.7 * rem)];
+  /** @type {any[]} */
+  const [eye, object] = [[left, y(now.E[1])], [right, Math.max(y(now.L[1]), 1.7 * rem)]];
   const half = (tile * now.scene.aperture) / 2, middle = (top + bottom) / 2;
   const parts = [];
   if (finite(now.place)) {

@@ -1,69 +1,22 @@
-// Numbers and sentences, as the page prints them.
+// What the page says of what is seen, in sentences.
 
-const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d", ratio: "|η|" };
-
-// The names of the settings that can be replaced.
-const SETTINGS = {
-  ...pick(SYMBOL, "alpha", "z1", "z2", "prisms", "alpha2", "d", "ratio"), L: "L", E: "E", axis: "axis", piece: "piece", sheet: "sheets", windows: "windows",
-};
-
-const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
-
-// The number that someone has typed, with a decimal point or comma, as a fraction, or with a unit. NaN if it is none.
-function readNumber(text) {
-  const plain = text.replaceAll(",", ".").replaceAll("−", "-").replace(/(°|degrees?|tiles?|times)\s*$/, "");
-  const parts = plain.split("/");
-  if (parts.length > 2 || !parts.every((part) => part.trim())) return NaN;
-  const [above, below = 1] = parts.map(Number);
-  return above / below;
-}
-
-// The text of toFixed, toPrecision or toExponential with typographic signs. A number that rounds to 0 has no sign.
-function printed(text) {
-  const [digits, power] = text.replace(/^-/, "").split("e");
-  const sign = text.startsWith("-") && Number(digits) ? "−" : "";
-  return sign + digits + (power ? ` × 10${raised(Number(power))}` : "");
-}
-
-const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2));
-const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x.toExponential(2)) : "∞");
-const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
-const rough = (x) => printed(String(Number(x.toPrecision(2))));
-const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
-const quantity = (name, x) => (name.startsWith("alpha") ? `${fixed(x, 1)}°` : name === "ratio" ? size(x) : `${size(x)} tiles`);
-
-const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
-
-// A complex number. Both parts have the same number of decimals, so that the larger has five digits at most.
-function point(a) {
-  if (!finite(a)) return "∞";
-  const decimals = Math.max(0, 3 - Math.floor(Math.log10(Math.max(1, Math.abs(a[0]), Math.abs(a[1])))));
-  const [re, im] = a.map((x) => fixed(x, decimals));
-  return `${re} ${im.startsWith("−") ? "−" : "+"} ${im.replace("−", "")} i`;
-}
-
-// ---- Sentences ----
-
-const pieceName = (piece) => piece.split("/").pop().replace(/\.\w+$/, "");
-const thing = () => (state.scene === "spheres" ? "sphere" : pieceName(state.piece));
-
-function turnedBy(nu) {
-  const text = angle(Math.abs(nu));
-  return text === "0.0°" ? "not turned" : `turned by ${text}${text === "180.0°" ? "" : nu > 0 ? " counter-clockwise" : " clockwise"}`;
-}
-
-const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2));
+import * as geometry from "../live/geometry.js";
+import { OTHER_SHEETS, replacedNames } from "./beyond.js";
+import { seenThrough } from "./beyondText.js";
+import { finite } from "./complex.js";
+import { NEAR_POLE, outside, unsure } from "./moment.js";
+import { angle, brief, fixed, placeText, prismsText, SETTINGS, size, timesText } from "./numbers.js";
+import { absent, doubt, listed, poleSentence, thing, turnedBy } from "./phrases.js";
+import { isAsked, QUESTIONS } from "./questions.js";
+import { session, state } from "./state.js";
+import { contents } from "./contents.js";
 
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
-function explanation(now) {
+export function explanation(now) {
   if (isAsked()) return ["What is seen is said with the answer.", ...limitsMet(now)].join(" ");
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
-
-const doubt = (now) => "Here the prediction can be wrong by "
-  + `${possibleError(now) < 1280 ? `up to ${rough(possibleError(now))} pixels of 1280x960` : "more than the picture’s width"}: `
-  + "the prisms are large, those of two sheets are nearly parallel, or the pole is near.";
 
 function seen(now) {
   if (now.beyond) return seenThrough(now);
@@ -86,29 +39,11 @@ function seen(now) {
   return `${which}${turnedBy(nu)}, and ${large}.`;
 }
 
-function poleSentence(now) {
-  const { M, seen } = now;
-  const exact = !Number.isFinite(M), name = thing();
-  const pole = exact ? "The pole" : "Near the pole";
-  const part = exact ? "one point, straight before the eye" : `a part that is only ${rough(seen)} tiles wide`;
-  if (imagingPole(now.scene, now.z1, now.z2) === "line") {
-    return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(now.degrees / 2, 1)}°, through the point straight before the eye.`
-      + (contents(now).has("thing") ? " Each of its points is drawn out across the window." : ` ${absent(now)}`);
-  }
-  if (!contents(now).has("thing") && !contents(now).has("pedestal")) {
-    return `${pole}: all light to the eye passes the ${name}’s plane in ${part}. The ${name} is not there: the window shows ${windowShows(now)}.`;
-  }
-  if (!contents(now).has("thing")) return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
-  return exact
-    ? `The pole: one point of the ${name} fills the whole window, the point straight before the eye.`
-    : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
-}
-
 // Which values were not allowed.
 function limitsMet({ z1, z2, d, scene }) {
   const depth = geometry.depth(scene);
   const frame = depth > 1 ? `the frame, which is ${brief(depth)} tiles deep` : "the frame";
-  const met = [...refusals];
+  const met = [...session.refusals];
   if (state.scene === "chess" && state.z1 < z1 * 0.999) met.push(`z₁ is at least ${brief(z1)}: the piece would touch ${frame}.`);
   if (d && state.d < d * 0.999) met.push(`d is at least ${brief(d)}: the windows would touch.`);
   if (state.z2 < z2 * 0.999) met.push(`z₂ is at least ${brief(z2)}: the eye would be too near ${frame}.`);
@@ -137,10 +72,8 @@ function remarks(now) {
   return found;
 }
 
-const placeText = (point) => point.map((x) => fixed(x, 2)).join(", ");
-
 // The description of the picture for those who do not see it.
-function describe(now) {
+export function describe(now) {
   const several = now.Z ? `, with a second window ${brief(now.d)} tiles behind the first one and α₂ = ${fixed(state.alpha2, 1)}°` : "";
   const model = {
     none: "without sheets", single: `through one sheet of ${prismsText(now.scene.prisms)}`, ideal: "through the ideal sheet",
@@ -152,7 +85,7 @@ function describe(now) {
 }
 
 // The parts of the caption on the picture.
-function caption(now) {
+export function caption(now) {
   const sheets = { axis: "axis", refraction: "refraction", lenslets: "lenslets", mirror: "mirror", none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
   const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
   if (!now.two && !now.beyond) return parts;

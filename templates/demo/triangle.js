@@ -2,10 +2,13 @@
 //
 // A part has the class q and the names of the quantities that it shows, as q-alpha.
 
+import { abs, arg, minus, plus, turn } from "./complex.js";
+import { arc, arrowhead, dot, edge, heading, line, step, vector, words } from "./shapes.js";
+
 const FAR = 4000;  // pixels
 
 // P is null if it is infinitely far away. `rem` is the height of a letter, pixels.
-function triangle(L, E, P, { alpha, nu }, rem, box) {
+export function triangle(L, E, P, { alpha, nu }, rem, box) {
   const base = line("base q q-L q-E q-M q-nu", L, E);
   if (!P) return [base];
   const near = abs(minus(P, L)) < FAR;
@@ -46,9 +49,14 @@ function angleAtP(L, E, P, alpha, rem) {
 }
 
 // A corner's dot, and its name on the side away from the others.
-function corner(name, at, others, rem) {
+export function corner(name, at, others, rem) {
   const towards = others.filter(Boolean).map((other) => turn(heading(at, other)));
   const sum = towards.reduce(plus, [0, 0]);
   const away = abs(sum) > 0.1 ? arg(sum) + Math.PI : -Math.PI / 2;
   return [dot(`dot q q-${name}`, at, 0.3 * rem, ""), words(`point q q-${name}`, step(at, away, 1.1 * rem), name)];
 }
+
+// The dots and names of L, E and P. P is left out if it is null or outside the drawing.
+export const corners = (L, E, P, rem, box) => [
+  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
+];

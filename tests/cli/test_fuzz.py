@@ -379,11 +379,12 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli import checkup
+    from povgen.liveview import page
     from povgen.measure import charts, glass, live, speed, stability, verify
     from povgen.measure.measured import Measured
     from povgen.rendering import cluster, frames, povray
     from povgen.scene import spec
-    from povgen.teach import figures, page
+    from povgen.teach import figures
     from povgen.video import build, encode
 
     started = Path.cwd()

@@ -10,13 +10,12 @@ from conftest import povgen, refused, run_povgen
 from PIL import Image
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_pov
-from povgen.cli.report import USED_BY
 from povgen.errors import PovrayError
+from povgen.liveview.view import Live
 from povgen.rendering import auto, povray
 from povgen.scene.models import piece_files
 from povgen.scene.spec import MOVIES
-from povgen.sheets import SHEETS
-from povgen.teach.live import Live
+from povgen.sheets import SHEETS, USED_BY
 from povgen.video import still
 
 SPEC = """

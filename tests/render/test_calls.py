@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from povgen import Chess, InputError, Movie, live, movie, progress, render, save, show, to_pov
-from povgen.teach.page import demo
+from povgen.liveview.page import demo
 from povgen.video import build
 
 SCENE = Chess(sheet="none")

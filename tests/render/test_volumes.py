@@ -11,7 +11,8 @@ import pytest
 from conftest import run_povgen
 
 from povgen import InputError, PovrayError
-from povgen.rendering import cache, povray, volumes
+from povgen.liveview import volumes
+from povgen.rendering import cache, povray
 from povgen.scene.pieces import PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
 

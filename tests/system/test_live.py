@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from conftest import refused
+from conftest import NAMES, refused
 
 import povgen
 from povgen import Chess, InputError, Spheres
+from povgen.liveview.values import values
 from povgen.measure import live
 from povgen.measure.browser import View
 from povgen.measure.probes import Directions
-from povgen.scene import live as given
-from povgen.scene.models import SCENES
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
@@ -38,6 +37,7 @@ def page(browser, file):
     opened.on("pageerror", lambda error: faults.append(str(error)))
     opened.on("request", lambda request: requests.append(request.url))
     opened.goto(file.as_uri())
+    opened.evaluate(NAMES)
     opened.evaluate("view.ready")
     yield opened
     assert not faults and requests == [file.as_uri()]
@@ -54,8 +54,9 @@ def test_directions_agree_with_the_ray_trace(prisms):
 
 def test_directions_disagree_with_another_glass(prisms, monkeypatch):
     """The check can fail: the shader's index is wrong by a thousandth."""
-    right = given.values
-    monkeypatch.setattr(given, "values", lambda scene: right(scene) | {"index": 1.0015 * scene.index, "alpha": 66.1})
+    monkeypatch.setattr(
+        "povgen.measure.browser.values", lambda scene: values(scene) | {"index": 1.0015 * scene.index, "alpha": 66.1}
+    )
     assert not any(figure.holds for figure in live.directions(prisms, ({},), SIZE))
 
 
@@ -98,38 +99,6 @@ def test_a_piece_of_ones_own(browser, tmp_path):
     view.page.close()
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_what_the_script_derives(prisms, scene):
-    """The script's prisms, frame and spheres are povgen's."""
-    for values in (
-        {},
-        {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
-        {"sheet": "single", "aspect": 1.2, "z2": 1},
-        {"prisms": 3000, "aperture": 1, "z2": 150},
-        {"sheet": "ideal", "window": ("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), "prisms": 40},
-    ):
-        made = SCENES[scene](**{"z2": 12, **values})
-        names = ("prism", "windows", "tile", "depth", "distances", "spheres", "pieces")
-        script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, windows, tile, depth, distances, spheres, pieces = prisms.page.evaluate(
-            script, [names, given.values(made)]
-        )
-        for name in ("pitch", "height", "length", "separation", "slab_shift"):
-            assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
-        assert [tuple(window.values()) for window in windows] == [
-            *zip(made.sheets, made.alphas, made.places, strict=True)
-        ]
-        assert tile == made.tile
-        assert depth == pytest.approx(made.depth, rel=1e-12)
-        assert distances == pytest.approx(made.distances, rel=1e-12)
-        if scene == "spheres":
-            expected = [(made.places[-1] + z1, made.radius(z1)) for z1 in made.distances]
-            assert [(s["centre"][2], s["radius"]) for s in spheres] == [pytest.approx(pair) for pair in expected]
-        else:
-            feet = [(L.real, L.imag, made.places[-1] + z1) for L, z1 in made.objects]
-            assert [p["foot"] for p in pieces] == [pytest.approx(foot) for foot in feet]
-
-
 # ---- The page ----
 
 
@@ -151,7 +120,7 @@ def at_rest(page):
 def test_the_page_shows_the_scene_and_follows_it(page):
     at_rest(page)
     before = canvas(page)
-    shown = page.evaluate("([w, h]) => { const l = view.light(w, h, 64); return [...l.slice(0, 4)]; }", list(SIZE))
+    shown = page.evaluate("([w, h]) => { const l = light(view, w, h, 64); return [...l.slice(0, 4)]; }", list(SIZE))
     assert before.std() > 30 and shown[3] == 64
     page.evaluate("view.set({ alpha: -66 })")
     assert not page.evaluate("view.converged()")
@@ -168,7 +137,7 @@ def test_the_page_shows_the_scene_and_follows_it(page):
 
 
 def test_a_transparent_background_shows_the_page(page):
-    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("PACE.RAYS = 1")
     page.evaluate("view.set({ background: 'white', sheet: 'none' })")
     at_rest(page)
     before = canvas(page)
@@ -186,6 +155,7 @@ def test_the_canvas_has_the_displays_pixels(browser, file):
     context = browser.new_context(viewport={"width": 120, "height": 90}, device_scale_factor=2)
     page = context.new_page()
     page.goto(file.as_uri())
+    page.evaluate(NAMES)
     page.evaluate("view.ready")
     assert page.evaluate("[view.canvas.width, view.canvas.height]") == [240, 180]
     page.set_viewport_size({"width": 100, "height": 80})
@@ -199,7 +169,7 @@ def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
     """Each frame takes too long: then the next has fewer pixels, and the picture at rest is made of strips."""
     at_rest(page)
     before = canvas(page)
-    page.evaluate("LiveView.SLOW = LiveView.FAST = 0.001")
+    page.evaluate("PACE.SLOW = PACE.FAST = 0.001")
     page.evaluate(
         """() => new Promise((done) => {
           const move = (n) => {
@@ -211,9 +181,9 @@ def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
         })"""
     )
     assert page.evaluate("view.scale") <= 0.5
-    page.evaluate("LiveView.RAYS = 1")
+    page.evaluate("PACE.RAYS = 1")
     page.wait_for_function("view.row > 0 && view.row < view.canvas.height", polling=1)
-    page.evaluate("LiveView.RAYS = 64; view.set({ alpha: 66 })")  # while a strip is being drawn
+    page.evaluate("PACE.RAYS = 64; view.set({ alpha: 66 })")  # while a strip is being drawn
     at_rest(page)
     assert abs(canvas(page) - before).max() <= 1
 
@@ -229,14 +199,14 @@ def test_at_rest_nothing_is_drawn(page):
     )
     page.wait_for_timeout(400)
     assert page.evaluate("drawn") == 0
-    page.evaluate("LiveView.RAYS = 1; view.budget = 1e6; view.set({ alpha: 20 })")
+    page.evaluate("PACE.RAYS = 1; view.budget = 1e6; view.set({ alpha: 20 })")
     at_rest(page)
     assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
 
 
 def first_picture(page):
     """Wait until the page shows a picture with one ray a pixel, and return it."""
-    page.evaluate("LiveView.RAYS = 1; view.budget = 1e9; view.again()")
+    page.evaluate("PACE.RAYS = 1; view.budget = 1e9; view.again()")
     at_rest(page)
     return canvas(page)
 
@@ -300,7 +270,8 @@ def test_of_18_views_those_in_sight_hold_a_context(browser):
     page.set_content(f"<div style='margin-bottom: 150px'>{view}</div>" * 18)
     frames = page.frames[1:]
     for frame in frames:
-        frame.evaluate("LiveView.RAYS = 1")
+        frame.evaluate(NAMES)
+        frame.evaluate("PACE.RAYS = 1")
     last = len(frames) - 1
     for top, seen in ((0, {0}), (1e9, {last}), (0, {0})):
         page.evaluate("(top) => scrollTo(0, top)", top)
@@ -318,6 +289,7 @@ def test_without_decompression_the_page_says_so(browser, file):
     page.set_default_timeout(PATIENCE)
     page.add_init_script("delete window.DecompressionStream")
     page.goto(file.as_uri())
+    page.evaluate(NAMES)
     page.wait_for_function("document.getElementById('message').textContent.includes('DecompressionStream')")
     page.evaluate("view.ready")  # whoever waits for it does not wait for ever
     page.close()
@@ -333,9 +305,10 @@ def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file
         };"""
     )
     other.goto(file.as_uri())
+    other.evaluate(NAMES)
     other.evaluate("view.ready")
     at_rest(other)
-    assert other.evaluate("view.format === view.gl.RGBA16F")
+    assert other.evaluate("view.context.format === view.gl.RGBA16F")
     off = abs(canvas(other) - canvas(page))
     assert off.max() <= 6 and off.mean() < 0.5
     other.close()
@@ -352,10 +325,11 @@ def test_without_webgl_the_page_says_so(browser, file):
 def test_bench_says_the_frames_a_second(browser, file):
     page = browser.new_page(viewport={"width": 64, "height": 48})
     page.goto(f"{file.as_uri()}?bench")
+    page.evaluate(NAMES)
     page.wait_for_function(
         "document.getElementById('message').textContent.includes('frames a second')", timeout=120_000
     )
-    times = page.evaluate("view.bench(3)")  # what a page that has the view in it can call
+    times = page.evaluate("bench(view, 3)")  # what a page that has the view in it can call
     assert len(times) == 3 and min(times) > 0
     page.close()
 
@@ -371,6 +345,7 @@ def test_a_notebook_shows_the_view(browser):
     page = browser.new_page()
     page.set_content(f"<p>A notebook</p>{povgen.live(Spheres(sheet='none'), 96, 72)._repr_html_()}")
     frame = page.frames[1]
+    frame.evaluate(NAMES)
     frame.wait_for_function("view.gl")
     assert frame.evaluate("[view.canvas.width, view.canvas.height]") == [96, 72]
     at_rest(frame)

@@ -18,9 +18,10 @@ LAYERS = {
     "scene": {"optics"},
     "rendering": {"optics", "scene"},
     "video": {"optics", "scene", "rendering"},
-    "measure": {"optics", "scene", "rendering", "video"},
-    "teach": {"optics", "scene", "rendering", "video", "measure"},
-    "cli": {"optics", "scene", "rendering", "video", "measure", "teach"},
+    "liveview": {"optics", "scene", "rendering", "video"},
+    "measure": {"optics", "scene", "rendering", "video", "liveview"},
+    "teach": {"optics", "scene", "rendering", "video", "liveview", "measure"},
+    "cli": {"optics", "scene", "rendering", "video", "liveview", "measure", "teach"},
 }
 BASE = {"errors", "files", "model", "progress", "settings", "stopping", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, live, to_pov
+from povgen.liveview.page import demo
 from povgen.model import Model
 from povgen.scene.models import Scene
 from povgen.scene.spec import Sweep
 from povgen.settings import QUALITIES
-from povgen.teach.page import demo
 
 MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
+from povgen.liveview.values import values as live_values
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
 from povgen.scene import cells, survey, warnings
-from povgen.scene.live import values as live_values
 from povgen.scene.models import Window
 from povgen.settings import Rendering
 from povgen.sheets import OTHER

@@ -29,8 +29,8 @@ def command(
     **options: object,
 ) -> None:
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
+    from povgen.liveview.page import demo
     from povgen.rendering.parallel import worker_count
-    from povgen.teach.page import demo
 
     _, options = split(options)
     count = worker_count(workers)

@@ -3,18 +3,20 @@
 The page's text and scripts are in templates/demo/. It needs no network. POV-Ray's movies are files beside it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from povgen import limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
+from povgen.liveview.scripts import script
+from povgen.liveview.values import values
+from povgen.liveview.volumes import Volume, stored, volumes
 from povgen.rendering.parallel import worker_count
-from povgen.rendering.volumes import GRID, volumes
-from povgen.scene import live
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
-from povgen.scene.pieces import PIECES, Piece, radius
+from povgen.scene.models import pieces as pieces_of
+from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
@@ -51,19 +53,28 @@ def demo(
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
         build.checked_movie(file, specs[name], Rendering(**given).quality, inputs)
-    shown = {name: piece for scene in scenes for name, piece in live.pieces(scene).items()}
+    shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)
     quality = Rendering(**given).quality
-    data = {
-        "scenes": {"chess": live.values(Chess()), "spheres": live.values(Spheres())},
+    presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
+    save(to_html("demo/index", data(shown, shapes, presets), script("demo/main.js")).encode(), page)
+    return page
+
+
+def data(
+    shown: Mapping[str, str | PieceFile], shapes: Mapping[str, Volume] | None = None, presets: Sequence[object] = ()
+) -> dict[str, object]:
+    """Return what the page's scripts read: povgen's own values, the pieces by their names, and the presets."""
+    return {
+        "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
         "faces": FACES,
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
-        "volumes": {"grid": GRID, "pieces": {name: shape._asdict() for name, shape in shapes.items()}},
-        "presets": [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()],
+        "volumes": stored(shapes or {}),
+        "presets": presets,
         "limits": {
             "condition": limits.MAX_CONDITION,
             "error": limits.MAX_ERROR,
@@ -71,8 +82,6 @@ def demo(
             "prisms": limits.MAX_PRISMS,
         },
     }
-    save(to_html(data).encode(), page)
-    return page
 
 
 def check_options(movies: bool, options: dict[str, Any]) -> None:

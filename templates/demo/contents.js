@@ -1,5 +1,13 @@
 // What is in the window: what the lines of sight through it meet.
 
+import { OTHER_SHEETS } from "./beyond.js";
+import { abs, finite, minus, plus, scaled, times, turn } from "./complex.js";
+import { data } from "./data.js";
+import * as equations from "./equations.js";
+import { apparentPosition, outside } from "./moment.js";
+import { outlineOf, within } from "./outline.js";
+import { FLOOR, state } from "./state.js";
+
 const NO_DEPTH = { slab_shift: 0, separation: 0 };  // of sheets without thickness
 
 // The line of sight through a place of the plane z = 0, behind the last window: its slope, and where it crosses the plane at
@@ -8,7 +16,7 @@ function sight(now, place) {
   const { scene, sheet, E, z1, z2, alpha, prism, behind } = now;
   const slope = scaled(1 / z2, minus(place, E));
   if (OTHER_SHEETS.includes(sheet)) {
-    const ray = bent([...slope, 1], scene);
+    const ray = equations.bent([...slope, 1], scene);
     if (!ray) return null;
     const after = scaled(1 / ray[2], [ray[0], ray[1]]);
     return { slope: after, point: plus(place, scaled(z1, after)) };
@@ -17,7 +25,7 @@ function sight(now, place) {
     const [x, y] = slope;
     return { slope: [x, -y], point: plus(E, [x * (z2 + z1 - prism.slab_shift), y * (z2 - z1)]) };
   }
-  if (behind.length && outside(atSecondWindow({ ...now, place }), scene)) {
+  if (behind.length && outside(equations.atSecondWindow({ ...now, place }), scene)) {
     const after = times(slope, turn(-alpha));
     return { slope: after, point: plus(place, scaled(now.d + z1, after)), beside: true };
   }
@@ -25,8 +33,6 @@ function sight(now, place) {
   const after = times(slope, turn(-(now.total ?? alpha)));
   return { slope: after, point: equations.behind(place, E, z1, z2, alpha, depths, behind) };
 }
-
-const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
 
 // What a line of sight meets: "thing" (the object at L), or one of the names in SHOWN.
 function met(now, line) {
@@ -50,17 +56,18 @@ function met(now, line) {
 }
 
 const MOUNTAINS = 0.05;  // slope: most mountains are higher
-const SHOWN = {
+export const SHOWN = {
   pedestal: "the pedestal", others: "other spheres", floor: "the floor", ground: "the ground", mountains: "mountains", sky: "sky",
   dark: "black parts",
 };
 const PLACES = [-0.98, -0.8, -0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 0.98];  // of half the window
 
 // The names of what the window shows: of what it shows at a grid of places, and of small objects.
-const contents = (now) => (now.contents ??= foundInWindow(now));
+export const contents = (now) => (now.contents ??= foundInWindow(now));
 
 function foundInWindow(now) {
   const half = now.scene.aperture / 2;
+  /** @type {Set<string>} */
   const found = new Set(PLACES.flatMap((x) => PLACES.map((y) => met(now, sight(now, [x * half, y * half])))));
   const seen = (d, z1) => isInWindow({ ...now, z1 }, apparentPosition(now, plus(now.L, d), { ...now, z1 }));
   if (!found.has("thing") && outlinePoints(now).some((d) => seen(d, now.z1))) found.add("thing");
@@ -69,31 +76,10 @@ function foundInWindow(now) {
 }
 
 const isInWindow = (now, place) =>
-  finite(place) && !outside(place, now.scene) && !(now.Z && outside(atSecondWindow({ ...now, place }), now.scene));
+  finite(place) && !outside(place, now.scene) && !(now.Z && outside(equations.atSecondWindow({ ...now, place }), now.scene));
 
 // Points of the object's outline, from L.
 function outlinePoints({ objects, z1, radii }) {
   if (state.scene === "chess") return outlineOf(state.piece).flatMap((line) => line.filter((_, n) => n % 4 === 0));
   return [[0, 0], ...Array.from({ length: 12 }, (_, k) => scaled(radii[objects.indexOf(z1)], turn((k * Math.PI) / 6)))];
-}
-
-// What an imaging sheet shows of the object's plane at its pole: "point" or "line". Otherwise "".
-function imagingPole({ sheet, alpha, ratio }, z1, z2) {
-  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, radians(alpha))) < 1e-9 * z2) return "point";
-  return sheet === "mirror" && Math.abs(z1 - z2) < 1e-9 * z2 ? "line" : "";
-}
-
-// ---- Sentences ----
-
-function listed(words) {
-  return words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0];
-}
-
-const windowShows = (now) => listed(Object.keys(SHOWN).filter((name) => contents(now).has(name)).map((name) => SHOWN[name]));
-
-// Where nothing of the object is in the window.
-function absent(now) {
-  if (contents(now).size === 1 && contents(now).has("dark")) return "No light passes: the window is black.";
-  const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(now.z1)}` : thing();
-  return `Nothing of the ${which} is in the window, which shows ${windowShows(now)}.`;
 }

@@ -21,10 +21,8 @@ from povgen.files import temporary_folder
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import live
-from povgen.scene.models import Scene
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
-from povgen.scene.sdl import to_crossings, to_live
+from povgen.scene.sdl import to_crossings
 from povgen.settings import Rendering
 
 GRID = (72, 160, 72)  # points along x, y and z
@@ -163,7 +161,6 @@ def volumes(
     return {name: made[name] for name in pieces}
 
 
-def page(scene: Scene) -> str:
-    """Return the page that shows a scene's live view. Raises what `volumes` raises."""
-    fields = {name: shape._asdict() for name, shape in volumes(live.pieces(scene)).items()}
-    return to_live({"scene": live.values(scene), "volumes": {"grid": GRID, "pieces": fields}})
+def stored(shapes: Mapping[str, Volume]) -> dict[str, object]:
+    """Return distance fields as the pages' scripts read them."""
+    return {"grid": GRID, "pieces": {name: shape._asdict() for name, shape in shapes.items()}}

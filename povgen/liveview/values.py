@@ -1,10 +1,9 @@
-"""What the live view is given: a scene's values, and the names of the pieces whose shapes it needs."""
+"""What the live view is given: a scene's values."""
 
 from typing import Any
 
 from povgen.errors import InputError
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, rgb
-from povgen.scene.pieces import PieceFile
 from povgen.scene.survey import max_trace_level
 
 
@@ -21,8 +20,3 @@ def values(scene: Scene) -> dict[str, Any]:
         found["color"] = [rgb(color) for color in colors]
         found["pedestal_halves"] = {str(piece.piece): piece.radius + PEDESTAL_EDGE for piece in scene.pieces}
     return found
-
-
-def pieces(scene: Scene) -> dict[str, str | PieceFile]:
-    """Return the pieces that a scene shows, by the names that `values` has for them."""
-    return {str(standing.piece): standing.piece for standing in scene.pieces} if isinstance(scene, Chess) else {}

@@ -9,9 +9,12 @@ from pydantic import Field
 
 from povgen import files
 from povgen.errors import InputError, shown
+from povgen.liveview.scripts import script
+from povgen.liveview.values import values
+from povgen.liveview.volumes import stored, volumes
 from povgen.model import Model
-from povgen.rendering.volumes import page
-from povgen.scene.models import SCENES, Scene, checked_scene, piece_files
+from povgen.scene.models import SCENES, Scene, checked_scene, piece_files, pieces
+from povgen.scene.sdl import to_html
 
 Side = Annotated[int, Field(ge=32, le=7680)]
 
@@ -44,6 +47,12 @@ class Live:
         return output
 
 
+def html(scene: Scene) -> str:
+    """Return the page that shows a scene's live view. Raises what `volumes` and `values` raise."""
+    data = {"scene": values(scene), "volumes": stored(volumes(pieces(scene)))}
+    return to_html("live/page", data, script("live/main.js"))
+
+
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
     """Return the scene's live view, which the browser draws. Its width and height in Jupyter are in pixels.
 
@@ -55,4 +64,4 @@ def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
     if type(checked_scene(scene)) not in SCENES.values():
         allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
         raise InputError(f"scene = {shown(scene)}: the live view does not know this class; allowed: {allowed}")
-    return Live(page(scene), size, piece_files([scene]))
+    return Live(html(scene), size, piece_files([scene]))

@@ -1,0 +1,6 @@
+// The page's elements are known to the scripts by their ids and selectors, whose kinds tsc does not know.
+
+interface EventTarget { [name: string]: any }
+interface Event { [name: string]: any }
+interface Element { setAttribute(name: string, value: unknown): void }
+interface Window { povgen: any }

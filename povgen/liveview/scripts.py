@@ -1,0 +1,40 @@
+"""The modules of a page's script, joined to one script: a page is one file, which a browser opens without a server.
+
+Each module becomes a function that returns its exports. `povgen` in the page holds them, by the modules' names.
+An export is a constant, a function or a class: the functions return its value once.
+"""
+
+import posixpath
+import re
+from graphlib import TopologicalSorter
+
+from povgen.scene.sdl import TEMPLATES
+
+IMPORT = re.compile(r'^import (?:\* as )?([^"]+) from "([^"]+)";\n', re.M)
+EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))", re.M)
+
+
+def script(main: str) -> str:
+    """Return a module of templates/ with all that it imports. Raises graphlib.CycleError for a circle of imports."""
+    texts: dict[str, str] = {}
+    graph: dict[str, list[str]] = {}
+    waiting = [main]
+    while waiting:
+        path = waiting.pop()
+        if path not in texts:
+            texts[path] = (TEMPLATES / path).read_text("utf-8")
+            near = [posixpath.join(posixpath.dirname(path), found[2]) for found in IMPORT.finditer(texts[path])]
+            graph[path] = [posixpath.normpath(other) for other in near]
+            waiting += graph[path]
+    order = TopologicalSorter(graph).static_order()
+    return "\n".join(["const povgen = (window.povgen = {});", *(_function(path, texts[path]) for path in order)])
+
+
+def _function(path: str, text: str) -> str:
+    exports = ", ".join(found[1] for found in EXPORT.finditer(text))
+    body = EXPORT.sub("", IMPORT.sub(lambda found: f"const {found[1]} = povgen.{_name(found[2])};\n", text))
+    return f"povgen.{_name(path)} = (() => {{\n{body}return {{ {exports} }};\n}})();\n"
+
+
+def _name(path: str) -> str:
+    return posixpath.basename(path).removesuffix(".js")

@@ -1,0 +1,9 @@
+// What povgen has written into the page, its elements, and two functions of values.
+
+/** @type {(id: string) => any} */
+export const $ = (id) => document.getElementById(id);
+export const data = JSON.parse($("data").textContent);
+
+export const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
+export const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
+

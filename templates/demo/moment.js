@@ -1,0 +1,125 @@
+// The numbers that follow from the state. Lengths are in tiles, points are [x, y] as the eye sees them.
+
+import * as geometry from "../live/geometry.js";
+import { behindFirst, inSeries, OTHER_SHEETS } from "./beyond.js";
+import { abs, arg, determinant, minus, plus, resolved, scaled } from "./complex.js";
+import { clamped, data } from "./data.js";
+import * as equations from "./equations.js";
+import { FLOOR, state } from "./state.js";
+
+// The least distance of the eye: just in front of the window frame, or far enough to see through a deep one.
+const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
+
+// The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
+export function sceneValues() {
+  const { scene, sheet, alpha, prisms, piece, L, E, ratio, axis, alpha2, d } = state;
+  const values = { ...data.scenes[scene], sheet, alpha, prisms, ratio, axis, eye: E, faces: data.faces };
+  if (inSeries()) values.window = [{ alpha: alpha2, z: Math.max(d, geometry.depth(values) + 0.011), sheet: null }];
+  const back = geometry.depth(values) / 2;
+  values.z2 = Math.max(state.z2, leastZ2(back));
+  if (scene === "spheres") return { ...values, line: L };
+  const foot = data.pedestals[piece];
+  const z1 = Math.max(state.z1, back + foot + 0.001);
+  return { ...values, piece, pedestal_halves: data.pedestals, z1, x: L[0], pedestal: L[1] - FLOOR };
+}
+
+// All numbers that the page shows. Angles are in radians, but `degrees`.
+export function moment() {
+  const scene = sceneValues();
+  const { z2, alpha: degrees, sheet } = scene;
+  const objects = geometry.distances(scene);
+  const z1 = objects.reduce((best, z) => (Math.abs(Math.log(z / state.z1)) < Math.abs(Math.log(best / state.z1)) ? z : best));
+  const alpha = sheet === "none" ? 0 : geometry.radians(degrees);
+  const r = z2 / z1;
+  /** @type {any} */
+  const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
+  now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
+  now.behind = behindFirst(scene);
+  if (now.behind.length) {
+    [[now.d]] = now.behind;
+    now.Z = equations.depth(z1, z2, alpha, now.behind);
+    now.total = alpha + now.behind[0][1];
+  }
+  // the paper's window; or a choice beyond the paper
+  now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
+  now.beyond = Boolean(now.Z) || OTHER_SHEETS.includes(sheet);
+  now.P = equations.P(r, alpha);
+  now.place = markedPosition(now);
+  Object.assign(now, appearance(now));
+  // whether the light from L, on its way through the first window, misses the second one
+  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(equations.atSecondWindow(now), scene);
+  // near the pole, the window shows a small part of the object's plane: its width
+  now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || sheet === "lenslets" || now.M === Infinity);
+  now.seen = scene.aperture / now.M;
+  return now;
+}
+export const NEAR_POLE = 12;  // a larger M is near the pole
+
+// The point of the plane z = 0 at which the sheets show a point, by default L.
+// Through the other sheets, light that passes the point at a distance of up to `near` counts too.
+export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
+  const { E, prism, behind } = now;
+  if (imagingPole(now.scene, z1, z2)) return [Infinity, 0];
+  if (OTHER_SHEETS.includes(now.sheet)) return equations.crossing(L, E, z1, z2, now.scene, near);
+  if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
+  if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
+  return equations.ideal(L, E, z1, z2, alpha, behind);
+}
+
+// Where an object is marked: where its middle is seen, or a place close to it if only a part beside the middle is seen.
+export const markedPosition = (now) => apparentPosition(now, now.L, now, now.radii[now.objects.indexOf(now.z1)]);
+
+// The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
+// of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.
+export function appearance(now) {
+  const { sheet, z1, z2, alpha, prism, behind } = now;
+  if (imagingPole(now.scene, z1, z2)) return { nu: NaN, M: Infinity };
+  if (OTHER_SHEETS.includes(sheet)) return { nu: NaN, M: Math.sqrt(Math.abs(determinant(shownSteps(now)))) };
+  if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
+  if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
+  if (behind.length) {
+    const Z = equations.depth(z1, z2, alpha, behind);
+    return { nu: abs(Z) === 0 ? NaN : -arg(Z), M: z2 / abs(Z) };
+  }
+  return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
+}
+
+// How a short step of the object to the right, and one up, appears: for each tile of the step.
+const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
+
+// Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.
+export function objectStep(now, step) {
+  const steps = shownSteps(now);
+  const area = determinant(steps);
+  if (!Number.isFinite(area) || Math.abs(area) > 50 || Math.abs(area) < 1e-6) return step;
+  return resolved(step, steps);
+}
+
+// Whether the prediction can be wrong by pixels. The limits are in povgen/scene/limits.py.
+export function unsure(now) {
+  if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
+  if (now.sheet === "ideal") return now.M > data.limits.condition;
+  return !(possibleError(now) <= data.limits.error);
+}
+
+// By how many pixels of 1280x960 the prediction can be wrong, for one sheet or windows of prisms: povgen/scene/prediction.py.
+export function possibleError(now) {
+  const { sheet, scene, E, z1, z2, alpha, behind, prism, place, radii, objects } = now;
+  const { M, height } = appearance(now);
+  const single = sheet === "single";
+  const k = single ? [[1 / prism.pitch, 0]] : equations.frequencies(z2, alpha, prism, behind);
+  const { A, B } = equations.depths(z1, z2, alpha, prism, behind);
+  const scale = z2 / Math.abs(single ? z2 - z1 : abs(A) - abs(B));
+  if (!Number.isFinite(scale)) return Infinity;
+  const [least, most] = data.limits.radii;
+  const apparent = Math.min(Math.max((single ? height : M) * radii[objects.indexOf(z1)], least), most);
+  return (equations.possibleError(k, scale, apparent, abs(minus(place, E)) / z2, z2, prism, scene.index) / scene.view) * 960;
+}
+
+export const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
+
+// What an imaging sheet shows of the object's plane at its pole: "point" or "line". Otherwise "".
+export function imagingPole({ sheet, alpha, ratio }, z1, z2) {
+  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, geometry.radians(alpha))) < 1e-9 * z2) return "point";
+  return sheet === "mirror" && Math.abs(z1 - z2) < 1e-9 * z2 ? "line" : "";
+}

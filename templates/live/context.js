@@ -1,0 +1,177 @@
+// A WebGL context of the live view: its programs, its textures, and drawing on them. It is of no use when it is lost.
+
+import { defines, uniforms } from "./values.js";
+
+const SHADERS = JSON.parse(document.getElementById("shaders").textContent);
+
+export class Context {
+  // `format` is that of the sums of rays. `failed` as for LiveView.
+  constructor(gl, format, { scene, shapes, failed }) {
+    this.gl = gl;
+    this.format = format;
+    this.scene = scene;
+    this.shapes = shapes;
+    this.failed = failed;
+    this.programs = {};
+    this.targets = {};
+    this.kinds = null;     // what the programs are compiled for
+    this.parallel = gl.getExtension("KHR_parallel_shader_compile");
+    gl.bindVertexArray(gl.createVertexArray());
+    this.makeVolumes();
+  }
+
+  // All distance fields in one texture: three a row along x, the rows along z.
+  makeVolumes() {
+    const { gl } = this;
+    const { names, fields, grid: [nx, ny, nz] } = this.shapes;
+    if (!names.length) return;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+    gl.texStorage3D(gl.TEXTURE_3D, 1, gl.R16F, nx * Math.min(names.length, 3), ny, nz * Math.ceil(names.length / 3));
+    fields.forEach((field, k) => {
+      const [x, z] = [nx * (k % 3), nz * Math.floor(k / 3)];
+      gl.texSubImage3D(gl.TEXTURE_3D, 0, x, 0, z, nx, ny, nz, gl.RED, gl.FLOAT, field);
+    });
+    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
+      gl.texParameteri(gl.TEXTURE_3D, axis, gl.CLAMP_TO_EDGE);
+    }
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  // The program that a shader's main function belongs to. It is made anew if the number of objects has changed.
+  program(name) {
+    const { gl } = this;
+    const kinds = defines(this.scene, this.shapes);
+    if (this.kinds !== kinds) {
+      for (const { program, shaders } of Object.values(this.programs)) {
+        gl.deleteProgram(program);
+        shaders.forEach((shader) => gl.deleteShader(shader));
+      }
+      this.programs = {};
+      this.kinds = kinds;
+    }
+    return (this.programs[name] ??= this.compile(kinds, name));
+  }
+
+  compile(kinds, name) {
+    const { gl } = this;
+    const precision = ["float", "int", "sampler2D", "sampler3D"].map((type) => `precision highp ${type};\n`).join("");
+    const head = `#version 300 es\n${precision}${kinds}`;
+    const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "view", name];
+    const texts = {
+      [gl.VERTEX_SHADER]: `#version 300 es
+        void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`,
+      [gl.FRAGMENT_SHADER]: head + parts.map((part) => SHADERS[part]).join("\n"),
+    };
+    const program = gl.createProgram();
+    const shaders = Object.entries(texts).map(([kind, text]) => {
+      const shader = gl.createShader(Number(kind));
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+      return shader;
+    });
+    gl.linkProgram(program);
+    return { program, shaders };
+  }
+
+  // Whether a program can be used without waiting for the compiler.
+  compiled(name) {
+    const { program } = this.program(name);
+    return !this.parallel || this.gl.getProgramParameter(program, this.parallel.COMPLETION_STATUS_KHR);
+  }
+
+  // The places and types of a program's uniforms, by their names.
+  uniforms(made) {
+    const { gl } = this;
+    const { program, shaders } = made;
+    if (made.uniforms) return made.uniforms;
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      this.failed("This graphics processor cannot draw the live view.");
+      throw new Error(shaders.map((shader) => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(program));
+    }
+    made.uniforms = {};
+    for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k++) {
+      const { name, type } = gl.getActiveUniform(program, k);
+      made.uniforms[name.replace("[0]", "")] = { place: gl.getUniformLocation(program, name), type };
+    }
+    return made.uniforms;
+  }
+
+  // Use a program with the scene's values, and others.
+  use(name, others) {
+    const { gl } = this;
+    const made = this.program(name);
+    gl.useProgram(made.program);
+    const setters = {
+      [gl.FLOAT]: "uniform1fv", [gl.FLOAT_VEC2]: "uniform2fv", [gl.FLOAT_VEC3]: "uniform3fv", [gl.FLOAT_VEC4]: "uniform4fv",
+      [gl.INT]: "uniform1iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
+    };
+    const values = { ...(name === "display" ? {} : uniforms(this.scene, this.shapes)), ...others };
+    for (const [key, { place, type }] of Object.entries(this.uniforms(made))) {
+      gl[setters[type]](place, [values[key]].flat(2).map(Number));
+    }
+  }
+
+  // A framebuffer of float textures; made anew if its size has changed.
+  target(name, width, height, textures = 1) {
+    const { gl } = this;
+    const old = this.targets[name];
+    if (old && old.width === width && old.height === height) return old;
+    if (old) {
+      old.textures.forEach((texture) => gl.deleteTexture(texture));
+      gl.deleteFramebuffer(old.framebuffer);
+    }
+    const framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    const made = Array.from({ length: textures }, (_, k) => {
+      const texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, this.format, width, height);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + k, gl.TEXTURE_2D, texture, 0);
+      return texture;
+    });
+    gl.drawBuffers(made.map((_, k) => gl.COLOR_ATTACHMENT0 + k));
+    return (this.targets[name] = { width, height, framebuffer, textures: made });
+  }
+
+  // Draw on a target, or on the canvas. `rows`: the first row, and how many.
+  draw(name, target, size, values, rows = [0, size[1]]) {
+    const { gl } = this;
+    this.use(name, values);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target?.framebuffer ?? null);
+    gl.viewport(0, 0, ...size);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, rows[0], size[0], rows[1]);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
+  // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
+  addRay(name, size, count, { part = 1, rows = undefined } = {}) {
+    const { gl } = this, { canvas } = gl;
+    // a moving picture is in a target of the canvas's size, which need not be made anew when the picture's size changes
+    const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;
+    const [from, to] = [count & 1, 1 - (count & 1)].map((k) => this.target(name + k, width, height));
+    gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
+    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
+    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber: count }, rows);
+    return to;
+  }
+
+  // Show a sum of this many rays on the canvas.
+  show(sum, size, rays) {
+    const { gl } = this;
+    const all = [gl.canvas.width, gl.canvas.height];
+    this.shown = [sum, size, rays];
+    gl.bindTexture(gl.TEXTURE_2D, sum.textures[0]);
+    this.draw("display", null, all, { sum: 0, size, rays, canvas: all });
+  }
+
+  // Show the last sum again: a browser keeps the canvas's pixels only until they have been shown.
+  repaint() {
+    this.show(...this.shown);
+  }
+}

@@ -1,0 +1,50 @@
+// Numbers from a live view: what its shaders find, its pictures, and how long a picture takes.
+
+// What the shader finds for every pixel of a picture of this size: { ray, shown }, four numbers each, see
+// readout.glsl. The rows begin at the bottom.
+export function readout({ context }, width, height) {
+  const { gl } = context;
+  const target = context.target("readout", width, height, 2);
+  const size = [width, height];
+  context.draw("readout", target, size, { size, jitter: [0, 0], rayNumber: 0 });
+  const read = (k) => {
+    const numbers = new Float32Array(4 * width * height);
+    gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
+    return numbers;
+  };
+  return { ray: read(0), shown: read(1) };
+}
+
+// The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
+// number of rays that are not transparent. The rows begin at the bottom. `part` as for `Context.addRay`.
+export function light({ context }, width, height, rays, part = 1) {
+  const { gl } = context;
+  let sum;
+  for (let count = 0; count < rays; count++) sum = context.addRay("still", [width, height], count, { part });
+  gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
+  const numbers = new Float32Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
+  return numbers;
+}
+
+// Milliseconds of each of some frames of the canvas's size, one ray a pixel.
+export function bench({ context, canvas }, count = 20) {
+  const { gl } = context;
+  const times = [], size = [canvas.width, canvas.height];
+  for (let k = 0; k <= count; k++) {
+    const start = performance.now();
+    context.show(context.addRay("still", size, 0), size, 1);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the graphics processor
+    if (k) times.push(performance.now() - start);  // the first one compiles
+  }
+  return times;
+}
+
+// What `bench` measures, in words.
+export function benchText(view) {
+  const times = bench(view).sort((a, b) => a - b);
+  const [median, worst] = [times[times.length >> 1], times[times.length - 1]].map((time) => time.toFixed(1));
+  const { width, height } = view.canvas;
+  return `${width}x${height}, one ray a pixel: ${(1000 / median).toFixed(1)} frames a second, median ${median} ms, longest ${worst} ms`;
+}
