@@ -14,6 +14,7 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.liveview.volumes import Volume, stored, volumes
 from povgen.rendering.parallel import worker_count
+from povgen.scene.laws import to_live
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
 from povgen.scene.models import pieces as pieces_of
 from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
@@ -59,7 +60,9 @@ def demo(
         build.movie(specs[name], file, workers=workers, progress=progress, **given)
     quality = Rendering(**given).quality
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
-    save(to_html("demo/index", data(shown, shapes, presets), script("demo/main.js")).encode(), page)
+    laws = to_live()
+    text = to_html("demo/index", data(shown, shapes, presets), script("demo/main.js", laws=laws), laws)
+    save(text.encode(), page)
     return page
 
 

@@ -6,23 +6,29 @@ An export is a constant, a function or a class: the functions return its value o
 
 import posixpath
 import re
+from collections.abc import Sequence
 from graphlib import TopologicalSorter
 
-from povgen.scene.sdl import TEMPLATES
+from povgen.scene.laws import Text
+from povgen.scene.sdl import TEMPLATES, to_javascript
 
 IMPORT = re.compile(r'^import (?:\* as )?([^"]+) from "([^"]+)";\n', re.M)
 EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))", re.M)
 
 
-def script(main: str) -> str:
-    """Return a module of templates/ with all that it imports. Raises graphlib.CycleError for a circle of imports."""
+def script(*mains: str, laws: Sequence[Text]) -> str:
+    """Return modules of templates/ with all that they import. live/laws.js is made of the laws.
+
+    Raises graphlib.CycleError for a circle of imports.
+    """
     texts: dict[str, str] = {}
     graph: dict[str, list[str]] = {}
-    waiting = [main]
+    waiting = [*mains]
     while waiting:
         path = waiting.pop()
         if path not in texts:
-            texts[path] = (TEMPLATES / path).read_text("utf-8")
+            made = path == "live/laws.js"
+            texts[path] = to_javascript(laws) if made else (TEMPLATES / path).read_text("utf-8")
             near = [posixpath.join(posixpath.dirname(path), found[2]) for found in IMPORT.finditer(texts[path])]
             graph[path] = [posixpath.normpath(other) for other in near]
             waiting += graph[path]

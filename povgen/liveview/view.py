@@ -13,6 +13,7 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.liveview.volumes import stored, volumes
 from povgen.model import Model
+from povgen.scene.laws import to_live
 from povgen.scene.models import SCENES, Scene, checked_scene, piece_files, pieces
 from povgen.scene.sdl import to_html
 
@@ -47,10 +48,14 @@ class Live:
         return output
 
 
-def html(scene: Scene) -> str:
-    """Return the page that shows a scene's live view. Raises what `volumes` and `values` raise."""
+def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
+    """Return the page that shows a scene's live view. It also knows the laws of other scenes' sheets.
+
+    Raises what `volumes` and `values` raise.
+    """
     data = {"scene": values(scene), "volumes": stored(volumes(pieces(scene)))}
-    return to_html("live/page", data, script("live/main.js"))
+    laws = to_live([scene, *others])
+    return to_html("live/page", data, script("live/main.js", laws=laws), laws)
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:

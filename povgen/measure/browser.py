@@ -2,7 +2,7 @@
 
 import base64
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -59,13 +59,13 @@ def chromium() -> Iterator["Browser"]:
 class View:
     """A page that shows a scene's live view. Pictures have their first row at the top."""
 
-    def __init__(self, browser: "Browser", scene: Scene) -> None:
-        """Open the page. Raises InputError if the browser cannot draw it."""
+    def __init__(self, browser: "Browser", scene: Scene, others: Iterable[Scene] = ()) -> None:
+        """Open the page, which can also show the other scenes. Raises InputError if the browser cannot draw it."""
         self.browser = browser
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
-            file.write_text(html(scene), "utf-8")
+            file.write_text(html(scene, others), "utf-8")
             self.page.goto(file.as_uri())
             self.page.evaluate("povgen.main.view.ready")
         if not self.page.evaluate("Boolean(povgen.main.view.gl)"):

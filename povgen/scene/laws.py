@@ -1,12 +1,12 @@
 """The laws of ideal sheets as text in other languages: POV-Ray, and GLSL and JavaScript for the live view."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from povgen.scene.models import Placed, Scene
 from povgen.sheets import IDEAL
-from povgen.sheets.law import FUNCTIONS
+from povgen.sheets.law import FUNCTIONS, Law
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal, Parameter
 
@@ -65,35 +65,38 @@ def _about(parameter: Parameter, name: str) -> str:
 
 
 class Text(NamedTuple):
-    """A kind's law in GLSL and JavaScript, where `c` is a list of its constants."""
+    """The law of a kind of ideal sheet in GLSL and JavaScript."""
 
     name: str
-    constants: list[str]  # JavaScript, of the parameters' numbers p.NAME
-    glsl: list[str]
-    javascript: list[str]
-    angles: list[str]  # the numbers that are angles
+    # for each number of the law: its parameter, the unit of that, and which component of a direction it is
+    numbers: dict[str, tuple[str, str, int | None]]
+    constants: list[str]  # JavaScript: what depends on the numbers alone, p.NAME
+    glsl: list[str]  # x, y and z; the constants are constants[at], constants[at + 1], ...
+    javascript: list[str]  # x, y and z; the constants are c[0], c[1], ...
 
 
-def to_live(own: Sequence[OwnLaw] = ()) -> list[Text]:
-    """Return the laws of all kinds of ideal sheets, and of a user's own, in GLSL and JavaScript.
+def to_live(scenes: Iterable[Scene] = ()) -> list[Text]:
+    """Return the laws of all kinds of ideal sheets, and of those of the users' own in scenes, in GLSL and JavaScript.
 
     What depends on parameters alone is computed in JavaScript: a graphics processor's sine has errors of 2e-5.
     """
-    kinds: list[Ideal] = [kind({}) for kind in IDEAL.values() if kind is not OwnLaw]
-    return [_text(sheet, sheet.name) for sheet in kinds] + [
-        _text(sheet, f"law {number}") for number, sheet in enumerate(own)
-    ]
+    texts = [_text(kind.name, kind.law, kind.parameters) for kind in IDEAL.values() if kind is not OwnLaw]
+    own = {sheet.values["law"]: sheet.law for scene in scenes for sheet in scene.ideal if isinstance(sheet, OwnLaw)}
+    return texts + [_text(f"law {text}", law) for text, law in own.items()]
 
 
-def _text(sheet: Ideal, name: str) -> Text:
-    numbered = {f"c{k}": f"c[{k}]" for k in range(len(sheet.law.constants()))}
-    parameters = {each: f"p.{each}" for each in sheet.law.parameters}
+def _text(name: str, law: Law, parameters: Sequence[Parameter] = ()) -> Text:
+    numbers: dict[str, tuple[str, str, int | None]] = {}
+    for each in parameters:
+        for k, number in enumerate(each.names):
+            numbers[number] = (each.name, each.unit.partition(" ")[0], k if each.kind == "direction" else None)
+    count = len(law.constants())
     maths = {each: f"Math.{each}" for each in FUNCTIONS}
-    angles = [name for each in sheet.parameters if each.unit.startswith("degrees") for name in each.names]
+    given = {each: f"p.{each}" for each in law.parameters}
     return Text(
         name,
-        sheet.law.constants(lambda each: {**maths, **parameters}.get(each, each)),
-        sheet.law.with_constants(lambda each: numbered.get(each, each)),
-        sheet.law.with_constants(lambda each: {**maths, **numbered}.get(each, each)),
-        angles,
+        numbers,
+        law.constants(lambda each: {**maths, **given}.get(each, each)),
+        law.with_constants(lambda each: {f"c{k}": f"constants[at + {k}]" for k in range(count)}.get(each, each)),
+        law.with_constants(lambda each: {**maths, **{f"c{k}": f"c[{k}]" for k in range(count)}}.get(each, each)),
     )

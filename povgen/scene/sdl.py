@@ -118,9 +118,17 @@ def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: floa
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)
 
 
-def to_html(page: str, data: Mapping[str, object], script: str) -> str:
-    """Return a page of the live view, `live/page` or `demo/index`, with its styles. Its script reads `data`."""
-    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script)
+def to_html(page: str, data: Mapping[str, object], script: str, texts: Sequence[laws.Text]) -> str:
+    """Return a page of the live view, `live/page` or `demo/index`, with its styles. Its script reads `data`.
+
+    `texts` are the laws that its shaders know.
+    """
+    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script, laws=texts)
+
+
+def to_javascript(texts: Sequence[laws.Text]) -> str:
+    """Return the module live/laws.js: the laws that the page's scripts know."""
+    return _environment().get_template("live/laws.js.j2").render(laws=texts)
 
 
 def _input(file: str) -> str:

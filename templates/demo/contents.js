@@ -16,10 +16,8 @@ function sight(now, place) {
   const { scene, sheet, E, z1, z2, alpha, prism, behind } = now;
   const slope = scaled(1 / z2, minus(place, E));
   if (OTHER_SHEETS.includes(sheet)) {
-    const ray = equations.bent([...slope, 1], scene);
-    if (!ray) return null;
-    const after = scaled(1 / ray[2], [ray[0], ray[1]]);
-    return { slope: after, point: plus(place, scaled(z1, after)) };
+    const after = now.bend(slope, place);
+    return after && { slope: after, point: plus(place, scaled(z1, after)) };
   }
   if (sheet === "single") {
     const [x, y] = slope;

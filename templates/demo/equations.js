@@ -3,8 +3,7 @@
 // Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
 // povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with these modules.
 
-import { radians } from "../live/geometry.js";
-import { abs, arg, conj, finite, minus, plus, quotient, scaled, times, turn } from "./complex.js";
+import { abs, arg, conj, minus, plus, quotient, scaled, times, turn } from "./complex.js";
 
 // a + b exp(i alpha) for a, b >= 0 without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2).
 function sum(a, b, alpha) {
@@ -149,124 +148,6 @@ export function infiniteAlpha(z1, z2, prism) {
   const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
   const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
   return [-alpha, alpha];
-}
-
-// ---- The other ideal sheets: povgen/optics/ideal.py ----
-
-// The direction [x, y, z], behind one of the other sheets, of a line of sight d, or null if no light passes.
-export function bent(d, { sheet, alpha: degrees, ratio, axis }) {
-  const alpha = radians(degrees);
-  const transverse = [d[0], d[1]], length = Math.hypot(...d);
-  const back = times(transverse, turn(-alpha));
-  let found;
-  if (sheet === "mirror") found = [...times(conj(transverse), turn(alpha)), d[2]];
-  else if (sheet === "lenslets") found = [...scaled(1 / ratio, back), d[2]];
-  else if (sheet === "refraction") {
-    const sine = scaled(1 / (ratio * length), back);
-    found = [...sine, Math.sqrt(1 - abs(sine) ** 2)];
-  } else {
-    const [x, y, z] = axis.map((part) => part / Math.hypot(...axis));
-    const [c, s] = turn(-alpha);
-    const along = (x * d[0] + y * d[1] + z * d[2]) * (1 - c);
-    found = [
-      c * d[0] + s * (y * d[2] - z * d[1]) + x * along,
-      c * d[1] + s * (z * d[0] - x * d[2]) + y * along,
-      c * d[2] + s * (x * d[1] - y * d[0]) + z * along,
-    ];
-  }
-  return found[2] > 0 ? found : null;
-}
-
-// Where light from L to E crosses one of the other sheets: of several paths, the one whose crossing is the nearest to the
-// middle of the window. Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if
-// there is none.
-export function crossing(L, E, z1, z2, { sheet, alpha: degrees, ratio, axis }, near = 0) {
-  const D = minus(L, E), alpha = radians(degrees);
-  if (sheet === "lenslets") return ideal(L, E, z1 / ratio, z2, alpha);
-  if (sheet === "mirror") {
-    const [place, eye] = [L, E].map((point) => times(point, turn(-alpha / 2)));  // the mirror's line becomes the x axis
-    return times(mirrored(place, eye, z1, z2, { slab_shift: 0 }), turn(alpha / 2));
-  }
-  const paths = sheet === "axis" ? rotatedPaths(D, z1, z2, axis, alpha) : refractedPaths(D, z1, z2, ratio, alpha);
-  const places = paths.filter(({ miss }) => miss <= near).map(({ slope }) => plus(E, scaled(z2, slope))).filter(finite);
-  const far = (place) => Math.max(...place.map(Math.abs));
-  return places.length ? places.reduce((a, b) => (far(b) < far(a) ? b : a)) : [NaN, NaN];
-}
-
-// Light that a sheet rotates about an axis: its slopes at the eye, and how far from L it passes. ideal.position_by_rotation
-function rotatedPaths(D, z1, z2, axis, alpha) {
-  const [x, y, z] = axis.map((part) => part / Math.hypot(...axis));
-  const [c, s] = turn(alpha), k = 1 - c;
-  const R = [
-    [c + k * x * x, k * x * y - s * z, k * x * z + s * y],
-    [k * x * y + s * z, c + k * y * y, k * y * z - s * x],
-    [k * x * z - s * y, k * y * z + s * x, c + k * z * z],
-  ];
-  const RK = R.map(([a, b, c]) => [-z2 * a, -z2 * b, D[0] * a + D[1] * b + z1 * c]);
-  // the eigenvalues of RK: the zeros of q^3 - trace q^2 + minors q - product
-  const trace = RK[0][0] + RK[1][1] + RK[2][2], product = z1 * z2 ** 2;
-  const minors = PAIRS.reduce((sum, [i, j]) => sum + RK[i][i] * RK[j][j] - RK[i][j] * RK[j][i], 0);
-  const root = Math.sqrt(trace ** 2 - 3 * minors);
-  const turning = [(trace - root) / 3, (trace + root) / 3].filter((q) => q > 0);
-  const most = 1 + Math.abs(trace) + Math.abs(minors) + product;
-  const exact = zeros((q) => ((q - trace) * q + minors) * q - product, [0, ...turning, most]);
-  const others = (trace - exact[0]) / 2;  // the mean of the other two; the product of all three is positive
-  const close = exact.length === 1 && others > 0 ? [others] : [];
-  /** @type {(value: number) => any} */
-  const slope = (value) => {
-    const rows = RK.map((row, i) => row.map((a, j) => a - (i === j ? value : 0)));
-    // the vector at right angles to all rows
-    const [vx, vy, vz] = PAIRS.map(([i, j]) => cross(rows[i], rows[j])).reduce((a, b) => (Math.hypot(...b) > Math.hypot(...a) ? b : a));
-    return Math.abs(vz) > 1e-9 * Math.hypot(vx, vy) ? [vx / vz, vy / vz] : [NaN, NaN];
-  };
-  const miss = ([u, v]) => {
-    const ray = [0, 1, 2].map((i) => R[0][i] * u + R[1][i] * v + R[2][i]);
-    return ray[2] > 0 ? abs(minus(plus(scaled(z2, [u, v]), scaled(z1 / ray[2], ray)), D)) : NaN;
-  };
-  return [...exact.map((q) => ({ slope: slope(q), miss: 0 })), ...close.map(slope).map((s) => ({ slope: s, miss: miss(s) }))];
-}
-
-const PAIRS = [[0, 1], [0, 2], [1, 2]];
-/** @type {(a: any, b: any) => number[]} */
-const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
-
-// The same for light that a sheet refracts: ideal.position_by_refraction.
-function refractedPaths(D, z1, z2, ratio, alpha) {
-  const least = Math.min(1, ratio), c = Math.cos(alpha), q = (ratio * z2 / z1) ** 2;
-  const squares = (p) => {
-    const eye = (least * Math.cos(p)) ** 2;
-    return [eye + (1 - least ** 2), eye + (ratio ** 2 - least ** 2)];
-  };
-  const Z = (p) => {
-    const [near, far] = squares(p);
-    return plus([z2, 0], scaled(z1 * Math.sqrt(near / far), turn(-alpha)));
-  };
-  const beyond = (p) => abs(Z(p)) * least * Math.sin(p) / Math.sqrt(squares(p)[0]) - abs(D);
-  const most = 2 + 2 * Math.abs(c) * (1 + q);
-  // where the quartic has its minimum, where it is 0, and the p of these zeros
-  const lowest = zeros((w) => (4 * w + 3 * c) * w ** 2 + c * q, [0, most]);
-  const squared = zeros((w) => (w + c) * w ** 3 + (c * w + 1) * q, [0, ...lowest, most]).map((w) => (w * z1 / z2) ** 2);
-  const turning = squared.map((square) => Math.asin(Math.sqrt((ratio ** 2 - square) / (1 - square)) / least));
-  const numbers = [0, ...turning.filter((p) => p > 0).sort((a, b) => a - b), Math.PI / 2];
-  const side = numbers.map((p) => beyond(p) > 0);
-  const exact = zeros(beyond, numbers);
-  const close = numbers.filter((_, k) => 0 < k && k < numbers.length - 1 && side[k - 1] === side[k] && side[k] === side[k + 1]);
-  const path = (p, off) => ({ slope: quotient(scaled(1 + off / abs(D), D), Z(p)), miss: Math.abs(off) });
-  return [...exact.map((p) => ({ slope: quotient(D, Z(p)), miss: 0 })), ...close.map((p) => path(p, beyond(p)))];
-}
-
-// Where a function is 0: by bisection, once between any two of the given numbers between which its sign changes.
-function zeros(f, numbers) {
-  return numbers.slice(1).flatMap((end, k) => {
-    let [low, high] = [numbers[k], end];
-    const positive = f(low) > 0;
-    if (positive === f(high) > 0) return [];
-    for (let middle = (low + high) / 2; low < middle && middle < high; middle = (low + high) / 2) {
-      if (positive === f(middle) > 0) low = middle;
-      else high = middle;
-    }
-    return [(low + high) / 2];
-  });
 }
 
 // Where the light from L to E crosses the second window.

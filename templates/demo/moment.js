@@ -1,6 +1,8 @@
 // The numbers that follow from the state. Lengths are in tiles, points are [x, y] as the eye sees them.
 
 import * as geometry from "../live/geometry.js";
+import { bending, windows } from "../live/sheets.js";
+import { crossing, pole } from "./aim.js";
 import { behindFirst, inSeries, OTHER_SHEETS } from "./beyond.js";
 import { abs, arg, determinant, minus, plus, resolved, scaled } from "./complex.js";
 import { clamped, data } from "./data.js";
@@ -34,6 +36,8 @@ export function moment() {
   /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
   now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
+  [now.window] = windows(scene);
+  if (OTHER_SHEETS.includes(sheet)) now.bend = bending(now.window);
   now.behind = behindFirst(scene);
   if (now.behind.length) {
     [[now.d]] = now.behind;
@@ -59,8 +63,8 @@ export const NEAR_POLE = 12;  // a larger M is near the pole
 // Through the other sheets, light that passes the point at a distance of up to `near` counts too.
 export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
   const { E, prism, behind } = now;
-  if (imagingPole(now.scene, z1, z2)) return [Infinity, 0];
-  if (OTHER_SHEETS.includes(now.sheet)) return equations.crossing(L, E, z1, z2, now.scene, near);
+  if (imagingPole(now, z1, z2)) return [Infinity, 0];
+  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.window, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
@@ -73,7 +77,7 @@ export const markedPosition = (now) => apparentPosition(now, now.L, now, now.rad
 // of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.
 export function appearance(now) {
   const { sheet, z1, z2, alpha, prism, behind } = now;
-  if (imagingPole(now.scene, z1, z2)) return { nu: NaN, M: Infinity };
+  if (imagingPole(now, z1, z2)) return { nu: NaN, M: Infinity };
   if (OTHER_SHEETS.includes(sheet)) return { nu: NaN, M: Math.sqrt(Math.abs(determinant(shownSteps(now)))) };
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
   if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
@@ -95,14 +99,14 @@ export function objectStep(now, step) {
   return resolved(step, steps);
 }
 
-// Whether the prediction can be wrong by pixels. The limits are in povgen/scene/limits.py.
+// Whether the prediction can be wrong by pixels. The limits are in povgen/limits.py.
 export function unsure(now) {
   if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
   if (now.sheet === "ideal") return now.M > data.limits.condition;
   return !(possibleError(now) <= data.limits.error);
 }
 
-// By how many pixels of 1280x960 the prediction can be wrong, for one sheet or windows of prisms: povgen/scene/prediction.py.
+// By how many pixels of 1280x960 the prediction can be wrong, for one sheet or windows of prisms: povgen/scene/warnings.py.
 export function possibleError(now) {
   const { sheet, scene, E, z1, z2, alpha, behind, prism, place, radii, objects } = now;
   const { M, height } = appearance(now);
@@ -118,8 +122,5 @@ export function possibleError(now) {
 
 export const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
 
-// What an imaging sheet shows of the object's plane at its pole: "point" or "line". Otherwise "".
-export function imagingPole({ sheet, alpha, ratio }, z1, z2) {
-  if (sheet === "lenslets" && abs(equations.depth(z1 / ratio, z2, geometry.radians(alpha))) < 1e-9 * z2) return "point";
-  return sheet === "mirror" && Math.abs(z1 - z2) < 1e-9 * z2 ? "line" : "";
-}
+// What a sheet with a linear law shows of the object's plane at its pole: a "point" or a "line". Otherwise "".
+export const imagingPole = (now, z1, z2) => (now.bend ? pole(now.window, now.E, z1, z2) : "");

@@ -57,7 +57,7 @@ function drawCaption(parts, { width, height }, rem) {
 
 function poleText(now) {
   const { M, seen } = now;
-  if (imagingPole(now.scene, now.z1, now.z2) === "line") return `one line of the ${thing()}’s plane fills the window`;
+  if (imagingPole(now, now.z1, now.z2) === "line") return `one line of the ${thing()}’s plane fills the window`;
   const what = contents(now).has("thing") ? thing() : contents(now).has("pedestal") ? "pedestal" : "";
   if (!what) return `nothing of the ${thing()} is seen`;
   return Number.isFinite(M) ? `${rough(seen)} tiles of the ${what} fill the window` : `one point of the ${what} fills the window`;

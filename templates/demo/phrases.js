@@ -35,7 +35,7 @@ export function poleSentence(now) {
   const exact = !Number.isFinite(M), name = thing();
   const pole = exact ? "The pole" : "Near the pole";
   const part = exact ? "one point, straight before the eye" : `a part that is only ${rough(seen)} tiles wide`;
-  if (imagingPole(now.scene, now.z1, now.z2) === "line") {
+  if (imagingPole(now, now.z1, now.z2) === "line") {
     return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(now.degrees / 2, 1)}°, through the point straight before the eye.`
       + (contents(now).has("thing") ? " Each of its points is drawn out across the window." : ` ${absent(now)}`);
   }

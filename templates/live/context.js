@@ -58,7 +58,7 @@ export class Context {
     const { gl } = this;
     const precision = ["float", "int", "sampler2D", "sampler3D"].map((type) => `precision highp ${type};\n`).join("");
     const head = `#version 300 es\n${precision}${kinds}`;
-    const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "view", name];
+    const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "laws", "view", name];
     const texts = {
       [gl.VERTEX_SHADER]: `#version 300 es
         void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`,

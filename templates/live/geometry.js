@@ -1,6 +1,8 @@
 // What follows from a scene's values, as in povgen/optics/prism.py and povgen/scene/models.py. Lengths are in tiles,
 // angles in degrees.
 
+import { hasPrisms, windows } from "./sheets.js";
+
 export const radians = (degrees) => degrees * (Math.PI / 180);
 
 // The shape of the prisms: povgen/optics/prism.py.
@@ -18,19 +20,13 @@ export function prism(scene) {
   };
 }
 
-// The windows, the nearest to the eye first: the model of their sheets, alpha in degrees, and z.
-export function windows(scene) {
-  const further = scene.window.map(({ sheet, alpha, z }) => ({ sheet: scene.sheet === "none" ? "none" : sheet ?? scene.sheet, alpha, z }));
-  return [{ sheet: scene.sheet, alpha: scene.alpha, z: 0 }, ...further];
-}
-
 // The sheets of prisms in a window, those near the eye first: the angle about z, radians, and z of the middle plane, from
 // the middle of the window. povgen/optics/trace.py
-export function sheets(scene, sheet, alpha) {
+export function sheets(scene, window) {
+  if (!hasPrisms(window)) return [];
   const aside = prism(scene).separation / 2;
-  if (sheet === "single") return [{ angle: 0, centre: 0 }];
-  if (sheet !== "detailed") return [];
-  return [{ angle: radians(alpha) / 2, centre: -aside }, { angle: 0, centre: aside }];
+  if (window.sheet === "single") return [{ angle: 0, centre: 0 }];
+  return [{ angle: radians(window.values.alpha) / 2, centre: -aside }, { angle: 0, centre: aside }];
 }
 
 // Extent of a window frame along z.
@@ -74,8 +70,7 @@ const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1
 
 // POV-Ray's units per tile. povgen/scene/limits.py
 export function tile(scene) {
-  const hasPrisms = windows(scene).some(({ sheet }) => sheet === "detailed" || sheet === "single");
-  return Math.max(1000, hasPrisms ? Math.round(1.2 / prism(scene).pitch) : 0);
+  return Math.max(1000, windows(scene).some(hasPrisms) ? Math.round(1.2 / prism(scene).pitch) : 0);
 }
 
 export const horizon = (scene) => 1e7 / tile(scene);  // POV-Ray does not show what is farther away

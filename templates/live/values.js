@@ -1,14 +1,15 @@
 // What the shaders are given for a scene. Lengths are in tiles, angles in degrees.
 
 import * as geometry from "./geometry.js";
+import { CONSTANTS, constants, hasPrisms, idealWindows, kind, windows as windowsOf } from "./sheets.js";
 
-const IDEAL = { ideal: 0, axis: 1, refraction: 2, lenslets: 3, mirror: 4 };
 const BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
 
 // What the shaders are compiled for.
 export function defines(scene, { names, grid }) {
   const kinds = {
-    WINDOWS: geometry.windows(scene).length,
+    WINDOWS: scene.window.length + 1,
+    CONSTANTS,
     PIECES: geometry.pieces(scene).length,
     SPHERES: scene.name === "spheres" ? Math.max(11, geometry.spheres(scene).length) : 0,
     VOLUMES: names.length,
@@ -18,20 +19,20 @@ export function defines(scene, { names, grid }) {
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
 }
 
+const padded = (list, length) => [...list, ...Array(length - list.length).fill(0)];
+
 // The shaders' uniforms, for a scene with these pieces: `names` of their distance fields, and `places`.
 export function uniforms(scene, { names, places }) {
-  const windows = geometry.windows(scene), prism = geometry.prism(scene), spheres = geometry.spheres(scene);
+  const windows = windowsOf(scene), prism = geometry.prism(scene), spheres = geometry.spheres(scene);
   const pieces = geometry.pieces(scene), base = geometry.radians(scene.base_angle);
-  const sheets = windows.map(({ sheet, alpha }) => geometry.sheets(scene, sheet, alpha));
+  const sheets = windows.map((window) => geometry.sheets(scene, window));
   const turned = (angle) => [Math.cos(angle), Math.sin(angle)];
   const centres = sheets.find((pair) => pair.length)?.map(({ centre }) => centre) ?? [];
   const most = Math.max(11, spheres.length);
   return {
-    ideal: IDEAL[scene.sheet] ?? 0,
-    simulated: windows.filter(({ sheet }) => sheet in IDEAL).length,
-    turn: windows.map(({ alpha }) => turned(geometry.radians(alpha))),
-    ratio: scene.ratio,
-    axis: scene.axis.map((part) => part / Math.hypot(...scene.axis)),
+    simulated: idealWindows(scene).length,
+    kind: windows.map(kind),
+    constants: windows.flatMap((window) => padded(hasPrisms(window) ? [] : constants(window), CONSTANTS)),
     eye: [...scene.eye, -scene.z2],
     viewHeight: scene.view,
     background: BACKGROUNDS[scene.background],

@@ -1,11 +1,6 @@
 // What the eye sees in a pixel: one ray from the eye through the sheets to what stands behind them, and its colour.
 
-const int ROTATION = 0, AXIS = 1, REFRACTION = 2, LENSLETS = 3, MIRROR = 4;
-uniform int ideal;           // one of these: the map of directions of the ideal sheets
 uniform int simulated;       // how many windows are ideal sheets: the first ones
-uniform vec2 turn[WINDOWS];  // cosine and sine of each window's alpha
-uniform float ratio;
-uniform vec3 axis;           // unit vector
 uniform vec3 eye;
 uniform float viewHeight;    // height of the picture in the plane z = 0, tiles
 uniform vec2 size;           // of the picture, pixels
@@ -34,34 +29,17 @@ bool entersWindow(vec2 place, vec3 d, float z) {
   return isInWindow(place - slope * frameDepth / 2.0) && isInWindow(place + slope * z);
 }
 
-// A vector of a plane z = constant, turned by minus the angle with this cosine and sine. A camera's ray runs against the light.
-vec2 turnedBack(vec2 v, vec2 angle) {
-  return vec2(angle.x * v.x + angle.y * v.y, angle.x * v.y - angle.y * v.x);
-}
-
-// The direction of an eye's ray behind an ideal sheet: povgen/optics/ideal.py. Where no light passes, its z is not positive.
-vec3 bent(vec3 d, int number) {
-  vec2 angle = turn[number];
-  if (ideal == AXIS) return angle.x * d - angle.y * cross(axis, d) + (1.0 - angle.x) * dot(axis, d) * axis;
-  if (ideal == REFRACTION) {
-    vec2 sine = turnedBack(d.xy, angle) / ratio;
-    return vec3(sine, sqrt(max(1.0 - dot(sine, sine), 0.0)));
-  }
-  if (ideal == LENSLETS) return normalize(vec3(turnedBack(d.xy, angle) / ratio, d.z));
-  return vec3(turnedBack(ideal == MIRROR ? vec2(d.x, -d.y) : d.xy, ideal == MIRROR ? vec2(angle.x, -angle.y) : angle), d.z);
-}
-
-// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets. Several sheets
-// are all rotations, through which all light passes.
+// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets.
 void passIdealSheets(inout Seen seen) {
-  seen.direction = bent(seen.direction, 0);
-  seen.lost = seen.direction.z < 1e-6;
-  for (int w = 1; w < simulated; w++) {
+  seen.direction = bent(seen.direction, seen.origin.xy, 0);
+  seen.lost = seen.direction.z < 0.0;
+  for (int w = 1; w < simulated && !seen.lost; w++) {
     vec3 d = seen.direction;
     vec2 place = seen.origin.xy + d.xy / d.z * (windowZ[w] - windowZ[w - 1]);
     if (!isInWindow(seen.origin.xy + d.xy / d.z * frameDepth / 2.0) || !entersWindow(place, d, 0.0)) return;
     seen.origin = vec3(place, windowZ[w]);
-    seen.direction = bent(d, w);
+    seen.direction = bent(d, seen.origin.xy, w);
+    seen.lost = seen.direction.z < 0.0;
   }
 }
 

@@ -1,5 +1,6 @@
 // Evaluates JavaScript with the names of the page's modules, for test_javascript.py: a line of JSON with the script and its
-// argument, as source text, gives a line of JSON. The first line is the page's data.
+// argument, as source text, gives a line of JSON. The first lines are the page's data and
+// the modules as one script.
 
 import { createInterface } from "node:readline";
 
@@ -9,10 +10,12 @@ const special = (key, value) => (typeof value === "number" && !Number.isFinite(v
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
 const { value: textContent } = await lines.next();
 globalThis.document = { getElementById: () => ({ textContent }) };
-const names = ["live/geometry", "demo/equations", "demo/numbers", "demo/text", "demo/address", "demo/state", "demo/moment", "demo/contents", "demo/questions"];
-const modules = await Promise.all(names.map((name) => import(`../../templates/${name}.js`)));
-names.forEach((name, k) => (globalThis[name.split("/")[1]] = modules[k]));
-Object.assign(globalThis, ...modules.slice(1));
+const { value: script } = await lines.next();
+globalThis.window = globalThis;
+(0, eval)(JSON.parse(script));
+const { povgen } = globalThis;
+const { geometry, sheets, ...pages } = povgen;
+Object.assign(globalThis, povgen, ...Object.values(pages));
 for await (const line of lines) {
   const { script, argument } = JSON.parse(line);
   const found = (0, eval)(`(${script})`);

@@ -1,0 +1,127 @@
+// Where the eye sees a point through an ideal sheet with any law: povgen/optics/aim.py. A ray from the eye E with the slope s
+// crosses the sheet, a distance z2 away, at E + z2 s.
+
+import { constants, bending } from "../live/sheets.js";
+import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times } from "./complex.js";
+
+/** @typedef {number[]} Point */
+
+// The columns [x, y] of the linear map from a step of the slope at the eye to a step in the plane a distance z1 behind the sheet,
+// and the point `from` that the slope 0 leads to. null if the law is not linear.
+export function linear(window, E, z1, z2) {
+  const at = place(bending(window), E, z1, z2);
+  const from = at([0, 0]);
+  if (!from) return null;
+  const columns = [[1, 0], [0, 1]].map((step) => at(step) && minus(at(step), from));
+  if (!columns.every(Boolean)) return null;
+  const most = 1 + Math.max(...columns.map(abs));
+  for (const s of [[-1.7, 0.4], [0.9, -1.3], [0.31, 1.87], [-0.6, -1.1], [1.6, 1.2]]) {
+    const shown = at(s), expected = plus(from, plus(scaled(s[0], columns[0]), scaled(s[1], columns[1])));
+    if (!shown || !(abs(minus(shown, expected)) <= 1e-10 * most)) return null;
+  }
+  return { columns, from };
+}
+
+// A linear law's pole: all light to the eye passes the plane at z1 in one "point", or in a "line"; "" elsewhere.
+export function pole(window, E, z1, z2) {
+  const map = linear(window, E, z1, z2);
+  if (!map) return "";
+  const [a, b] = map.columns, size = Math.hypot(abs(a), abs(b));
+  if (size < 1e-9 * z2) return "point";
+  return Math.abs(determinant([a, b])) < 1e-9 * z2 * size ? "line" : "";
+}
+
+// Where light from L to E crosses the sheet: of several paths, the one whose crossing is the nearest to the middle of the window.
+// Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.
+export function crossing(L, E, z1, z2, window, near = 0) {
+  const map = linear(window, E, z1, z2);
+  if (map) {
+    const slope = resolved(minus(L, map.from), map.columns);
+    return Math.abs(determinant(map.columns)) < 1e-13 * abs(map.columns[0]) * abs(map.columns[1])
+      ? [Infinity, 0] : plus(E, scaled(z2, slope));
+  }
+  const at = place(bending(window), E, z1, z2);
+  const scale = abs(minus(L, E)) + z1 + z2;
+  let best = [NaN, NaN], least = Infinity;
+  for (const start of netsOf(window, E, z1, z2, at).flatMap((net) => starts(net, L))) {
+    const { s, off } = closest(start, L, at);
+    const P = plus(E, scaled(z2, s)), far = Math.max(...P.map(Math.abs));
+    if (off <= Math.max(1e-11 * scale, near) && far < least) [best, least] = [P, far];
+  }
+  return best;
+}
+
+// The map from the slope of an eye's ray to the point where it crosses the plane at z1; null if no light passes.
+const place = (bend, E, z1, z2) => (/** @type {Point} */ s) => {
+  const P = plus(E, scaled(z2, s)), after = bend(s, P);
+  return after && plus(P, scaled(z1, after));
+};
+
+const ANGLES = Array.from({ length: 25 }, (_, k) => ((k - 12) * 7 * Math.PI) / 180);
+const even = (least, most) => ANGLES.map((_, k) => least + ((most - least) * k) / (ANGLES.length - 1));
+let kept = { key: "", nets: [] };  // those of the last sheet
+
+// Nets of rays from which the search starts: over all angles, over those at which light passes, and over the window.
+function netsOf(window, E, z1, z2, at) {
+  const key = JSON.stringify([window.sheet, constants(window), window.values.aperture, E, z1, z2]);
+  if (kept.key === key) return kept.nets;
+  const net = (xs, ys) => ({ xs, ys, shown: ys.map((y) => xs.map((x) => at([x, y]))) });
+  const tangents = (angles) => angles.map((angle) => Math.tan(Math.min(1.55, Math.max(-1.55, angle))));
+  const all = net(tangents(ANGLES), tangents(ANGLES));
+  const nets = [all];
+  const rows = [...ANGLES.keys()].filter((j) => all.shown[j].some(Boolean));
+  const columns = [...ANGLES.keys()].filter((k) => all.shown.some((row) => row[k]));
+  if (rows.length && all.shown.flat().some((shown) => !shown)) {
+    const step = ANGLES[1] - ANGLES[0];
+    nets.push(net(...[columns, rows].map((found) => tangents(even(ANGLES[found[0]] - step, ANGLES[found.at(-1)] + step)))));
+  }
+  const half = 0.55 * window.values.aperture;
+  nets.push(net(...E.map((x) => even((-half - x) / z2, (half - x) / z2))));
+  kept = { key, nets };
+  return nets;
+}
+
+// Slopes from which to search: in a triangle of the net whose image contains L, where its ray follows linearly, and where the
+// net's rays pass L more closely than their neighbours.
+function starts({ xs, ys, shown }, L) {
+  const found = [];
+  const off = shown.map((row) => row.map((point) => (point ? abs(minus(point, L)) : Infinity)));
+  for (let j = 0; j < ys.length; j++) {
+    for (let k = 0; k < xs.length; k++) {
+      let lowest = Number.isFinite(off[j][k]);
+      for (let v = j - 1; lowest && v <= j + 1; v++) for (let u = k - 1; u <= k + 1; u++) if (off[v]?.[u] < off[j][k]) lowest = false;
+      if (lowest) found.push([xs[k], ys[j]]);
+      for (const side of [1, -1]) {
+        const a = shown[j][k], b = shown[j]?.[k + side], c = shown[j + side]?.[k];
+        if (!a || !b || !c) continue;
+        const [p, q] = resolved(minus(L, a), [minus(b, a), minus(c, a)]);
+        if (p > -0.3 && q > -0.3 && p + q < 1.3) found.push([xs[k] + p * (xs[k + side] - xs[k]), ys[j] + q * (ys[j + side] - ys[j])]);
+      }
+    }
+  }
+  return found;
+}
+
+// The slope near a start whose ray passes L at the least distance, and this distance: Levenberg's and Marquardt's method.
+function closest(start, L, at) {
+  const miss = (s) => {
+    const shown = at(s);
+    return shown ? minus(shown, L) : [NaN, NaN];
+  };
+  let s = start, f = miss(s), damping = 1e-3;
+  for (let step = 0; step < 60 && finite(f) && abs(f) > 0; step++) {
+    const h = 1e-7 * (1 + abs(s));
+    const [a, b] = [[h, 0], [0, h]].map((d) => scaled(1 / h, minus(miss(plus(s, d)), f)));
+    const dot = (u, v) => times(conj(u), v)[0];
+    const p = dot(a, a) * (1 + damping), r = dot(b, b) * (1 + damping), ab = dot(a, b);
+    const [ga, gb] = [dot(a, f), dot(b, f)], size = p * r - ab ** 2;
+    const change = [-(r * ga - ab * gb) / size, -(p * gb - ab * ga) / size];
+    if (!finite(change)) break;
+    const next = miss(plus(s, change)), better = abs(next) < abs(f);
+    const small = abs(change) / (1 + abs(s)) < (better ? 1e-15 : 1e-10);
+    if (better) [s, f, damping] = [plus(s, change), next, damping * 0.1];
+    else damping = Math.max(damping, 1e-8) * 8;
+    if (small || damping > 1e8) break;
+  }
+  return { s, off: finite(f) ? abs(f) : Infinity };
+}
