@@ -127,8 +127,10 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
 
 
 def _takes_several(annotation: object) -> bool:
-    """Whether a field's type allows a tuple of any length."""
+    """Whether a field's type allows a tuple of any length, or a table."""
     parts = get_args(annotation)
+    if get_origin(annotation) is dict:
+        return True
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
 
 

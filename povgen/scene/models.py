@@ -27,6 +27,7 @@ from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets.law import Law
 from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Ideal, Parameter, Sheet
 
@@ -506,7 +507,9 @@ class Scene(_OfScene):
     @model_validator(mode="after")
     def _check_prisms_and_eye(self) -> Self:
         least = self.prism.least_aspect
-        if not least < self.aspect < 2:
+        if self.aspect == 2:
+            raise ValueError("aspect = 2: no light would take the designed path; allowed: below 2")
+        if self.aspect <= least:
             raise ValueError(
                 f"aspect = {self.aspect:g}: the slanted facets of prisms with index = {self.index:g} and "
                 f"base_angle = {self.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
@@ -529,15 +532,20 @@ class Scene(_OfScene):
 
     @model_validator(mode="after")
     def _check_sheets(self) -> Self:
-        for number, sheet in enumerate(self.sheets, 1):
+        # a law is checked even if no window has it
+        for number, window in enumerate((self, *self.window), 1):
+            text, parameters = (
+                getattr(self, name) if getattr(window, name) is None else getattr(window, name)
+                for name in ("law", "parameter")
+            )
+            try:
+                Law(text, parameters)
+            except ValueError as error:
+                where = f"window {number}, law" if number > 1 else "law"
+                raise ValueError(f"{where} = {shown(text)}: {error}") from None
+        for sheet in self.sheets:
             if sheet.name == "single" and self.window:
                 raise ValueError("sheet = 'single': not with several windows; allowed: any other sheet")
-            if isinstance(sheet, Ideal):
-                try:
-                    sheet.law  # noqa: B018  (a law of one's own is read here)
-                except ValueError as error:
-                    where = f"window {number}, law" if number > 1 else "law"
-                    raise ValueError(f"{where} = {shown(sheet.values['law'])}: {error}") from None
         for number, window in enumerate(self.window, 2):
             for name in (parameter.name for parameter in PRISMS):
                 if getattr(window, name) not in (None, getattr(self, name)):

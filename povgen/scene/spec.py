@@ -20,8 +20,6 @@ MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for
 MAX_FRAMES = 10000
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
-# The numbers of the windows behind the first one that can be swept: window2_alpha, window2_z, window3_alpha, ...
-WINDOW_NUMBERS = {f"window{n}_{name}": (n, name) for n in range(2, MAX_WINDOWS + 1) for name in ("alpha", "z")}
 
 
 def _number_or_pair(value: object) -> object:
@@ -307,7 +305,7 @@ def spec_file(path: str | Path) -> Path | int:
     return file if file.suffix == ".toml" or file.exists() else MOVIES / f"{path}.toml"
 
 
-def swept_numbers(scene: type[Scene]) -> dict[str, int]:
+def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
     """Return the scene's parameters that can be swept, and how many numbers a value of each has."""
     counts = {name: _numbers(field.annotation) for name, field in scene.model_fields.items()}
     return {name: count for name, count in counts.items() if count in (1, 2)}
@@ -318,10 +316,21 @@ def _numbers(kind: object) -> int:
     if kind in (int, float):
         return 1
     origin, parts = get_origin(kind), get_args(kind)
+    if origin is dict:
+        return 0
     if origin is Annotated:
         return _numbers(parts[0])
     counts = [_numbers(part) for part in parts if part not in (..., NoneType)] if origin is not Literal else [0]
     return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
+
+
+# The numbers of the windows behind the first one that can be swept: window2_alpha, window2_z, window3_alpha, ...
+WINDOW_NUMBERS = {
+    f"window{n}_{name}": (n, name)
+    for n in range(2, MAX_WINDOWS + 1)
+    for name, count in swept_numbers(Window).items()
+    if count == 1
+}
 
 
 def _text(value: object) -> str:

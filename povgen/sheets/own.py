@@ -21,7 +21,7 @@ class OwnLaw(Ideal):
             "x, y, z",
             kind="text",
         ),
-        Parameter("parameter", "number in the law, such as k=0.3; can be repeated", {}, kind="table"),
+        Parameter("parameter", "number in the law, such as k=0.3", {}, kind="table"),
     )
     examples = (
         {"law": "x - k*X*z, y, z", "parameter": {"k": 0.3}},  # a cylinder lens

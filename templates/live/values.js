@@ -1,7 +1,7 @@
 // What the shaders are given for a scene. Lengths are in tiles, angles in degrees.
 
 import * as geometry from "./geometry.js";
-import { CONSTANTS, constants, hasPrisms, idealWindows, kind, windows as windowsOf } from "./sheets.js";
+import { CONSTANTS, constants, hasPrisms, idealWindows, kind, windows } from "./sheets.js";
 
 const BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
 
@@ -23,21 +23,21 @@ const padded = (list, length) => [...list, ...Array(length - list.length).fill(0
 
 // The shaders' uniforms, for a scene with these pieces: `names` of their distance fields, and `places`.
 export function uniforms(scene, { names, places }) {
-  const windows = windowsOf(scene), prism = geometry.prism(scene), spheres = geometry.spheres(scene);
+  const all = windows(scene), prism = geometry.prism(scene), spheres = geometry.spheres(scene);
   const pieces = geometry.pieces(scene), base = geometry.radians(scene.base_angle);
-  const sheets = windows.map((window) => geometry.sheets(scene, window));
+  const sheets = all.map((window) => geometry.sheets(scene, window));
   const turned = (angle) => [Math.cos(angle), Math.sin(angle)];
   const centres = sheets.find((pair) => pair.length)?.map(({ centre }) => centre) ?? [];
   const most = Math.max(11, spheres.length);
   return {
     simulated: idealWindows(scene).length,
-    kind: windows.map(kind),
-    constants: windows.flatMap((window) => padded(hasPrisms(window) ? [] : constants(window), CONSTANTS)),
+    kind: all.map(kind),
+    constants: all.flatMap((window) => padded(hasPrisms(window) ? [] : constants(window), CONSTANTS)),
     eye: [...scene.eye, -scene.z2],
     viewHeight: scene.view,
     background: BACKGROUNDS[scene.background],
     window: scene.aperture,
-    windowZ: windows.map(({ z }) => z),
+    windowZ: all.map(({ z }) => z),
     frameDepth: geometry.depth(scene),
     frameSection: geometry.frameSection(scene),
     frameLip: geometry.frameLip(scene),

@@ -41,7 +41,7 @@ from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
 from povgen.settings import Rendering
-from povgen.sheets import OTHER
+from povgen.sheets import OTHER, PARAMETERS
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
@@ -756,7 +756,7 @@ BOUNDS = {
         "view": (0.1, 100),
         "timeout": (0, 1e6),
         "eye_distance": (0, 5),
-        "ratio": (0.1, 10),
+        **{name: (each.least, each.most) for name, (each, *_) in PARAMETERS.items() if each.kind == "number"},
     },
 }
 

@@ -74,7 +74,7 @@ stop = 180
         (["--base-angle", "76"], ["base_angle = '76'", "15 to 75"]),
         (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.249 < aspect < 2"]),
         (["--aspect", "0.4"], ["aspect = 0.4", "index = 1.5", "cross", "0.465"]),
-        (["--aspect", "2"], ["aspect = '2'", "below 2"]),
+        (["--aspect", "2"], ["aspect = 2", "below 2"]),
         (["--gap", "1e-4"], ["gap = '1e-4'", "0.001 to 0.5"]),
         (["--aperture", "0.4"], ["aperture = '0.4'", "0.5 to 10"]),
         (["--view", "0"], ["view = '0'", "0.1 to 100"]),
@@ -289,7 +289,7 @@ def test_other_commands(arguments, words, tmp_path):
     [
         (
             ["--ratio", "2", "--prisms", "9"],
-            ["ratio = 2: no effect with sheet = detailed; it is for refraction or lenslets"],
+            ["ratio = 2: no effect with sheet = detailed; it is for lenslets or refraction"],
         ),
         (
             ["--sheet", "ideal", "--prisms", "9"],
@@ -318,12 +318,14 @@ def test_which_options_have_an_effect(sheet):
         return [line.partition("//")[0] for line in to_pov(Chess(sheet=sheet, **values)).splitlines()]
 
     other = {
-        "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
+        "law": "x, y, z*2", "parameter": {"k": 2}, "focal_length": 5, "object_focal_length": 7, "twist": 9,
+        "view_distance": 3, "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
         "axis": (0, 1, 0), "ratio": 2, "alpha": 9,
     }  # fmt: skip
-    assert other.keys() == USED_BY.keys()
+    assert other.keys() == {*USED_BY, "fresnel"}
     for name, value in other.items():
-        assert (text() != text(**{name: value})) == (sheet in USED_BY[name]), name
+        used = SHEETS[sheet].layers > 0 if name == "fresnel" else sheet in USED_BY[name]
+        assert (text() != text(**{name: value})) == used, name
 
 
 @pytest.mark.parametrize(
@@ -343,7 +345,7 @@ def test_the_list_states_defaults(tmp_path):
 
 def test_the_help_says_which_options_can_be_repeated(tmp_path):
     text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
-    assert text.count("; can be repeated") == 5  # z1, x, piece, color, window
+    assert text.count("; can be repeated") == 6  # z1, x, piece, color, window, parameter
 
 
 @pytest.mark.parametrize(

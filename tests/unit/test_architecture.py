@@ -15,15 +15,16 @@ MODULES = {
 # The packages that each package may import. Each may also import the modules in BASE, which import no package.
 LAYERS = {
     "optics": set(),
-    "scene": {"optics"},
-    "rendering": {"optics", "scene"},
-    "video": {"optics", "scene", "rendering"},
-    "liveview": {"optics", "scene", "rendering", "video"},
-    "measure": {"optics", "scene", "rendering", "video", "liveview"},
-    "teach": {"optics", "scene", "rendering", "video", "liveview", "measure"},
-    "cli": {"optics", "scene", "rendering", "video", "liveview", "measure", "teach"},
+    "sheets": {"optics"},
+    "scene": {"optics", "sheets"},
+    "rendering": {"optics", "sheets", "scene"},
+    "video": {"optics", "sheets", "scene", "rendering"},
+    "liveview": {"optics", "sheets", "scene", "rendering", "video"},
+    "measure": {"optics", "sheets", "scene", "rendering", "video", "liveview"},
+    "teach": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure"},
+    "cli": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure", "teach"},
 }
-BASE = {"errors", "files", "model", "progress", "settings", "stopping", "version"}
+BASE = {"errors", "files", "limits", "model", "progress", "settings", "stopping", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything
 
 

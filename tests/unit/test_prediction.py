@@ -56,15 +56,15 @@ from povgen.settings import Rendering
         (
             Chess(sheet="lenslets", alpha=180, z1=6),
             {"overlay": True},
-            "at alpha = 180 and z1 = 6 the object has no mark",
+            "overlay: at z1 = 6 the object has no mark",
         ),
         (
             Chess(sheet="axis", alpha=180),
             {},
-            "sheet = axis: no light passes through the window, because of axis and alpha",
+            "sheet = axis: no light passes through the window, because of alpha, axis, z2 and eye",
         ),
         (Chess(sheet="axis", alpha=80, axis=(1, 0, 0)), {}, None),  # some light passes
-        (Chess(sheet="refraction", ratio=0.1, z2=0.5, eye=(10, 0)), {}, "because of ratio, z2 and eye"),
+        (Chess(sheet="refraction", ratio=0.1, z2=0.5, eye=(10, 0)), {}, "because of alpha, ratio, z2 and eye"),
         (Chess(alpha=179, z1=5, predicted_image=True), {"overlay": True}, "predicted_image, overlay: at alpha = 179"),
     ],
 )

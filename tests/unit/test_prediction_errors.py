@@ -24,7 +24,7 @@ def random_scene(rng):
     def log(least, most):
         return float(np.exp(rng.uniform(np.log(least), np.log(most))))
 
-    sheet = rng.choice(["detailed", "single", "ideal", *OTHER], p=[0.6, 0.15, 0.05, 0.05, 0.05, 0.05, 0.05])
+    sheet = rng.choice(["detailed", "single", "ideal", *OTHER], p=[0.6, 0.15, 0.05, *[0.2 / len(OTHER)] * len(OTHER)])
     values = {"alpha": rng.choice([rng.uniform(-360, 360), rng.uniform(-25, 25), 180 - log(0.1, 40)]), "sheet": sheet}
     values |= {"z2": log(0.6, 150), "z1": log(0.3, 1000), "eye": tuple(rng.choice([0, 1, 10]) * rng.uniform(-1, 1, 2))}
     values |= {"prisms": int(log(1, 3000)), "axis": tuple(rng.uniform(-1, 1, 3)), "ratio": log(0.1, 10)}

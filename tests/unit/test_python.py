@@ -4,6 +4,7 @@ import inspect
 import json
 import pickle
 import pydoc
+import re
 from pathlib import Path
 from typing import get_args
 
@@ -152,7 +153,7 @@ def test_help_names_each_parameter(model):
     text, signature = pydoc.plain(pydoc.render_doc(model)), inspect.signature(model)
     assert list(signature.parameters) == list(model.model_fields)
     for name, field in model.model_fields.items():
-        (line,) = [line for line in text.splitlines() if line.strip(" |").startswith(f"- `{name}")]
+        (line,) = [line for line in text.splitlines() if re.match(rf"[ |]*- `{name}\b", line)]
         assert line.endswith(field.description)
         assert field.is_required() == (signature.parameters[name].default is inspect.Parameter.empty)
     assert "Annotated" not in str(signature)

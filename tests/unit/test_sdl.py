@@ -43,7 +43,9 @@ def code_of(scene, mosaic=None):
 
 
 @pytest.mark.parametrize(
-    "scene", list(scenes()), ids=lambda s: f"{s.name}-{'-'.join(s.sheets)}-{getattr(s, 'piece', '')}"
+    "scene",
+    list(scenes()),
+    ids=lambda s: f"{s.name}-{'-'.join(sheet.name for sheet in s.sheets)}-{getattr(s, 'piece', '')}",
 )
 def test_everything_declared_is_used(scene):
     code = code_of(scene)

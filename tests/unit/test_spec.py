@@ -107,9 +107,7 @@ def test_several_parameters_and_explicit_values():
 
 def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
-        **dict.fromkeys(
-            ("alpha", "z2", "ratio", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1
-        ),
+        **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
         **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
@@ -129,7 +127,7 @@ def test_every_number_of_a_scene_can_be_swept():
             "frame 61 of 61, alpha = 90: eye = 0,-2: the eye would be under the floor",
         ),
         ("prisms=1000:5", "frame 61 of 61, prisms = 5: z1 = 2: the knight would touch the window frame"),
-        ("piece=1:2", "parameter = 'piece': cannot be swept; allowed: alpha, z2, ratio, prisms"),
+        ("piece=1:2", "parameter = 'piece': cannot be swept; allowed: alpha, prisms, index"),
         ("eye=1:2", "eye = 1.0: allowed: a pair"),
         ("alpha=1,2:3,4", "alpha = (1.0, 2.0): allowed: a number"),
         ("alpha=0:90 alpha=0:9", "parameter = 'alpha': swept more than once"),

@@ -23,10 +23,24 @@ def test_a_window_is_text_a_table_or_a_window():
             scene = Chess(window=given)
             assert scene.window == (Window(alpha=-50, z=2),)
             assert (scene.alphas, scene.places, scene.behind) == ((66, -50), (0, 2), ((2, pytest.approx(-0.872665)),))
-    assert [sheet.name for sheet in Chess(**MIXED).sheets] == ["ideal", "ideal", "detailed"] and len(
-        Chess(**MIXED).ideal
-    ) == 2
-    assert Chess(**{**MIXED, "sheet": "none"}).sheets == ("none",) * 3
+    assert [sheet.name for sheet in Chess(**MIXED).sheets] == ["ideal", "ideal", "detailed"]
+    assert len(Chess(**MIXED).ideal) == 2 and Chess(sheet="none", window="z=1,alpha=3").is_empty
+
+
+def test_windows_have_parameters_of_their_own():
+    """What a window does not state is that of the first one."""
+    given = [
+        "z=1,sheet=lenslets,ratio=0.5",
+        "z=2,sheet=axis,axis=0,1,0.5,alpha=9",
+        "z=3,sheet=law,law=x,y,z*k,parameter=k=2",
+    ]
+    scene = Chess(sheet="refraction", ratio=0.8, alpha=20, window=given)
+    assert [(z, sheet.name, dict(sheet.values)) for z, sheet in scene.windows] == [
+        (0, "refraction", {"alpha": 20, "ratio": 0.8}),
+        (1, "lenslets", {"alpha": 20, "ratio": 0.5}),
+        (2, "axis", {"alpha": 9, "axis": (0, 1, 0.5)}),
+        (3, "law", {"law": "x,y,z*k", "parameter": {"k": 2}}),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -35,7 +49,7 @@ def test_a_window_is_text_a_table_or_a_window():
         ({"window": "alpha=120"}, "window = 'alpha=120': z: missing (distance from the first window"),
         ({"window": "120"}, "window = '120': should be text such as alpha=120,z=2"),
         ({"window": "alpha=1,z=2,alpha=3"}, "should be text such as alpha=120,z=2"),
-        ({"window": {"alpha": 1, "z": 2, "y": 3}}, "'y': unknown; allowed: alpha, z, sheet"),
+        ({"window": {"alpha": 1, "z": 2, "y": 3}}, "'y': unknown; allowed: alpha, prisms, index"),
         ({"window": {"alpha": 1, "z": True}}, "z = True: should not be true or false"),
         ({"window": 5}, "window = 5: should be a list"),
         ({"window": "alpha=1,z=200"}, "z = '200': should be less than or equal to 100"),
