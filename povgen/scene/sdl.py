@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from shlex import quote
 from types import NoneType
 from typing import NamedTuple
@@ -11,13 +10,14 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen.errors import InputError, shown
+from povgen.files import own_folder
 from povgen.scene import limits, materials, prediction
 from povgen.scene.models import OTHER_SHEETS, PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
 from povgen.settings import Sampling
 from povgen.version import __version__
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
+TEMPLATES = own_folder("templates")
 
 
 @cache
