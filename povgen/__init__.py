@@ -24,21 +24,17 @@ if TYPE_CHECKING:
     from povgen.video.still import save as save
     from povgen.video.still import show as show
 
-_MODULES = {
-    "Chess": "scene.models",
-    "InputError": "errors",
-    "Movie": "video.build",
-    "MovieSpec": "scene.spec",
-    "PovrayError": "errors",
-    "Rendering": "settings",
-    "Spheres": "scene.models",
-    "live": "teach.live",
-    "movie": "video.build",
-    "render": "video.still",
-    "save": "video.still",
-    "show": "video.still",
-    "to_pov": "scene.sdl",
+_NAMES = {
+    "errors": ("InputError", "PovrayError"),
+    "scene.models": ("Chess", "Spheres"),
+    "scene.sdl": ("to_pov",),
+    "scene.spec": ("MovieSpec",),
+    "settings": ("Rendering",),
+    "teach.live": ("live",),
+    "video.build": ("Movie", "movie"),
+    "video.still": ("render", "save", "show"),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = list(_MODULES)
 
 

@@ -28,10 +28,11 @@ def message_of(error: Exception) -> str:
     return str(error)
 
 
-def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
-    """Print one warning for each limit that scenes exceed, with the number of scenes that exceed it."""
+def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
+    """Print a warning for each option of `values` that changes nothing, and for each limit that scenes exceed."""
     from povgen.scene.prediction import warnings
 
+    _warn_unused(values, scenes)
     if rendering:
         from povgen.rendering import surveys
         from povgen.rendering.views import views
@@ -49,7 +50,7 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
         say(f"povgen: warning: {texts[0]}{also}")
 
 
-def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
+def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
     sheets = {sheet for scene in scenes for sheet in scene.sheets}
     for name, value in values.items():

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import Axes, Figure, save_drawing, style
+from povgen.measure.plotting import Axes, drawn
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.polarisation import jones, transmission
 from povgen.optics.prism import Prism
@@ -16,16 +16,12 @@ ALPHA = 66  # degrees
 
 def save_charts(folder: Path) -> None:
     """Write polarisation.png and diffraction.png into a folder."""
-    with style():
-        figure = Figure(figsize=(7, 4.5), layout="constrained")
+    with drawn(7, 4.5, folder / "polarisation.png") as figure:
         draw_polarisation(figure.subplots())
-        save_drawing(figure, folder / "polarisation.png")
-    with style():
-        figure = Figure(figsize=(12, 4.5), layout="constrained")
+    with drawn(12, 4.5, folder / "diffraction.png") as figure:
         left, right = figure.subplots(1, 2)
         draw_blur(left)
         draw_best_pitch(right)
-        save_drawing(figure, folder / "diffraction.png")
 
 
 def draw_polarisation(ax: Axes) -> None:

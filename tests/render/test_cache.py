@@ -385,7 +385,7 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
     rendered(scene)
     monkeypatch.setattr(prediction, "surveys", {})
     monkeypatch.setattr(prediction, "_survey", lambda *rays: pytest.fail("traced again"))
-    warn([scene], SMALL)
+    warn({}, [scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 
 
