@@ -140,11 +140,8 @@ def described(field: "FieldInfo") -> str:
     if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    return (
-        about
-        if default in (None, False, (), PydanticUndefined) or "(default" in about
-        else f"{about} (default {default})"
-    )
+    said = default in (None, False, (), PydanticUndefined) or "(default" in about
+    return about if said else f"{about} (default {default})"
 
 
 def scene_of(name: str, values: Values) -> "Scene":

@@ -30,13 +30,8 @@ def draw_polarisation(ax: Axes) -> None:
     for alpha in (0, 66, 120, 180):
         J = jones([0, 0, -1], [0, np.radians(alpha) / 2], Prism(1.0))
         ax.plot(angle, transmission(J, np.radians(angle)), label=f"α = {alpha}°")
-    ax.set(
-        xlabel="polarisation, degrees from the far sheet's ridges",
-        ylabel="share that passes",
-        xlim=(0, 180),
-        ylim=(0.6, 1.02),
-    )
-    ax.set_title("Two sheets, n = 1.5, 45°")
+    ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share that passes")
+    ax.set(xlim=(0, 180), ylim=(0.6, 1.02), title="Two sheets, n = 1.5, 45°")
     ax.legend(ncols=4, loc="upper center")
 
 

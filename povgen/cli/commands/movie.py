@@ -92,7 +92,8 @@ def command(
         _check_shard(part, scheduler, output)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
-        checked_movie(output, made, rendering.quality, [*piece_files(scenes), *([] if sweep else [spec_file(spec)])])
+        inputs = [*piece_files(scenes), *([] if sweep else [spec_file(spec)])]
+        checked_movie(output, len(scenes), made.rate(rendering.quality), inputs)
     if limit is not None:
         check_views(scenes, rendering)
         values["sheet"], options["antialias"] = chosen(scenes, options, limit, quiet)
