@@ -53,11 +53,9 @@ def _shown_in_notebooks() -> None:
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
-        formatter.for_type_by_name("povgen.scene.models", "Scene", _png)
-
-
-def _png(scene: object) -> object:
-    return import_module("povgen.video.still").png(scene)
+        formatter.for_type_by_name(
+            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").png(scene)
+        )
 
 
 _shown_in_notebooks()

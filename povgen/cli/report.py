@@ -57,5 +57,5 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
         if sheets and name in USED_BY and value is not False and not sheets & {*USED_BY[name]}:
             shown = "true" if value is True else value
             *others, last = USED_BY[name]
-            allowed = ", ".join(others) + " or " * bool(others) + last
+            allowed = " or ".join(filter(None, [", ".join(others), last]))
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")

@@ -75,7 +75,8 @@ def _range(values: Reals, form: str = ".3g") -> str:
     """Return the least and the greatest number as text, and '?' if one is NaN (nu at the pole)."""
     numbers = values[~np.isnan(values)]
     ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
-    return ", ".join([" to ".join(ends)] * bool(ends) + ["?"] * (len(numbers) < len(values)))
+    unknown = "?" if len(numbers) < len(values) else ""
+    return ", ".join(filter(None, [" to ".join(ends), unknown]))
 
 
 def _number(value: float, form: str) -> str:
@@ -100,12 +101,15 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """
     two = scene.sheet in ("detailed", "ideal")
     texts = []
+    if rendering.overlay and scene.objects:
+        texts.append(("predicted position", P_COLOUR))
     if rendering.overlay:
-        texts += [("predicted position", P_COLOUR)] * bool(scene.objects)
-        texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
-        texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1 and not scene.window)
-    annotates = rendering.overlay or rendering.caption
-    return texts + [("predicted image", IMAGE_COLOUR)] * (annotates and getattr(scene, "predicted_image", False))
+        texts.append(("constant α" if two else "z₁ varies", ALPHA_COLOUR))
+    if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
+        texts.append(("constant r", R_COLOUR))
+    if rendering.annotated and getattr(scene, "predicted_image", False):
+        texts.append(("predicted image", IMAGE_COLOUR))
+    return texts
 
 
 def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
