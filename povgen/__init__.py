@@ -24,21 +24,17 @@ if TYPE_CHECKING:
     from povgen.video.still import save as save
     from povgen.video.still import show as show
 
-_MODULES = {
-    "Chess": "scene.models",
-    "InputError": "errors",
-    "Movie": "video.build",
-    "MovieSpec": "scene.spec",
-    "PovrayError": "errors",
-    "Rendering": "settings",
-    "Spheres": "scene.models",
-    "live": "liveview.view",
-    "movie": "video.build",
-    "render": "video.still",
-    "save": "video.still",
-    "show": "video.still",
-    "to_pov": "scene.sdl",
+_NAMES = {
+    "errors": ("InputError", "PovrayError"),
+    "liveview.view": ("live",),
+    "scene.models": ("Chess", "Spheres"),
+    "scene.sdl": ("to_pov",),
+    "scene.spec": ("MovieSpec",),
+    "settings": ("Rendering",),
+    "video.build": ("Movie", "movie"),
+    "video.still": ("render", "save", "show"),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = list(_MODULES)
 
 
@@ -57,11 +53,9 @@ def _shown_in_notebooks() -> None:
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
-        formatter.for_type_by_name("povgen.scene.models", "Scene", _png)
-
-
-def _png(scene: object) -> object:
-    return import_module("povgen.video.still").png(scene)
+        formatter.for_type_by_name(
+            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").png(scene)
+        )
 
 
 _shown_in_notebooks()

@@ -29,6 +29,11 @@ NO_INODES = "no inodes left, which means too many files (df -i)"
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
 
+def own_folder(name: str) -> Path:
+    """Return povgen's folder 'templates' or 'movies': beside the package in a checkout, in it where it is installed."""
+    return next(folder for parent in Path(__file__).parents[:2] if (folder := parent / name).is_dir())
+
+
 def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
     """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
     try:

@@ -5,8 +5,7 @@ The commands are in commands/. The models check values (`povgen.model`).
 
 import os
 import sys
-from collections.abc import Callable
-from functools import cache, cached_property
+from functools import cache
 from importlib import import_module
 from inspect import getdoc
 from io import TextIOWrapper
@@ -25,26 +24,18 @@ from povgen.version import __version__
 COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
 
 
+@cache
+def _with_options(name: str) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
+    alone = typer.Typer(add_completion=False)
+    alone.command(name)(with_options(import_module(f"povgen.cli.commands.{name}").command))
+    return typer.main.get_command(alone)
+
+
 class _Command(TyperCommand):
     """A command's name and help. Its options are added when it is run, because that loads the models."""
 
-    def __init__(self, name: str, function: Callable[..., None]) -> None:
-        super().__init__(name=name, help=getdoc(function))
-        self._function = function
-
-    @cached_property
-    def _with_options(self) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
-        alone = typer.Typer(add_completion=False)
-        alone.command(self.name)(with_options(self._function))
-        return typer.main.get_command(alone)
-
     def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401  (as click declares it)
-        return self._with_options.make_context(*arguments, **options)
-
-
-@cache
-def _command(name: str) -> _Command:
-    return _Command(name, import_module(f"povgen.cli.commands.{name}").command)
+        return _with_options(self.name).make_context(*arguments, **options)
 
 
 class _Commands(TyperGroup):
@@ -54,7 +45,7 @@ class _Commands(TyperGroup):
     def get_command(self, context: object, name: str) -> _Command:
         if name not in COMMANDS:
             raise InputError(f"command = {shown(name)}: unknown; allowed: {', '.join(COMMANDS)}")
-        return _command(name)
+        return _Command(name, help=getdoc(import_module(f"povgen.cli.commands.{name}").command))
 
 
 app = typer.Typer(

@@ -71,7 +71,7 @@ def with_options(command: Command) -> Command:
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
     auto = "; or auto: the cheapest within --tolerance" if any(p.name == "tolerance" for p in own) else ""
-    parameters = [*own, *(_option(name, owners, auto * (name == "sheet")) for name, owners in fields.items())]
+    parameters = [*own, *(_option(name, owners, auto if name == "sheet" else "") for name, owners in fields.items())]
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     called.__dict__["__signature__"] = inspect.Signature(parameters)
     called.__annotations__ = {p.name: p.annotation for p in parameters}
@@ -119,7 +119,7 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
         kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
     else:
         several = any(_takes_several(field.annotation) for _, field in owners)
-        about += "; can be repeated" * several
+        about += "; can be repeated" if several else ""
         kind, info = list[str] if several else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
     # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]
@@ -142,11 +142,8 @@ def described(field: "FieldInfo") -> str:
     if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    return (
-        about
-        if default in (None, False, (), PydanticUndefined) or "(default" in about
-        else f"{about} (default {default})"
-    )
+    said = default in (None, False, (), PydanticUndefined) or "(default" in about
+    return about if said else f"{about} (default {default})"
 
 
 def scene_of(name: str, values: Values) -> "Scene":

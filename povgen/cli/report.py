@@ -18,10 +18,11 @@ def message_of(error: Exception) -> str:
     return str(error)
 
 
-def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
-    """Print one warning for each limit that scenes exceed, with the number of scenes that exceed it."""
+def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
+    """Print a warning for each option of `values` that changes nothing, and for each limit that scenes exceed."""
     from povgen.scene.warnings import warnings
 
+    _warn_unused(values, scenes)
     if rendering:
         from povgen.rendering import surveys
         from povgen.rendering.views import views
@@ -37,7 +38,7 @@ def warn(scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
         say(f"povgen: warning: {texts[0]}{also}")
 
 
-def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
+def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
     from povgen.sheets import SHEETS, USED_BY
 
@@ -47,5 +48,5 @@ def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
         if sheets and name in used_by and value is not False and not sheets & {*used_by[name]}:
             shown = "true" if value is True else value
             *others, last = used_by[name]
-            allowed = f"{', '.join(others)} or {last}" if others else last
+            allowed = " or ".join(filter(None, [", ".join(others), last]))
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")

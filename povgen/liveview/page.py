@@ -53,7 +53,8 @@ def demo(
     specs = {name: MovieSpec.load(name) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     for name, file in files.items():
-        build.checked_movie(file, specs[name], Rendering(**given).quality, inputs)
+        quality = Rendering(**given).quality
+        build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), inputs)
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
     for name, file in files.items():

@@ -11,7 +11,7 @@ import numpy as np
 
 from povgen.files import save
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import Axes, Axis, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, save_drawing, style
+from povgen.measure.plotting import Axes, Axis, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, drawn
 from povgen.measure.speed import Point, pareto_front
 from povgen.measure.stability import RENDERED, StabilityMap
 
@@ -21,26 +21,21 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
 
     Calls `done` with each limit.
     """
-    drawn = []
+    finished = []
     for measured in maps:
         _save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
-        with style():
-            figure = Figure(figsize=(8, 5), layout="constrained")
+        with drawn(8, 5, folder / f"{measured.name}.png") as figure:
             _draw_map(figure.subplots(), measured)
-            save_drawing(figure, folder / f"{measured.name}.png")
-        drawn.append(measured)
+        finished.append(measured)
         for limit in measured.limits:
             done(limit)
-    with style():
-        columns = 3
-        rows = -(-len(drawn) // columns)
-        figure = Figure(figsize=(6 * columns, 4.4 * rows), layout="constrained")
+    columns, rows = 3, -(-len(finished) // 3)
+    with drawn(6 * columns, 4.4 * rows, folder / "stability.png") as figure:
         axes = figure.subplots(rows, columns, squeeze=False).ravel()
-        for measured, ax in zip(sorted(drawn, key=lambda measured: measured.title), axes, strict=False):
+        for measured, ax in zip(sorted(finished, key=lambda measured: measured.title), axes, strict=False):
             _draw_map(ax, measured)
-        for ax in axes[len(drawn) :]:
+        for ax in axes[len(finished) :]:
             ax.axis("off")
-        save_drawing(figure, folder / "stability.png")
 
 
 COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
@@ -54,16 +49,14 @@ def save_frames(points: list[Point], folder: Path) -> None:
         of_size = [p for p in points if p.size == size]
         ideal = [p for p in of_size if p.method.endswith("ideal")]
         detailed = [p for p in of_size if not p.method.endswith("ideal")]
-        with style():
-            figure = Figure(figsize=(12, 10), layout="constrained")
+        name = f"frames-{size[0]}x{size[1]}"
+        with drawn(12, 10, folder / f"{name}.png", folder / f"{name}.svg") as figure:
             axes, labelled = figure.subplots(2, 2), []
             for row, shown, what in zip(axes, (detailed, ideal), ("2 x 100 prisms", "ideal sheet"), strict=True):
                 for ax, error, label in zip(row, ("rms", "flip"), ("RMS error (1: white)", "mean FLIP"), strict=True):
                     labelled.append((ax, _scatter(ax, shown, error)))
                     ax.set(xlabel="CPU seconds a frame", ylabel=label, title=f"{what}, {size[0]}x{size[1]}")
             _draw_labels(figure, labelled)
-            name = f"frames-{size[0]}x{size[1]}"
-            save_drawing(figure, folder / f"{name}.png", folder / f"{name}.svg")
 
 
 class Label(NamedTuple):
@@ -103,8 +96,8 @@ def _plain_ticks(axis: Axis) -> None:
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
-    with style():
-        figure, labelled = Figure(figsize=(12, 4.6), layout="constrained"), []
+    with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
+        labelled = []
         prisms = [row[1] for row in rows if row[0] == "detailed"]
         for ax, log, label, values in zip(
             figure.subplots(1, 2),
@@ -127,15 +120,13 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
             ax.grid(alpha=0.25)
             ax.legend()
         _draw_labels(figure, labelled)
-        save_drawing(figure, folder / "prisms.png", folder / "prisms.svg")
 
 
 def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
     """Write beyond.csv and a chart of error against CPU seconds, for windows in series and other ideal sheets."""
     _save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
-    with style():
-        figure, labels = Figure(figsize=(8, 4.6), layout="constrained"), []
-        ax = figure.subplots()
+    with drawn(8, 4.6, folder / "beyond.png", folder / "beyond.svg") as figure:
+        ax, labels = figure.subplots(), []
         for kind in dict.fromkeys(row[0] for row in rows):
             names, cpu, error = zip(*(row[1:] for row in rows if row[0] == kind), strict=True)
             (line,) = ax.plot(cpu, error, "o" if "other" in kind else "o-", label=kind)
@@ -151,7 +142,6 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         ax.grid(alpha=0.25)
         ax.legend(loc="lower right")  # empty: the costly sheets are not the accurate ones
         _draw_labels(figure, [(ax, labels)])
-        save_drawing(figure, folder / "beyond.png", folder / "beyond.svg")
 
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
@@ -162,8 +152,7 @@ def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
 def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds, and of the cores' use, against workers."""
     _save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy"), rows)
-    with style():
-        figure = Figure(figsize=(8, 4.6), layout="constrained")
+    with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
         ax = figure.subplots()
         workers, wall, busy = zip(*rows, strict=True)
         ax.plot(workers, wall, "o-", label="wall seconds")
@@ -179,7 +168,6 @@ def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
             loc="center right",
         )
         ax.grid(alpha=0.25)
-        save_drawing(figure, folder / "workers.png", folder / "workers.svg")
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import Axes, Figure, save_drawing, style
+from povgen.measure.plotting import Axes, drawn
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.polarisation import jones, transmission
 from povgen.optics.prism import Prism
@@ -16,16 +16,12 @@ ALPHA = 66  # degrees
 
 def save_charts(folder: Path) -> None:
     """Write polarisation.png and diffraction.png into a folder."""
-    with style():
-        figure = Figure(figsize=(7, 4.5), layout="constrained")
+    with drawn(7, 4.5, folder / "polarisation.png") as figure:
         draw_polarisation(figure.subplots())
-        save_drawing(figure, folder / "polarisation.png")
-    with style():
-        figure = Figure(figsize=(12, 4.5), layout="constrained")
+    with drawn(12, 4.5, folder / "diffraction.png") as figure:
         left, right = figure.subplots(1, 2)
         draw_blur(left)
         draw_best_pitch(right)
-        save_drawing(figure, folder / "diffraction.png")
 
 
 def draw_polarisation(ax: Axes) -> None:
@@ -34,13 +30,8 @@ def draw_polarisation(ax: Axes) -> None:
     for alpha in (0, 66, 120, 180):
         J = jones([0, 0, -1], [0, np.radians(alpha) / 2], Prism(1.0))
         ax.plot(angle, transmission(J, np.radians(angle)), label=f"α = {alpha}°")
-    ax.set(
-        xlabel="polarisation, degrees from the far sheet's ridges",
-        ylabel="share that passes",
-        xlim=(0, 180),
-        ylim=(0.6, 1.02),
-    )
-    ax.set_title("Two sheets, n = 1.5, 45°")
+    ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share that passes")
+    ax.set(xlim=(0, 180), ylim=(0.6, 1.02), title="Two sheets, n = 1.5, 45°")
     ax.legend(ncols=4, loc="upper center")
 
 

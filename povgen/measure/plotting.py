@@ -1,6 +1,7 @@
 """Drawing with matplotlib: the style of povgen's charts and figures, and how they become files."""
 
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ except ImportError:
     ) from None
 
 # for the modules that draw
-__all__ = ["Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "save_drawing", "style"]
+__all__ = ["Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "drawn", "save_drawing", "style"]
 COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
     "axes.spines.right": False,
@@ -43,6 +44,15 @@ STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists e
 def style(**other: object) -> AbstractContextManager[None]:
     """Return a context in which figures have povgen's style. `other` settings of matplotlib override the style."""
     return matplotlib.rc_context(STYLE | other)
+
+
+@contextmanager
+def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
+    """Give a figure of this size, in inches, in povgen's style. At the end, write it to files."""
+    with style():
+        figure = Figure(figsize=(width, height), layout="constrained")
+        yield figure
+        save_drawing(figure, *paths)
 
 
 def save_drawing(figure: Figure, *paths: Path) -> None:

@@ -14,7 +14,7 @@ import platform
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
@@ -22,6 +22,7 @@ from math import ceil
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
+from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -274,18 +275,9 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
         done(f"a movie with {count} workers")
 
 
-@contextmanager
-def empty_cache(folder: Path) -> Iterator[None]:
-    """Use an empty folder instead of povgen's cache."""
-    own = os.environ.get("POVGEN_CACHE")
-    os.environ["POVGEN_CACHE"] = str(folder)
-    try:
-        yield
-    finally:
-        if own is None:
-            del os.environ["POVGEN_CACHE"]
-        else:
-            os.environ["POVGEN_CACHE"] = own
+def empty_cache(folder: Path) -> AbstractContextManager[object]:
+    """Return a context in which an empty folder is used instead of povgen's cache."""
+    return patch.dict(os.environ, POVGEN_CACHE=str(folder))
 
 
 def _cpu() -> float:

@@ -14,19 +14,7 @@ from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
-from povgen.limits import (
-    MAX_CAMERA_ERROR,
-    MAX_CONDITION,
-    MAX_ERROR,
-    MAX_FACES,
-    MAX_LOST_FRACTION,
-    MAX_PRISMS,
-    MIN_ALPHA,
-    MIN_DESIGNED_FRACTION,
-    MIN_GAP,
-    MIN_PIXELS_PER_PRISM,
-    WIDE_GAP,
-)
+from povgen import limits
 from povgen.measure import probes
 from povgen.measure.measured import SMALL, Measured, px, rms
 from povgen.measure.probes import Directions, Floats, Positions, Size
@@ -96,14 +84,14 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
         for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
             for M, _, place, thin in _near_pole(toward, conditions, size, "ideal", E=E):
                 result.add(series, M, px(abs(place - thin)))
-            result.limit("ideal", series, MAX_CONDITION)
+            result.limit("ideal", series, limits.MAX_CONDITION)
     yield result
 
 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "error that is possible (px)", "error of the paraxial prediction (px)"
-    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, MAX_ERROR, "xy")
+    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, limits.MAX_ERROR, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, prisms, z2, P in (
             (f"{toward}", 100, 6.0, 0.3 + 0.1j),
@@ -113,7 +101,7 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
             for _, scene, place, _ in _near_pole(toward, conditions, size, "detailed", z2=z2, P=P, prisms=prisms):
                 off = abs(place - scene.apparent_position(scene.L, scene.z1))
                 result.add(series, possible_error(scene, scene.L, scene.z1, scene.extent), px(off))
-            result.limit("detailed", series, MAX_ERROR, "px")
+            result.limit("detailed", series, limits.MAX_ERROR, "px")
     yield result
 
 
@@ -152,7 +140,7 @@ def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: S
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
-    result.limit("detailed", "wrong pixels", MAX_PRISMS)
+    result.limit("detailed", "wrong pixels", limits.MAX_PRISMS)
     yield result
 
 
@@ -164,13 +152,13 @@ def gap_width(
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to the gap (%)", 3, "x"
     )
-    for count in (100, 1000, MAX_PRISMS):
+    for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
             narrow.add(f"N = {count}", gap, 100 * stray)
             wide.add(f"N = {count}", gap, 100 * (1 - designed / found[0][1]))
-        narrow.limit("detailed", f"N = {count}", MIN_GAP, rising=False)
-        wide.limit("detailed", f"N = {count}", WIDE_GAP)
+        narrow.limit("detailed", f"N = {count}", limits.MIN_GAP, rising=False)
+        wide.limit("detailed", f"N = {count}", limits.WIDE_GAP)
     yield narrow
     yield wide
 
@@ -194,9 +182,9 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     The limit that povgen uses is the trace level that it sets for the scene.
     """
     result = StabilityMap(
-        "trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * MAX_LOST_FRACTION, ""
+        "trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * limits.MAX_LOST_FRACTION, ""
     )
-    levels = np.arange(5, MAX_FACES)
+    levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
         ("z2 = 6", Directions(sheet="detailed")),
@@ -228,7 +216,7 @@ def field_angle(
     """(e) Measure pixels without rotated light, against the field angle, and against the eye's distance."""
     y = "pixels without rotated light (%)"
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
-    most = 100 * (1 - MIN_DESIGNED_FRACTION) + 1
+    most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
     angles = StabilityMap("field", "(e) field angle", "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
@@ -274,7 +262,12 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     x = "predicted upper bound of the error (px)"
     # 0.011 px: the resolution of positions in 16 bits
     result = StabilityMap(
-        "grid", "(f) cells of the ideal camera", x, "worst error of position (px)", MAX_CAMERA_ERROR + 0.011, "xy"
+        "grid",
+        "(f) cells of the ideal camera",
+        x,
+        "worst error of position (px)",
+        limits.MAX_CAMERA_ERROR + 0.011,
+        "xy",
     )
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
@@ -282,7 +275,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         # the square fills the whole window
         L = rotation.object_position(0, E, z1, z2, radians(alpha))
         own = Positions(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=E, L=L, extent=2 / abs(seen))
-        enough = ceil(sqrt(grid_error(own, 1) / MAX_CAMERA_ERROR))
+        enough = ceil(sqrt(grid_error(own, 1) / limits.MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
         for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
             place = camera.pixels(scene, size)
@@ -292,7 +285,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
             error = abs(predicted - place[inside]).max(initial=0)
             series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
             result.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
-        result.limit("ideal", series, MAX_CAMERA_ERROR, "px")
+        result.limit("ideal", series, limits.MAX_CAMERA_ERROR, "px")
     yield result
 
 
@@ -316,7 +309,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
         off = coarse - fine
         result.add("pixels", width / count, rms(off))
         result.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
-    result.limit("detailed", "pixels", MIN_PIXELS_PER_PRISM, "px", rising=False)
+    result.limit("detailed", "pixels", limits.MIN_PIXELS_PER_PRISM, "px", rising=False)
     yield result
 
 
@@ -339,7 +332,7 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
             contrast.append(rms(np.diff(blocks, axis=0)))
         for alpha, value in zip(alphas, contrast, strict=True):
             result.add(f"N = {count}", alpha, value / contrast[-1])
-        result.limit("detailed", f"N = {count}", MIN_ALPHA, "deg", rising=False)
+        result.limit("detailed", f"N = {count}", limits.MIN_ALPHA, "deg", rising=False)
     yield result
 
 

@@ -151,19 +151,13 @@ def hyperbola(size: Size = SMALL) -> Iterator[Measured]:
     # x y = p x + q y + c
     p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
     away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
-    yield Measured(
-        "detailed", "single sheet: a perpendicular line's distance from its hyperbola, rms", px(rms(away)), 0.2, "px"
-    )
+    what = "single sheet: a perpendicular line's distance from its hyperbola, rms"
+    yield Measured("detailed", what, px(rms(away)), 0.2, "px")
     centre = abs(q + 1j * p - L / 2)
     yield Measured("detailed", "single sheet: the hyperbola's centre against L/2", px(centre), 2, "px")
     y = (p * L.real + c) / (L.real - q)
-    yield Measured(
-        "detailed",
-        "single sheet: the hyperbola's distance from L, where the line meets the sheet",
-        px(abs(y - L.imag)),
-        2,
-        "px",
-    )
+    what = "single sheet: the hyperbola's distance from L, where the line meets the sheet"
+    yield Measured("detailed", what, px(abs(y - L.imag)), 2, "px")
 
 
 def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size = SMALL) -> Iterator[Measured]:
@@ -171,12 +165,8 @@ def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size
     found = list(fractions(alphas, size))
     worst = max((abs(rendered - exact) for *_, rendered, exact in found), default=np.nan)
     angles = [angle for _, angle, *_ in found] or [np.nan]
-    yield Measured(
-        "detailed",
-        f"fraction of pixels on the designed path, fields of {min(angles):g} to {max(angles):g} deg, worst error",
-        worst,
-        0.002,
-    )
+    what = f"fraction of pixels on the designed path, fields of {min(angles):g} to {max(angles):g} deg, worst error"
+    yield Measured("detailed", what, worst, 0.002)
 
 
 def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:

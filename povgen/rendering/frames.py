@@ -140,10 +140,12 @@ def render_all(
                     if not failures:
                         yield pngs
         if failures:
-            said = [f"{len(failures)} of {len(scenes)} frames failed."] * (len(scenes) > 1)
-            said += ["The other frames are kept."] * (len(failures) < len(scenes))
-            said += [f"The first {SHOWN_FAILURES} failures:"] * (len(failures) > SHOWN_FAILURES)
-            raise TransientError("\n".join([" ".join(said)] * bool(said) + failures[:SHOWN_FAILURES]))
+            said = f"{len(failures)} of {len(scenes)} frames failed." if len(scenes) > 1 else ""
+            if len(failures) < len(scenes):
+                said += " The other frames are kept."
+            if len(failures) > SHOWN_FAILURES:
+                said += f" The first {SHOWN_FAILURES} failures:"
+            raise TransientError("\n".join(filter(None, [said, *failures[:SHOWN_FAILURES]])))
     finally:
         cache.trim(most)
 

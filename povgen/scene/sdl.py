@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from shlex import quote
 from types import NoneType
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 
 from povgen import limits
 from povgen.errors import InputError, shown
+from povgen.files import own_folder
 from povgen.scene import cells, laws, materials
 from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import PieceFile
@@ -19,7 +19,7 @@ from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
 from povgen.version import __version__
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
+TEMPLATES = own_folder("templates")
 
 
 @cache

@@ -10,12 +10,13 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
+from povgen.files import own_folder
 from povgen.model import Model
 from povgen.scene.models import MAX_WINDOWS, SCENES, Scene, Window, as_pair, as_windows
 from povgen.scene.pieces import from_folder
 from povgen.settings import preset_of
 
-MOVIES = Path(__file__).parents[1] / "movies"
+MOVIES = own_folder("movies")
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
 MAX_FRAMES = 10000
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]

@@ -93,12 +93,10 @@ def movie(
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
-    output = _checked_output(output, len(scenes), rate, [*inputs, *piece_files(scenes)])
-    eyes = (
-        ""
-        if rendering.stereo == "none"
-        else f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
-    )
+    output = checked_movie(output, len(scenes), rate, [*inputs, *piece_files(scenes)])
+    eyes = ""
+    if rendering.stereo != "none":
+        eyes = f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
     tags = {
         "title": title or output.stem,
         "comment": comment,
@@ -135,15 +133,11 @@ def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
         views(scene, rendering)
 
 
-def checked_movie(output: Path, spec: MovieSpec, quality: str, inputs: Iterable[str | Path | int]) -> Path:
+def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable[str | Path | int]) -> Path:
     """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError.
 
     The inputs are the files that povgen reads for the movie.
     """
-    return _checked_output(output, spec.count(quality), spec.rate(quality), inputs)
-
-
-def _checked_output(output: str | Path, frames: int, rate: float, inputs: Iterable[str | Path | int]) -> Path:
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)

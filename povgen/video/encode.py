@@ -48,16 +48,9 @@ def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tag
         return _save_gif(iter(pictures), output, rate, " ".join(tags.values()))
     codec, settings = FORMATS[output.suffix]
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
-    writer = imageio.v2.get_writer(
-        output,
-        fps=rate,
-        codec=codec,
-        quality=None,
-        pixelformat="yuv420p",
-        macro_block_size=2,
-        ffmpeg_log_level="quiet",
-        output_params=[*settings.split(), *metadata],
-    )
+    options: dict[str, Any] = {"pixelformat": "yuv420p", "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
+    options |= {"quality": None, "output_params": [*settings.split(), *metadata]}
+    writer = imageio.v2.get_writer(output, fps=rate, codec=codec, **options)
     written = found = 0
     try:
         for picture in pictures:

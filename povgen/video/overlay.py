@@ -1,9 +1,9 @@
 """Draw on a frame: a caption with the scene's parameters, and an overlay with predicted positions and its key."""
 
-import re
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from math import ceil, radians
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,16 +24,10 @@ IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image, in templates/chess.
 TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂"}
-# Pillow's own font has neither Greek letters nor subscripts. Its v has the shape of ν. An α is drawn, as an ellipse and
-# a line beside it. Lengths are in units of the text's height. ALPHA_LINE is in units of the α's width and height.
-FONT_HAS = str.maketrans("ν₁₂", "v12")
-ALPHA_HEIGHT, ALPHA_WIDTH, STROKE = 0.53, 0.62, 0.085
-ALPHA_BOWL = 0.74  # width of the ellipse
-ALPHA_LINE = (0.86, 1.0), (0.74, 0.5), (0.76, 0.0), (1.0, 0.02)  # control points of a Bezier curve
+FONT = Path(__file__).with_name("NotoSans.ttf")  # NotoSans.txt says where it is from
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
 
 Colour = tuple[int, int, int, int]
-Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to points, and whether these are visible
@@ -95,7 +89,8 @@ def _range(values: Reals, form: str = ".3g") -> str:
     """Return the least and the greatest number as text, and '?' if one is NaN (nu at the pole)."""
     numbers = values[~np.isnan(values)]
     ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
-    return ", ".join([" to ".join(ends)] * bool(ends) + ["?"] * (len(numbers) < len(values)))
+    unknown = "?" if len(numbers) < len(values) else ""
+    return ", ".join(filter(None, [" to ".join(ends), unknown]))
 
 
 def _number(value: float, form: str) -> str:
@@ -120,12 +115,15 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """
     two = scene.rotates
     texts = []
+    if rendering.overlay and scene.objects:
+        texts.append(("predicted position", P_COLOUR))
     if rendering.overlay:
-        texts += [("predicted position", P_COLOUR)] * bool(scene.objects)
-        texts += [("constant α" if two else "z₁ varies", ALPHA_COLOUR)]
-        texts += [("constant r", R_COLOUR)] * (two and len(scene.objects) == 1 and not scene.window)
-    annotates = rendering.overlay or rendering.caption
-    return texts + [("predicted image", IMAGE_COLOUR)] * (annotates and getattr(scene, "predicted_image", False))
+        texts.append(("constant α" if two else "z₁ varies", ALPHA_COLOUR))
+    if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
+        texts.append(("constant r", R_COLOUR))
+    if rendering.annotated and getattr(scene, "predicted_image", False):
+        texts.append(("predicted image", IMAGE_COLOUR))
+    return texts
 
 
 def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
@@ -138,7 +136,7 @@ def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
     # the widths of items, each with the gap after it, in units of the text's height
-    sample, gap = 1.7, 1.0
+    sample, gap = 1.7, 0.8
     widths = [max(_width(item.text), _width(item.widest)) + sample * bool(item.colour) + gap for item in items]
     for lines in (1, 2, 3):
         rows = np.array_split(np.arange(len(items)), lines)
@@ -166,52 +164,22 @@ def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
 
 def _width(text: str) -> float:
     """Return the width of a text, in units of its height."""
-    return sum(ALPHA_WIDTH if part == "α" else font.getlength(part) / 100 for part, font, _ in _parts(text, 100))
+    return _font(100).getlength(text) / 100
 
 
 def _write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float) -> None:
     """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels."""
-    base = middle + 0.36 * size
-    for part, font, drop in _parts(text, size):
-        if part == "α":
-            _write_alpha(draw, x, base, size)
-            x += ALPHA_WIDTH * size
-        else:
-            draw.text((x, base + drop), part, "white", font, anchor="ls")
-            x += font.getlength(part)
+    draw.text((x, middle + 0.36 * size), text, "white", _font(size), anchor="ls")
 
 
-def _parts(text: str, size: float) -> list[tuple[str, Font, float]]:
-    """Return the parts of a text that are written one after the other: α, subscripts and others.
-
-    With each is its font, and how far below the line it stands, in pixels.
-    """
-    usual, subscript = (ImageFont.load_default(size), 0.0), (ImageFont.load_default(0.65 * size), 0.15 * size)
-    return [
-        (part.translate(FONT_HAS), *(subscript if part in "₁₂" else usual))
-        for part in re.findall("[α₁₂]|[^α₁₂]+", text)
-    ]
-
-
-def _write_alpha(draw: ImageDraw.ImageDraw, x: float, base: float, size: float) -> None:
-    """Draw an α. x is its left edge and `base` the line on which letters stand, in pixels."""
-    finer = 8  # drawn so much larger, because Pillow's lines have no smooth edges
-    shape = ceil(ALPHA_WIDTH * size), ceil(ALPHA_HEIGHT * size)
-    mask = Image.new("L", (finer * shape[0], finer * shape[1]))
-    stroke = finer * STROKE * size
-    width, height = finer * 0.9 * ALPHA_WIDTH * size, mask.height
-    t = np.linspace(0, 1, 40)[:, None]
-    weights = np.concatenate([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3], axis=1)
-    line = weights @ (np.array(ALPHA_LINE) * (width - stroke, stroke - height) + (stroke / 2, height - stroke / 2))
-    pen = ImageDraw.Draw(mask)
-    pen.ellipse((0, 0, ALPHA_BOWL * width, height), outline=255, width=round(stroke))
-    pen.line([(x, y) for x, y in line], fill=255, width=round(stroke), joint="curve")
-    draw.bitmap((round(x), round(base) - shape[1]), mask.resize(shape, Image.Resampling.BOX), fill="white")
+def _font(size: float) -> ImageFont.FreeTypeFont:
+    # with the basic layout, places of letters do not depend on whether Pillow has Raqm
+    return ImageFont.truetype(FONT, size, layout_engine=ImageFont.Layout.BASIC)
 
 
 def _widest_text(name: str, several: bool, windows: int) -> str:
     """Return a text as wide as the space that each frame reserves for a value. So a movie's caption does not move."""
-    number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000"}.get(name, "0.000")
+    number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000" if several else "infinite"}.get(name, "0.000")
     spans = several and name in ("z1", "r", "nu", "M")
     unit = "°" if name in ("alpha", "nu") else ""
     if name in ("alpha", "z"):  # of other parameters the space is that of one window

@@ -39,10 +39,9 @@ Finish FloorTexture(vec3 p) {
   vec2 tile = floor(at);
   vec3 pigment = mod(tile.x + tile.y, 2.0) == 0.0
     ? DarkTile(StoneVein(at.y, 0.0, at.x)) : LightTile(StoneVein(at.x, 0.0, at.y));
-{% set fade = materials.FADE %}
-  float nearness = 1.0 - length(p - vec3(0, floorY, 0)) / {{ fade.distance | floats }};
-  float share = clamp((nearness - {{ fade.gone }}) / ({{ fade.whole }} - {{ fade.gone }}), 0.0, 1.0);
-  return Finish(mix(vec3({{ fade.colour }}), pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
+  float nearness = 1.0 - length(p - vec3(0, floorY, 0)) / {{ materials.FADE.distance | floats }};
+  float share = clamp((nearness - {{ materials.FADE.gone }}) / ({{ materials.FADE.whole }} - {{ materials.FADE.gone }}), 0.0, 1.0);
+  return Finish(mix(vec3({{ materials.FADE.colour }}), pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
 }
 
 // ---- frame.pov.j2 ----

@@ -129,9 +129,7 @@ float reachOf(int piece, vec3 o, vec3 d, float most) {
   }
   return most;
 }
-#endif
 
-#if PIECES > 0
 void meetBox(vec3 o, vec3 d, vec3 lower, vec3 upper, int what, inout Hit hit) {
   vec2 reach = boxed(o, d, lower, upper);
   if (reach.x >= reach.y || reach.x <= 0.0 || reach.x >= hit.t) return;

@@ -55,7 +55,7 @@ def test_what_cannot_be_is_refused(options, words, tmp_path):
 def test_a_sweep_of_prisms_warns_once(capsys):
     """Not once for each frame with too many prisms for its pixels."""
     spec = MovieSpec.of_sweeps("chess", ["prisms=10:1000:log"], {"frames": 6, "fixed": {"z1": 4}})
-    warn(spec.scenes("standard"), Rendering(size=(96, 72), antialias="off"))
+    warn({}, spec.scenes("standard"), Rendering(size=(96, 72), antialias="off"))
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("povgen: warning: prisms = 63: ") and line.endswith("(in 4 of 6 frames)")
 

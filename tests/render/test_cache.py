@@ -384,7 +384,7 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
     monkeypatch.setattr(survey, "survey", lambda scene: pytest.fail("traced again"))
-    warn([scene], SMALL)
+    warn({}, [scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 
 

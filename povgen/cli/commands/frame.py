@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
-from povgen.cli.report import warn, warn_unused
+from povgen.cli.report import warn
 from povgen.progress import tell
 
 
@@ -37,9 +37,7 @@ def command(
     rendering = Rendering(**options)
     cache.check()
     if not quiet:
-        if limit is None:  # --sheet auto compares with the prisms in any case
-            warn_unused(values, [made])
-        warn([made], rendering)
+        warn(values if limit is None else {}, [made], rendering)  # --sheet auto compares with the prisms in any case
     save(png(made, rendering), output)
     if not quiet:
         tell(f"wrote {output}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from povgen.cli.options import Quiet, Tolerance, Values, Workers, auto_tolerance, chosen, split, takes
-from povgen.cli.report import warn, warn_unused
+from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.progress import bar, tell
 
@@ -92,7 +92,8 @@ def command(
         _check_shard(part, scheduler, output)
     output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
     if part is None:
-        checked_movie(output, made, rendering.quality, [*piece_files(scenes), *([] if sweep else [spec_file(spec)])])
+        inputs = [*piece_files(scenes), *([] if sweep else [spec_file(spec)])]
+        checked_movie(output, len(scenes), made.rate(rendering.quality), inputs)
     if limit is not None:
         check_views(scenes, rendering)
         values["sheet"], options["antialias"] = chosen(scenes, options, limit, quiet)
@@ -102,9 +103,7 @@ def command(
     check_views(scenes, rendering)
     cache.check()
     if not quiet:
-        if limit is None:  # --sheet auto compares with the prisms in any case
-            warn_unused(values, scenes)
-        warn(scenes, rendering)
+        warn(values if limit is None else {}, scenes, rendering)  # --sheet auto compares with the prisms in any case
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:

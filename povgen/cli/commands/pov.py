@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import SceneName, scene_of, split, takes
-from povgen.cli.report import warn, warn_unused
+from povgen.cli.report import warn
 
 
 @takes("scenes", "sampling")
@@ -28,8 +28,7 @@ def command(
     if output is not None:
         checked_output(output, [".pov"], inputs=piece_files([made]))
     text = to_pov(made, file="scene.pov" if output is None else output.name, **options)
-    warn_unused(values, [made])
-    warn([made])
+    warn(values, [made])
     if output is None:
         print(text, end="")
     else:
