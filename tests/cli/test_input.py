@@ -319,7 +319,8 @@ def test_which_options_have_an_effect(sheet):
 
     other = {
         "law": "x, y, z*2", "parameter": {"k": 2}, "focal_length": 5, "object_focal_length": 7, "twist": 9,
-        "view_distance": 3, "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
+        "view_distance": 3,
+        "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
         "axis": (0, 1, 0), "ratio": 2, "alpha": 9,
     }  # fmt: skip
     assert other.keys() == {*USED_BY, "fresnel"}

@@ -195,6 +195,9 @@ def test_constants_are_the_parts_without_a_ray():
     law = Law("(cos(alpha) - 1)*X + sin(alpha)*y, x*(cos(alpha) - 1)/k, z*2", ["alpha", "k"])
     assert law.constants() == ["cos(alpha) - 1.0", "sin(alpha)", "k"]
     assert law.with_constants() == ["c0 * X + c1 * y", "x * c0 / c2", "z * 2.0"]
+    law = Law("sqrt(max(1 - x*k, 0)), pow(k, 2)*y, sin(k*X)*z", ["k"])
+    assert law.constants() == ["k", "pow(k, 2.0)"]
+    assert law.with_constants() == ["sqrt(max(1.0 - x * c0, 0.0))", "c1 * y", "sin(c0 * X) * z"]
 
 
 def test_kinds_that_share_a_parameter_agree():
