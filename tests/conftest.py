@@ -1,6 +1,8 @@
 """Helpers of several test files, and fixtures that every test may use."""
 
+import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -139,6 +141,56 @@ def browser():
 
     with chromium() as started:
         yield started
+
+
+# ---- The page's scripts ----
+
+
+# The modules of the page whose exports are global names in Node.
+EXPORTED = ("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions")
+
+
+class Node:
+    """Evaluates JavaScript as Playwright's pages do, with the exports of the page's modules, in Playwright's Node."""
+
+    def __init__(self, scenes=()):
+        import playwright
+
+        from povgen.liveview import page, scripts
+        from povgen.scene.laws import to_live
+        from povgen.scene.pieces import PIECES
+
+        program = Path(playwright.__file__).with_name("driver") / "node"
+        self.process = subprocess.Popen(
+            [program, Path(__file__).parent / "unit" / "evaluate.mjs"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.send(page.data({name: name for name in PIECES}))
+        modules = "live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED)
+        self.send(scripts.script(*(f"{module}.js" for module in modules), laws=to_live(scenes)))
+
+    def send(self, data):
+        self.process.stdin.write(json.dumps(data) + "\n")
+        self.process.stdin.flush()
+
+    def evaluate(self, script, argument=None):
+        """Return an expression's value, or what a function returns for the argument."""
+        self.send({"script": script, "argument": re.sub(r"\bNone\b", "null", json.dumps(argument))})
+        text = self.process.stdout.readline()
+        return json.loads(re.sub(r'"number (-?\w+)"', r"\1", text)).get("found")
+
+    def close(self):
+        self.process.stdin.close()
+        assert self.process.wait(10) == 0
+
+
+@pytest.fixture(scope="module")
+def node():
+    started = Node()
+    yield started
+    started.close()
 
 
 # ---- The teaching page ----

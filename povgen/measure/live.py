@@ -64,7 +64,7 @@ def checks() -> Iterator[Measured]:
     """Measure everything. Raises InputError if no browser can show the view."""
     with chromium() as browser:
         yield from directions(View(browser, Directions(sheet="detailed")))
-        yield from positions(View(browser, Directions(sheet="ideal")))
+        yield from positions(View(browser, Directions(sheet="ideal"), other_targets()["law"]))
         for sheet in ("none", "ideal", "detailed"):
             yield from pictures(browser, sheet, [scene.replace(sheet=sheet) for scene in SCENES])
         yield from pictures(browser, "other ideal sheets", OTHER_SCENES)

@@ -10,6 +10,7 @@ from povgen.liveview.values import values
 from povgen.measure import live
 from povgen.measure.browser import View
 from povgen.measure.probes import Directions
+from povgen.measure.targets import other_targets
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
@@ -60,8 +61,9 @@ def test_directions_disagree_with_another_glass(prisms, monkeypatch):
     assert not any(figure.holds for figure in live.directions(prisms, ({},), SIZE))
 
 
-def test_positions_agree_with_the_predictions(prisms):
-    figures = list(live.positions(prisms, 6, (320, 240)))
+def test_positions_agree_with_the_predictions(browser):
+    view = View(browser, Directions(sheet="ideal"), other_targets()["law"])
+    figures = list(live.positions(view, 6, (320, 240)))
     assert len(figures) == 3 and all(figure.holds for figure in figures), figures
 
 

@@ -1,18 +1,13 @@
 """The scripts of the pages, without a browser: their equations, geometry, text and state are those of povgen."""
 
-import json
 import re
-import subprocess
 from graphlib import CycleError
-from pathlib import Path
 
 import numpy as np
-import playwright
 import pytest
 from conftest import BEYOND, scene_of, seen_through_other_sheets, sentence
 
 from povgen import Chess, InputError, Spheres
-from povgen.liveview import page as teaching
 from povgen.liveview import scripts
 from povgen.liveview.values import values as live_values
 from povgen.optics import paraxial, rotation, series
@@ -20,46 +15,8 @@ from povgen.optics.prism import Prism
 from povgen.scene import warnings
 from povgen.scene.laws import to_live
 from povgen.scene.models import SCENES
-from povgen.scene.pieces import PIECES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-
-# The modules of the page whose exports are global names in Node.
-EXPORTED = ("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions")
-
-
-class Node:
-    """Evaluates JavaScript as Playwright's pages do, with the exports of the page's modules, in Playwright's Node."""
-
-    def __init__(self):
-        program = Path(playwright.__file__).with_name("driver") / "node"
-        self.process = subprocess.Popen(
-            [program, Path(__file__).with_name("evaluate.mjs")],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.send(teaching.data({name: name for name in PIECES}))
-        modules = "live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED)
-        self.send(scripts.script(*(f"{module}.js" for module in modules), laws=to_live()))
-
-    def send(self, data):
-        self.process.stdin.write(json.dumps(data) + "\n")
-        self.process.stdin.flush()
-
-    def evaluate(self, script, argument=None):
-        """Return an expression's value, or what a function returns for the argument."""
-        self.send({"script": script, "argument": re.sub(r"\bNone\b", "null", json.dumps(argument))})
-        text = self.process.stdout.readline()
-        return json.loads(re.sub(r'"number (-?\w+)"', r"\1", text)).get("found")
-
-
-@pytest.fixture(scope="module")
-def node():
-    started = Node()
-    yield started
-    started.process.stdin.close()
-    assert started.process.wait(10) == 0
 
 
 @pytest.fixture
