@@ -189,6 +189,7 @@ class _Extract(ast.NodeTransformer):
     def visit(self, node: ast.AST) -> Any:  # noqa: ANN401  (as ast declares it)
         functions = {each.func for each in ast.walk(node) if isinstance(each, ast.Call)}
         names = {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and each not in functions}
+        names -= {*FUNCTIONS}  # the node can be a function's name
         if not isinstance(node, ast.expr) or not names or names & {*RAY}:
             return self.generic_visit(node) if names else node
         texts = [ast.unparse(each) for each in self.constants]

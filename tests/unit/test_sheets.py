@@ -195,6 +195,7 @@ def test_constants_are_the_parts_without_a_ray():
     law = Law("(cos(alpha) - 1)*X + sin(alpha)*y, x*(cos(alpha) - 1)/k, z*2", ["alpha", "k"])
     assert law.constants() == ["cos(alpha) - 1.0", "sin(alpha)", "k"]
     assert law.with_constants() == ["c0 * X + c1 * y", "x * c0 / c2", "z * 2.0"]
+    assert Law("sqrt(x*k), max(y, 0), z", ["k"]).with_constants() == ["sqrt(x * c0)", "max(y, 0.0)", "z"]
 
 
 def test_kinds_that_share_a_parameter_agree():
