@@ -4,6 +4,7 @@ The page's text and scripts are in templates/demo/. It needs no network. POV-Ray
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,14 @@ from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
+from povgen.sheets.sheet import Sheet
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
+KINDS = {
+    name: kind for name, kind in OTHER.items() if name != "law"
+}  # of sheets that the page shows beyond the paper's
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -73,6 +79,8 @@ def data(
     return {
         "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
         "faces": FACES,
+        "kinds": {name: _kind(kind) for name, kind in KINDS.items()},
+        "parameters": _parameters(),
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
@@ -84,6 +92,35 @@ def data(
             "radii": limits.RADII,
             "prisms": limits.MAX_PRISMS,
         },
+    }
+
+
+def _kind(kind: type[Sheet]) -> dict[str, Any]:
+    """Return what the page says of a kind of sheets, and the labels of its parameters."""
+    return {
+        "choice": kind.choice or kind.title,
+        "does": kind.does,
+        "sentence": kind.sentence or f"The sheet {kind.does}.",
+        "remark": kind.remark,
+        "opening": {each.name: each.default for each in kind.parameters} | {**kind.opening},
+        "sweep": kind.sweep,
+        "parameters": {each.name: each.label or each.about for each in kind.parameters},
+    }
+
+
+def _parameters() -> dict[str, dict[str, Any]]:
+    """Return the kinds' parameters, with the page's limits for those that have none."""
+    return {
+        each.name: asdict(each)
+        | {
+            "label": each.label or each.about,
+            "symbol": each.symbol or each.name.replace("_", " "),
+            "unit": each.unit.replace("degrees", "°").replace(" a ", "/"),
+            "least": -100 if each.least is None else each.least,
+            "most": 100 if each.most is None else each.most,
+        }
+        for kind in KINDS.values()
+        for each in kind.parameters
     }
 
 
