@@ -14,6 +14,7 @@ from hypothesis import settings
 
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
+from povgen.liveview.page import KINDS
 from povgen.scene.models import SCENES
 
 PROJECT = Path(__file__).parents[1]
@@ -228,12 +229,7 @@ def scene_of(page):
 
 
 BEYOND = [
-    {"sheet": "axis", "axis": [0.3, -1, 0.2], "alpha": 40},
-    {"sheet": "axis", "axis": [1, 0, 0], "alpha": -20, "E": [0.4, -0.3]},
-    {"sheet": "refraction", "ratio": 0.6, "alpha": -50, "E": [0.4, -0.3]},
-    {"sheet": "refraction", "ratio": 1.8, "alpha": 180},
-    {"sheet": "lenslets", "ratio": 1.6, "alpha": 170, "E": [0.4, -0.3]},
-    {"sheet": "mirror", "alpha": 75, "E": [0.4, -0.3]},
+    *({"sheet": name, "E": [0.4, -0.3], **values} for name, kind in KINDS.items() for values in kind.examples),
     {"scene": "spheres", "sheet": "mirror", "alpha": -10, "z1": 12},
     {"windows": 2, "sheet": "ideal", "alpha": 50, "alpha2": 75, "d": 1.5, "E": [0.4, -0.3]},
     {"windows": 2, "sheet": "detailed", "alpha": 50, "alpha2": -120, "d": 0.01, "prisms": 30},

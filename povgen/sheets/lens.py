@@ -14,6 +14,6 @@ class Lens(Ideal):
     source = "any textbook of optics"
     parameters = (FOCAL_LENGTH,)
     choice = "lens"
-    sentence = "The sheet bends light as a thin lens of focal length {focal_length} does."
+    sentence = "The sheet bends light as a thin lens of focal length f = {focal_length} does."
     law = Law("x - X*z/focal_length, y - Y*z/focal_length, z", ["focal_length"])
     examples = ({"focal_length": 4}, {"focal_length": -3})

@@ -29,10 +29,11 @@ class ViewRotator(Ideal):
             100,
             "tiles",
             symbol="D",
+            label="distance of the rigid plane",
         ),
     )
     choice = "view rotator"
-    sentence = "For every eye, the sheet shows what is {view_distance} behind it turned by {alpha} about its centre."
+    sentence = "What is D = {view_distance} behind the sheet appears turned by {alpha} about its centre, to every eye."
     law = Law(
         f"cos(alpha)*x + sin(alpha)*y + {_X}, cos(alpha)*y - sin(alpha)*x + {_Y}, z",
         ["alpha", "view_distance"],

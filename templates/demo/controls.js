@@ -106,7 +106,7 @@ for (const input of document.querySelectorAll(".choice input")) {
 }
 for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
 $("beyond").addEventListener("change", () => {
-  player.pause();
+  player.reset();
   chooseBeyond($("beyond").value);
   refresh();
 });

@@ -35,11 +35,11 @@ export const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrec
 export const rough = (x) => printed(String(Number(x.toPrecision(2))));
 export const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
 
-// A value with its unit, with four digits, or briefly. A direction has three numbers.
+
 export const isAngle = (name) => Boolean(UNIT[name]?.startsWith("°"));
-const withUnit = (name, text) => text + (isAngle(name) ? UNIT[name] : UNIT[name] ? ` ${text === "1" ? "tile" : UNIT[name]}` : "");
-export const quantity = (name, x) => withUnit(name, isAngle(name) ? fixed(x, 1) : size(x));
-export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(", ")})` : withUnit(name, isAngle(name) ? fixed(x, 1) : brief(x)));
+export const quantity = (name, x) => (isAngle(name) ? fixed(x, 1) + UNIT[name] : `${size(x)} ${UNIT[name] ?? ""}`.trim());
+// A number, or a direction's three. Lengths are without their unit.
+export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(", ")})` : isAngle(name) ? quantity(name, x) : brief(x));
 
 export const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
 

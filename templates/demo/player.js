@@ -87,9 +87,11 @@ export const player = {
     requestAnimationFrame((next) => this.tick(next));
   },
 
-  // A preset is for a scene: another scene takes its own.
+  // A preset is for a scene: another scene takes its own. A sheet beyond the paper that has no alpha takes another parameter.
   follow() {
+    const isMoot = ({ parameter }) => parameter === "alpha" && state.sheet in data.kinds && !usesAlpha(state.sheet);
     if (this.preset.scene !== state.scene) this.reset();
+    if (isMoot(this.preset)) this.preset = data.presets.find((preset) => preset.scene === state.scene && !isMoot(preset)) ?? this.preset;
   },
 
   reset() {
