@@ -42,7 +42,8 @@ def test_each_control_is_on_top_and_large_enough(page, size):
     for values in (
         {"caption": True, "position": True, "image": True},
         {"windows": 2, "diagram": "paper"},
-        *({"scene": "spheres", "sheet": sheet} for sheet in KINDS),
+        {"scene": "spheres", "sheet": "axis"},
+        *({"sheet": sheet} for sheet in KINDS),
         {"question": 4},
     ):
         page.evaluate("fromHash('')")
@@ -108,7 +109,7 @@ SCENES = [
     *(LENSLETS, LENSLETS | {"E": [1.5, 0.5]}, {"sheet": "mirror", "alpha": 90, "z1": 6, "E": [-1.4, 1]}),
     *({"sheet": "axis", "alpha": 180}, *({"sheet": sheet} for sheet in KINDS)),
     *({"sheet": "lens", "focal_length": 1.5}, {"sheet": "view-rotator", "z1": 6}, {"sheet": "twist", "twist": 90}),
-    *({"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2}),
+    {"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2},
     *(SERIES, SERIES | {"L": [3, -0.85]}),
     *({"alpha": 180, "z1": 6} | {"E": E} for E in ([0, 0], [1.5, 0.5], [0, -1.2])),
 ]
