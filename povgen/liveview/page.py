@@ -23,7 +23,7 @@ from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-from povgen.sheets.sheet import Sheet
+from povgen.sheets.sheet import Parameter, Sheet
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
@@ -80,7 +80,7 @@ def data(
         "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
         "faces": FACES,
         "kinds": {name: _kind(kind) for name, kind in KINDS.items()},
-        "parameters": _parameters(),
+        "parameters": {each.name: _parameter(each) for kind in KINDS.values() for each in kind.parameters},
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
@@ -96,31 +96,24 @@ def data(
 
 
 def _kind(kind: type[Sheet]) -> dict[str, Any]:
-    """Return what the page says of a kind of sheets, and the labels of its parameters."""
+    """Return what the page says of a kind of sheets, the values with which it begins, and its parameters' labels."""
     return {
+        **{name: getattr(kind, name) for name in ("does", "remark", "sweep")},
         "choice": kind.choice or kind.title,
-        "does": kind.does,
         "sentence": kind.sentence or f"The sheet {kind.does}.",
-        "remark": kind.remark,
         "opening": {each.name: each.default for each in kind.parameters} | {**kind.opening},
-        "sweep": kind.sweep,
         "parameters": {each.name: each.label or each.about for each in kind.parameters},
     }
 
 
-def _parameters() -> dict[str, dict[str, Any]]:
-    """Return the kinds' parameters, with the page's limits for those that have none."""
-    return {
-        each.name: asdict(each)
-        | {
-            "label": each.label or each.about,
-            "symbol": each.symbol or each.name.replace("_", " "),
-            "unit": each.unit.replace("degrees", "°").replace(" a ", "/"),
-            "least": -100 if each.least is None else each.least,
-            "most": 100 if each.most is None else each.most,
-        }
-        for kind in KINDS.values()
-        for each in kind.parameters
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    """Return what the page needs to know of a parameter. One without limits has the page's."""
+    return asdict(parameter) | {
+        "symbol": parameter.symbol or parameter.name.replace("_", " "),
+        "label": parameter.label or parameter.about,
+        "unit": parameter.unit.replace("degrees", "°").replace(" a ", "/"),
+        "least": -100 if parameter.least is None else parameter.least,
+        "most": 100 if parameter.most is None else parameter.most,
     }
 
 

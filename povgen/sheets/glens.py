@@ -18,18 +18,13 @@ class Glens(Ideal):
     does = "images as a lens with a focal length for each side"
     source = "Chaplain, Macauley, Belin, Tyc, Cowie and Courtial, J. Opt. Soc. Am. A 33, 962 (2016)"
     parameters = (
-        of(
-            FOCAL_LENGTH,
-            "focal length, on the eye's side, -100 to -0.1 or 0.1 to 100 tiles",
-            "focal length, eye’s side",
-        ),
+        of(FOCAL_LENGTH, "focal length, on the eye's side, -100 to -0.1 or 0.1 to 100 tiles"),
         replace(
             FOCAL_LENGTH,
             name="object_focal_length",
             text="focal length on the object's side, -100 to -0.1 or 0.1 to 100 tiles",
             default=6,
             symbol="g",
-            label="focal length, object’s side",
         ),
     )
     choice = "glens"

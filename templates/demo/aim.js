@@ -33,20 +33,15 @@ export function pole(window, E, z1, z2) {
 
 // How far behind the sheet a linear law forms the image of what is at z1: below 0 in front of it, infinite if the light of each
 // point leaves in one direction. NaN if there is no image.
-export function imageDepth(bend, z1) {
-  const axes = [[1, 0], [0, 1]], from = bend([0, 0], [0, 0]);
-  const probe = (slope, place) => minus(bend(slope, place) ?? [NaN, NaN], from ?? [NaN, NaN]);
-  const slopes = axes.map((axis) => scaled(z1, probe(axis, [0, 0])));
-  const places = axes.map((axis) => plus(axis, scaled(z1, probe([0, 0], axis))));
-  const [a, b] = [[0.4, -0.7], [-1.1, 0.3]], shown = probe(a, b);
-  const expected = plus(combined(a, slopes), minus(combined(b, places), b));
-  if (!(abs(minus(scaled(z1, shown), expected)) < 1e-9 * (1 + abs(expected)))) return NaN;
-  if (places.every((place) => abs(place) < 1e-9)) return Infinity;
-  const W = (slopes[0][0] * places[0][0] + slopes[0][1] * places[0][1]) / abs(places[0]) ** 2;
-  return axes.every((_, k) => abs(minus(slopes[k], scaled(W, places[k]))) < 1e-9 * abs(slopes[k])) ? W : NaN;
+export function imageDepth(window, z1) {
+  const [near, far] = [1, 2].map((z2) => linear(window, [0, 0], z1, z2)?.columns);
+  if (!near || !far) return NaN;
+  // a ray that meets the sheet at P, and had the slope s before, ends at the sum of two linear maps: of P, and of s
+  const [ofP, ofS] = [near.map((column, k) => minus(far[k], column)), near.map((column, k) => minus(scaled(2, column), far[k]))];
+  if (ofP.every((column) => abs(column) < 1e-9)) return Infinity;
+  const W = times(conj(ofP[0]), ofS[0])[0] / abs(ofP[0]) ** 2;
+  return ofS.every((column, k) => abs(minus(column, scaled(W, ofP[k]))) < 1e-9 * abs(column)) ? W : NaN;
 }
-/** @type {(numbers: number[], vectors: number[][]) => any} */
-const combined = ([s, t], [a, b]) => plus(scaled(s, a), scaled(t, b));
 
 // Where light from L to E crosses the sheet: of several paths, the one whose crossing is the nearest to the middle of the window.
 // Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.

@@ -34,7 +34,7 @@ function work(now) {
   if (turned !== null && Math.abs(turned) < 1e-9) return "With these values the sheet does nothing.";
   const does = sentence.replace(/\{(\w+)(?:\/(\d+))?\}/g, (_, name, part) => briefly(name, part ? now.scene[name] / part : now.scene[name]));
   if (turned !== null) return `${does} That is the paper’s window.`;
-  const W = imageDepth(now.bend, now.z1);
+  const W = imageDepth(now.window, now.z1);
   const place = Number.isFinite(W) ? imagePlace(W, now.z2, "the window") : "infinitely far away";
   return [does, ...(remark ? [remark] : []), ...(Number.isNaN(W) ? [] : [`The ${thing()}’s image is ${place}.`])].join(" ");
 }

@@ -13,15 +13,15 @@ import { drawOverlay } from "./overlay.js";
 import { pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { change, session, state } from "./state.js";
+import { change, session, state, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
 const linear = (least, most, step) => ({ ends: [least, most], step, from: (place) => Number(place.toPrecision(4)), to: (x) => x });
 const STEPS = 1000;
-const log = (least, most, digits = 3) => ({
+const log = (least, most) => ({
   ends: [0, STEPS], step: "any",
-  from: (place) => Number((least * (most / least) ** (place / STEPS)).toPrecision(digits)),
+  from: (place) => Number((least * (most / least) ** (place / STEPS)).toPrecision(3)),
   to: (x) => (STEPS * Math.log(x / least)) / Math.log(most / least),
 });
 // Of a number that has both signs but is not 0, the large values are in the middle: there a lens is weak.
@@ -41,7 +41,7 @@ const SLIDERS = {
 };
 const valueOf = (name) => {
   const x = SLIDERS[name].from(Number($(`slider-${name}`).value));
-  return name === "prisms" ? Math.round(x) : x;
+  return WHOLE.includes(name) ? Math.round(x) : x;
 };
 
 // A number as an input shows it.

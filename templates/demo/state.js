@@ -20,7 +20,7 @@ export const RANGES = {
   ...Object.fromEntries(Object.entries(data.parameters).map(([name, { least, most }]) => [name, [least, most]])),
   z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], alpha2: [-360, 360], d: [0.01, 100],
 };
-const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filter((name) => data.parameters[name].kind === "whole number")];
+export const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filter((name) => data.parameters[name].kind === "whole number")];
 export const CHOICES = {
   scene: ["chess", "spheres"], sheet: ["none", "single", "detailed", "ideal", ...Object.keys(data.kinds)], diagram: ["picture", "paper"], piece: data.pieces,
 };
