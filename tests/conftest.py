@@ -16,6 +16,7 @@ from hypothesis import settings
 
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
+from povgen.liveview.page import KINDS
 from povgen.scene.models import SCENES
 
 PROJECT = Path(__file__).parents[1]
@@ -147,18 +148,17 @@ def browser():
 
 
 # The modules of the page whose exports are global names in Node.
-EXPORTED = ("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions")
+EXPORTED = ("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions", "beyond")
+
+
+MODULES = [f"{path}.js" for path in ("live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED))]
 
 
 class Node:
     """Evaluates JavaScript as Playwright's pages do, with the exports of the page's modules, in Playwright's Node."""
 
-    def __init__(self, scenes=()):
+    def __init__(self, data, script):
         import playwright
-
-        from povgen.liveview import page, scripts
-        from povgen.scene.laws import to_live
-        from povgen.scene.pieces import PIECES
 
         program = Path(playwright.__file__).with_name("driver") / "node"
         self.process = subprocess.Popen(
@@ -167,9 +167,17 @@ class Node:
             stdout=subprocess.PIPE,
             text=True,
         )
-        self.send(page.data({name: name for name in PIECES}))
-        modules = "live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED)
-        self.send(scripts.script(*(f"{module}.js" for module in modules), laws=to_live(scenes)))
+        self.send(data)
+        self.send(script)
+
+    @classmethod
+    def of_page(cls, scenes=()):
+        """Return one with the modules of the teaching page, which also know the laws of scenes."""
+        from povgen.liveview import page, scripts
+        from povgen.scene.laws import to_live
+        from povgen.scene.pieces import PIECES
+
+        return cls(page.data({name: name for name in PIECES}), scripts.script(*MODULES, laws=to_live(scenes)))
 
     def send(self, data):
         self.process.stdin.write(json.dumps(data) + "\n")
@@ -188,7 +196,7 @@ class Node:
 
 @pytest.fixture(scope="module")
 def node():
-    started = Node()
+    started = Node.of_page()
     yield started
     started.close()
 
@@ -280,12 +288,7 @@ def scene_of(page):
 
 
 BEYOND = [
-    {"sheet": "axis", "axis": [0.3, -1, 0.2], "alpha": 40},
-    {"sheet": "axis", "axis": [1, 0, 0], "alpha": -20, "E": [0.4, -0.3]},
-    {"sheet": "refraction", "ratio": 0.6, "alpha": -50, "E": [0.4, -0.3]},
-    {"sheet": "refraction", "ratio": 1.8, "alpha": 180},
-    {"sheet": "lenslets", "ratio": 1.6, "alpha": 170, "E": [0.4, -0.3]},
-    {"sheet": "mirror", "alpha": 75, "E": [0.4, -0.3]},
+    *({"sheet": name, "E": [0.4, -0.3], **values} for name, kind in KINDS.items() for values in kind.examples),
     {"scene": "spheres", "sheet": "mirror", "alpha": -10, "z1": 12},
     {"windows": 2, "sheet": "ideal", "alpha": 50, "alpha2": 75, "d": 1.5, "E": [0.4, -0.3]},
     {"windows": 2, "sheet": "detailed", "alpha": 50, "alpha2": -120, "d": 0.01, "prisms": 30},

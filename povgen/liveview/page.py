@@ -4,6 +4,7 @@ The page's text and scripts are in templates/demo/. It needs no network. POV-Ray
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,14 @@ from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
+from povgen.sheets import OTHER
+from povgen.sheets.sheet import Parameter, Sheet
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
+KINDS = {
+    name: kind for name, kind in OTHER.items() if name != "law"
+}  # of sheets that the page shows beyond the paper's
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -74,6 +80,8 @@ def data(
     return {
         "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
         "faces": FACES,
+        "kinds": {name: _kind(kind) for name, kind in KINDS.items()},
+        "parameters": {each.name: _parameter(each) for kind in KINDS.values() for each in kind.parameters},
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
@@ -85,6 +93,28 @@ def data(
             "radii": limits.RADII,
             "prisms": limits.MAX_PRISMS,
         },
+    }
+
+
+def _kind(kind: type[Sheet]) -> dict[str, Any]:
+    """Return what the page says of a kind of sheets, the values with which it begins, and its parameters' labels."""
+    return {
+        **{name: getattr(kind, name) for name in ("does", "remark", "sweep")},
+        "choice": kind.choice or kind.title,
+        "sentence": kind.sentence or f"The sheet {kind.does}.",
+        "opening": {each.name: each.default for each in kind.parameters} | {**kind.opening},
+        "parameters": {each.name: each.label or each.about for each in kind.parameters},
+    }
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    """Return what the page needs to know of a parameter. One without limits has the page's."""
+    return asdict(parameter) | {
+        "symbol": parameter.symbol or parameter.name.replace("_", " "),
+        "label": parameter.label or parameter.about,
+        "unit": parameter.unit.replace("degrees", "°").replace(" a ", "/"),
+        "least": -100 if parameter.least is None else parameter.least,
+        "most": 100 if parameter.most is None else parameter.most,
     }
 
 

@@ -38,8 +38,8 @@ def script(*mains: str, laws: Sequence[Text]) -> str:
 
 def _function(path: str, text: str) -> str:
     exports = ", ".join(found[1] for found in EXPORT.finditer(text))
-    body = EXPORT.sub("", IMPORT.sub(lambda found: f"const {found[1]} = povgen.{_name(found[2])};\n", text))
-    return f"povgen.{_name(path)} = (() => {{\n{body}return {{ {exports} }};\n}})();\n"
+    body = IMPORT.sub(lambda found: f"const {found[1].replace(' as ', ': ')} = povgen.{_name(found[2])};\n", text)
+    return f"povgen.{_name(path)} = (() => {{\n{EXPORT.sub('', body)}return {{ {exports} }};\n}})();\n"
 
 
 def _name(path: str) -> str:

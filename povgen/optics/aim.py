@@ -111,15 +111,7 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
         else:
             start = total @ (E.real, E.imag, 0, 0, 1)
             to = place - complex(*start[:2]) - after * complex(*start[2:4])
-            a, b, c, d = np.moveaxis(
-                total[:2, 2:4] + after[..., None, None] * total[2:4, 2:4], (-2, -1), (0, 1)
-            ).reshape(4, *after.shape)
-            size, scale = a * d - b * c, abs(a * d) + abs(b * c)
-            x, y = d * to.real - b * to.imag, a * to.imag - c * to.real
-            rounding = 1e-14 * np.sqrt(scale) * abs(to)
-            x, y = np.where(abs(x) <= rounding, 0, x), np.where(abs(y) <= rounding, 0, y)
-            size = np.where(abs(size) <= 1e-14 * scale, 0, size)
-            s = _quotient(x, size) + 1j * _quotient(y, size)
+            s = _solved(total[:2, 2:4], after[..., None, None] * total[2:4, 2:4], to)
         return (E + distance * s)[()]
 
 
@@ -146,8 +138,29 @@ def _real(a: complex, b: complex) -> Matrix:
     return np.array([[a.real + b.real, b.imag - a.imag], [a.imag + b.imag, a.real - b.real]])
 
 
-def _quotient(a: Floats, b: Floats) -> Floats:
-    return np.where((a == 0) & (b != 0), 0.0, a / b)
+def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
+    """Return the slopes s (...) for which the sum of two maps (..., 2, 2) is `to` (...).
+
+    Where only some `to` can be reached, another one gives an infinite slope. Where all slopes lead to one point, the
+    result is NaN for this point. Entries as small as rounding errors count as 0.
+    """
+    size = abs(first) + abs(second)
+    maps = np.where(abs(first + second) <= 1e-14 * size.max((-2, -1), keepdims=True), 0, first + second)
+    maps, right = np.broadcast_to(maps, (*to.shape, 2, 2)), np.stack((to.real, to.imag), -1)[..., None]
+    (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
+    determinant = a * d - b * c
+    singular = abs(determinant) <= 1e-14 * (abs(a * d) + abs(b * c))
+    safe = np.where(singular[..., None, None], np.eye(2), np.nan_to_num(maps))
+    slopes = np.linalg.solve(safe, np.nan_to_num(right))[..., 0]
+    s = np.where(np.isnan(to) | np.isnan(determinant), np.nan, slopes[..., 0] + 1j * slopes[..., 1])
+    if singular.any():
+        inverse = np.linalg.pinv(maps[singular], rcond=1e-9)
+        least = (inverse @ right[singular])[..., 0]
+        off = np.linalg.norm((maps[singular] @ least[..., None] - right[singular])[..., 0], axis=-1)
+        one_point = ~maps[singular].any((-2, -1)) & (abs(to[singular]) == 0)
+        reached = np.where(one_point, np.nan, least[..., 0] + 1j * least[..., 1])
+        s[singular] = np.where(off <= 1e-13 * abs(to[singular]), reached, complex(np.inf, 0))
+    return s
 
 
 def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats) -> Complexes:

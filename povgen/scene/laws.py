@@ -1,6 +1,5 @@
 """The laws of ideal sheets as text in other languages: POV-Ray, and GLSL and JavaScript for the live view."""
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -61,7 +60,7 @@ def _functions(number: int, window: Placed) -> Functions:
 def _about(parameter: Parameter, name: str) -> str:
     """Return what a number is: the beginning of the parameter's text."""
     component = f"{name[-1]} of the " if parameter.kind == "direction" else ""
-    return component + re.split(",| as ", parameter.text)[0]
+    return component + parameter.about
 
 
 class Text(NamedTuple):

@@ -31,8 +31,14 @@ class AxisRotation(Ideal):
             1,
             kind="direction",
             size=0.001,  # POV-Ray squares the components, and tiny squares are 0
+            symbol="a",
         ),
     )
+    choice = "about an axis"
+    opening = {"alpha": 20, "axis": (0, 1, 0)}
+    sentence = "The sheet rotates light by {alpha} about the axis {axis}."
+    remark = "No prisms are known that do this."
+    sweep = {"alpha": (-60, 60)}  # for larger angles it is dark
     law = Law(
         f"cos(alpha)*x - {_ACROSS}*(axis_y*z - axis_z*y) + {_ALONG}*axis_x,"
         f"cos(alpha)*y - {_ACROSS}*(axis_z*x - axis_x*z) + {_ALONG}*axis_y,"

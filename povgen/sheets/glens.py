@@ -24,7 +24,13 @@ class Glens(Ideal):
             name="object_focal_length",
             text="focal length on the object's side, -100 to -0.1 or 0.1 to 100 tiles",
             default=6,
+            symbol="g",
         ),
+    )
+    choice = "glens"
+    sentence = (
+        "The sheet images as a lens with the focal length f = {focal_length} on your side, "
+        "and g = {object_focal_length} on the object’s."
     )
     law = Law(
         "(focal_length*x - X*z)/object_focal_length, (focal_length*y - Y*z)/object_focal_length, z",

@@ -1,5 +1,6 @@
 """What all sheets have in common: a kind's name, parameters and words; a sheet's values."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +21,7 @@ Kind = Literal["number", "whole number", "direction", "choice", "switch", "text"
 class Parameter:
     """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
 
-    Kinds of sheets that have a parameter of the same name share it: all but `text` is the same.
+    Kinds of sheets that have a parameter of the same name share it: all but `text` and `label` is the same.
     """
 
     name: str
@@ -32,6 +33,13 @@ class Parameter:
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
     size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
+    symbol: str = ""  # on the teaching page; otherwise its name
+    label: str = ""  # what it is, beside its slider; otherwise the beginning of `text`
+
+    @property
+    def about(self) -> str:
+        """What it is: the beginning of `text`."""
+        return re.split(",| as ", self.text)[0]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -67,6 +75,12 @@ class Sheet:
     )
     layers: ClassVar[int] = 0  # how many sheets of prisms it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
+    # the teaching page, of ideal sheets; `sentence` contains values as {alpha} and {alpha/2}
+    choice: ClassVar[str] = ""  # its name in the choice; otherwise the title
+    opening: ClassVar[Mapping[str, Any]] = {}  # values of the scene with which it begins; otherwise the defaults
+    sentence: ClassVar[str] = ""  # what it does; otherwise what `does` says
+    remark: ClassVar[str] = ""  # a sentence more, unless the sheet does no more than the paper's
+    sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}  # other ends of the paper's movies
 
     def __hash__(self) -> int:
         return hash((type(self), str(sorted(self.values.items())), self.aperture))

@@ -1,12 +1,11 @@
 // The state in the page's address.
 
 import { chosenBeyond } from "./beyond.js";
+import { data } from "./data.js";
 import { QUESTIONS, revealed } from "./questions.js";
 import { change, CHOICES, OPENING, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => String(Number(x.toPrecision(7)));
-// What only some of the scenes have.
-const OWN_VALUES = { none: [], series: ["windows", "alpha2", "d"], axis: ["axis"], refraction: ["ratio"], lenslets: ["ratio"], mirror: [] };
 export const SWITCHES = ["position", "circles", "image", "caption"];
 
 export function toHash() {
@@ -14,7 +13,8 @@ export function toHash() {
   const parts = { scene, sheet };
   if (scene === "chess") parts.piece = piece;
   for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
-  for (const name of OWN_VALUES[chosenBeyond()]) parts[name] = [state[name]].flat().map(short).join(",");
+  const own = chosenBeyond() === "series" ? ["windows", "alpha2", "d"] : Object.keys(data.kinds[sheet]?.parameters ?? {});
+  for (const name of own) parts[name] = [state[name]].flat().map(short).join(",");
   for (const name of ["L", "E"]) parts[name] = state[name].map(short).join(",");
   parts.show = SWITCHES.filter((name) => state[name]).join(",");
   parts.diagram = state.diagram;
@@ -28,10 +28,10 @@ export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const values = {};
   for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(given.get(name))) values[name] = given.get(name);
-  for (const name of Object.keys(RANGES)) if (isNumber(given.get(name))) values[name] = Number(given.get(name));
-  for (const [name, count] of Object.entries({ L: 2, E: 2, axis: 3 })) {
+  for (const name of ["L", "E", ...Object.keys(RANGES)]) {
     const parts = (given.get(name) ?? "").split(",");
-    if (parts.length === count && parts.every(isNumber)) values[name] = parts.map(Number);
+    if (parts.length !== [OPENING[name]].flat().length || !parts.every(isNumber)) continue;
+    values[name] = Array.isArray(OPENING[name]) ? parts.map(Number) : Number(parts[0]);
   }
   if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
   const question = Number(given.get("question")) - 1;

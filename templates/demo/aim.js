@@ -31,6 +31,18 @@ export function pole(window, E, z1, z2) {
   return Math.abs(determinant([a, b])) < 1e-9 * z2 * size ? "line" : "";
 }
 
+// How far behind the sheet a linear law forms the image of what is at z1: below 0 in front of it, infinite if the light of each
+// point leaves in one direction. NaN if there is no image.
+export function imageDepth(window, z1) {
+  const [near, far] = [1, 2].map((z2) => linear(window, [0, 0], z1, z2)?.columns);
+  if (!near || !far) return NaN;
+  // a ray that meets the sheet at P, and had the slope s before, ends at the sum of two linear maps: of P, and of s
+  const [ofP, ofS] = [near.map((column, k) => minus(far[k], column)), near.map((column, k) => minus(scaled(2, column), far[k]))];
+  if (ofP.every((column) => abs(column) < 1e-9)) return Infinity;
+  const W = times(conj(ofP[0]), ofS[0])[0] / abs(ofP[0]) ** 2;
+  return ofS.every((column, k) => abs(minus(column, scaled(W, ofP[k]))) < 1e-9 * abs(column)) ? W : NaN;
+}
+
 // Where light from L to E crosses the sheet: of several paths, the one whose crossing is the nearest to the middle of the window.
 // Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.
 export function crossing(L, E, z1, z2, window, near = 0) {

@@ -1,9 +1,11 @@
 // What the page says of the choices beyond the paper, in sentences.
 
 import * as geometry from "../live/geometry.js";
+import { imageDepth } from "./aim.js";
+import { abs, arg, minus, quotient } from "./complex.js";
 import { data } from "./data.js";
 import { unsure } from "./moment.js";
-import { brief, fixed, timesText } from "./numbers.js";
+import { brief, briefly, timesText } from "./numbers.js";
 import { absent, doubt, imagePlace, poleSentence, thing, turnedBy } from "./phrases.js";
 import { RANGES, state } from "./state.js";
 import { contents } from "./contents.js";
@@ -11,36 +13,39 @@ import { contents } from "./contents.js";
 const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than the height of one of 100 prisms
 
 export function seenThrough(now) {
-  const { sheet, M, degrees } = now;
+  const { sheet, M, turned } = now;
   if (sheet === "none" && contents(now).has("thing")) return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
   if (now.Z) return seenInSeries(now);
-  const does = Math.abs(Math.sin(geometry.radians(degrees) / 2)) < 1e-9 && sheet === "axis" ? "At this angle the sheet does nothing." : WORK[sheet](now);
+  const does = work(now);
   if (now.nearPole) return `${does} ${poleSentence(now)}`;
   if (!contents(now).has("thing")) return `${does} ${absent(now)}`;
   if (!(M > 0) || !Number.isFinite(M)) return does;
   const which = state.scene === "spheres" ? ` at z₁ = ${brief(now.z1)}` : "";
-  if (sheet === "lenslets") return `${does} The ${thing()}${which} appears ${timesText(M)} times as large as if it stood in the window.`;
-  return `${does} The ${thing()}${which} has ${timesText(M * M)} times the area that it would have in the window.`;  // it can be distorted
+  const seen = Number.isFinite(turned)
+    ? `appears ${turnedBy(turned)}, and ${timesText(M)} times as large as if it stood in the window.`
+    : `has ${timesText(M * M)} times the area that it would have in the window.`;  // it can be distorted
+  return `${does} The ${thing()}${which} ${seen}`;
 }
 
-// What each of the other sheets does.
-const WORK = {
-  axis({ scene: { axis }, degrees }) {
-    const what = `The sheet rotates light by ${fixed(degrees, 1)}° about the axis (${axis.map(brief).join(", ")})`;
-    return axis[0] || axis[1] ? `${what}. No prisms are known that do this.` : `${what}: that is the paper’s window.`;
-  },
-  refraction({ scene: { ratio }, degrees }) {
-    if (degrees % 360 === 0) return `Snell’s law: the sheet multiplies the sine of the angle by ${brief(ratio)}.`;
-    const what = `The sheet refracts light, with a complex ratio of indices: it multiplies the sine of the angle by ${brief(ratio)}, and turns light by`;
-    return `${what} ${fixed(degrees, 1)}°. ${ratio === 1 ? "That is the paper’s window." : "No prisms are known that do this."}`;
-  },
-  lenslets({ scene: { ratio }, degrees, z1, z2 }) {
-    const turned = Math.abs(degrees) % 360 === 180;
-    if (!turned) return `The sheet multiplies the light’s slope by ${brief(ratio)}, and turns it by ${fixed(degrees, 1)}°. Real lenslets turn it by 180°.`;
-    return `Pairs of lenslets multiply the light’s slope by −f₁/f₂ = −${brief(ratio)}. They form an image ${imagePlace(-z1 / ratio, z2, "the window")}.`;
-  },
-  mirror: ({ degrees }) => `The sheet mirrors the light’s slope about a line at ${fixed(degrees / 2, 1)}°, as one sheet of prisms does.`,
-};
+// What a sheet beyond the paper does.
+function work(now) {
+  const { sentence, remark } = now.kind;
+  const turned = rotationBy(now.bend);
+  if (turned !== null && Math.abs(turned) < 1e-9) return "With these values the sheet does nothing.";
+  const does = sentence.replace(/\{(\w+)(?:\/(\d+))?\}/g, (_, name, part) => briefly(name, part ? now.scene[name] / part : now.scene[name]));
+  if (turned !== null) return `${does} That is the paper’s window.`;
+  const W = imageDepth(now.window, now.z1);
+  const place = Number.isFinite(W) ? imagePlace(W, now.z2, "the window") : "infinitely far away";
+  return [does, ...(remark ? [remark] : []), ...(Number.isNaN(W) ? [] : [`The ${thing()}’s image is ${place}.`])].join(" ");
+}
+
+// The angle by which a sheet turns all light about its normal; null if it does something else.
+function rotationBy(bend) {
+  const rays = [[[0.3, 0.1], [0, 0]], [[-0.5, 0.4], [0.7, -0.2]], [[0.2, -0.6], [-0.4, 0.9]]];
+  const [first, ...others] = rays.map(([slope, place]) => quotient(bend(slope, place) ?? [NaN, NaN], slope));
+  const same = Math.abs(abs(first) - 1) < 1e-9 && others.every((other) => abs(minus(other, first)) < 1e-9);
+  return same ? arg(first) : null;
+}
 
 function seenInSeries(now) {
   const { sheet, M, nu, z1 } = now;

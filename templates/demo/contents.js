@@ -1,6 +1,5 @@
 // What is in the window: what the lines of sight through it meet.
 
-import { OTHER_SHEETS } from "./beyond.js";
 import { abs, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";
@@ -15,7 +14,7 @@ const NO_DEPTH = { slab_shift: 0, separation: 0 };  // of sheets without thickne
 function sight(now, place) {
   const { scene, sheet, E, z1, z2, alpha, prism, behind } = now;
   const slope = scaled(1 / z2, minus(place, E));
-  if (OTHER_SHEETS.includes(sheet)) {
+  if (now.bend) {
     const after = now.bend(slope, place);
     return after && { slope: after, point: plus(place, scaled(z1, after)) };
   }

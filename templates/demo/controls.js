@@ -2,7 +2,7 @@
 
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
-import { chooseBeyond, chosenBeyond, LABELS, replace, replacedNames } from "./beyond.js";
+import { chooseBeyond, chosenBeyond, labels, replace, replacedNames } from "./beyond.js";
 import { abs, arg, finite, minus } from "./complex.js";
 import { $, clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
@@ -13,38 +13,46 @@ import { drawOverlay } from "./overlay.js";
 import { pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { change, session, state } from "./state.js";
+import { change, session, state, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
-// The sliders: the values at their ends, and whether a step is a ratio.
-const SLIDERS = {
-  alpha: { ends: [-180, 180] }, z1: { ends: [0.3, 300], log: true }, z2: { ends: [0.5, 150], log: true },
-  prisms: { ends: [1, 400], log: true },
-  alpha2: { ends: [-180, 180] }, d: { ends: [0.4, 20], log: true }, ratio: { ends: [0.1, 10], log: true },
-};
+// The sliders: their ends, and the functions from a slider's place to its value and back.
+const linear = (least, most, step) => ({ ends: [least, most], step, from: (place) => Number(place.toPrecision(4)), to: (x) => x });
 const STEPS = 1000;
-
-function fromSlider(name, place) {
-  const { ends: [least, most], log } = SLIDERS[name];
-  if (!log) return Number(place);
-  const x = Number((least * (most / least) ** (place / STEPS)).toPrecision(3));
-  return name === "prisms" ? Math.round(x) : x;
+const log = (least, most) => ({
+  ends: [0, STEPS], step: "any",
+  from: (place) => Number((least * (most / least) ** (place / STEPS)).toPrecision(3)),
+  to: (x) => (STEPS * Math.log(x / least)) / Math.log(most / least),
+});
+// Of a number that has both signs but is not 0, the large values are in the middle: there a lens is weak.
+function reciprocal(least, most) {
+  const { from, to } = log(most, least);
+  return { ends: [-STEPS, STEPS], step: "any", from: (place) => (place < 0 ? -1 : 1) * from(Math.abs(place)), to: (x) => Math.sign(x) * to(Math.abs(x)) };
 }
+const sliderOf = ({ unit, least, most, size }) => (unit.startsWith("°") ? linear(Math.max(least, -180), Math.min(most, 180), 0.5)
+  : least > 0 ? log(least, most) : size > 0 ? reciprocal(size, most) : linear(least, most, "any"));
 
-function toSlider(name, x) {
-  const { ends: [least, most], log } = SLIDERS[name];
-  return log ? (STEPS * Math.log(x / least)) / Math.log(most / least) : x;
-}
+const OF_SHEETS = Object.keys(data.parameters);
+const DIRECTIONS = OF_SHEETS.filter((name) => data.parameters[name].kind === "direction");
+const FIELDS = Object.entries({ L: "xy", E: "xy", ...Object.fromEntries(DIRECTIONS.map((name) => [name, "xyz"])) });
+const SLIDERS = {
+  z1: log(0.3, 300), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(-180, 180, 0.5), d: log(0.4, 20),
+  ...Object.fromEntries(OF_SHEETS.filter((name) => !DIRECTIONS.includes(name)).map((name) => [name, sliderOf(data.parameters[name])])),
+};
+const valueOf = (name) => {
+  const x = SLIDERS[name].from(Number($(`slider-${name}`).value));
+  return WHOLE.includes(name) ? Math.round(x) : x;
+};
 
 // A number as an input shows it.
 const typed = (x) => String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)));
 
-for (const name of Object.keys(SLIDERS)) {
-  const slider = $(`slider-${name}`);
-  slider.addEventListener("input", () => given({ [name]: fromSlider(name, slider.value) }));
+for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
+  const slider = Object.assign($(`slider-${name}`), { min, max, step });
+  slider.addEventListener("input", () => given({ [name]: valueOf(name) }));
   numberField($(`number-${name}`), 1, (x) => ({ [name]: x }));
 }
-for (const [name, letters] of [["L", "xy"], ["E", "xy"], ["axis", "xyz"]]) {
+for (const [name, letters] of FIELDS) {
   [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
 }
 
@@ -98,7 +106,7 @@ for (const input of document.querySelectorAll(".choice input")) {
 }
 for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
 $("beyond").addEventListener("change", () => {
-  player.pause();
+  player.reset();
   chooseBeyond($("beyond").value);
   refresh();
 });
@@ -120,17 +128,18 @@ export function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
     const x = name === "z1" || name === "z2" || (name === "d" && now.d) ? now[name] : state[name];
     const slider = $(`slider-${name}`);
-    if (document.activeElement !== slider || Math.abs(fromSlider(name, slider.value) - x) > 0.01 * Math.abs(x)) slider.value = toSlider(name, x);
+    if (document.activeElement !== slider || Math.abs(valueOf(name) - x) > 0.01 * Math.abs(x)) slider.value = SLIDERS[name].to(x);
     slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
     put(`number-${name}`, x);
   }
-  for (const [name, letters] of [["L", "xy"], ["E", "xy"], ["axis", "xyz"]]) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
+  for (const [name, letters] of FIELDS) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
   for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = now.sheet === "none" || now.sheet === "single";
   $("row-prisms").hidden = now.beyond && now.sheet !== "detailed";
   for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = now.sheet === "none";
   const beyond = chosenBeyond();
   $("beyond").value = beyond;
-  for (const [name, text] of Object.entries({ ...LABELS.none, ...LABELS[beyond] })) {
+  for (const [name, text] of Object.entries(labels(beyond))) {
+    if (!SLIDERS[name]) continue;
     $(`label-${name}`).textContent = text;
     $(`slider-${name}`).setAttribute("aria-label", `${name}: ${text}`);
     $(`number-${name}`).setAttribute("aria-label", `${name}, as a number: ${text}`);

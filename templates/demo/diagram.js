@@ -1,9 +1,8 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
 import { radians } from "../live/geometry.js";
-import { OTHER_SHEETS } from "./beyond.js";
 import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
-import { $, clamped } from "./data.js";
+import { $, clamped, data } from "./data.js";
 import * as equations from "./equations.js";
 import { angle, fixed, point, size } from "./numbers.js";
 import { curve, dot, heading, line, RATIOS, step, svg, TURNS, vector, words } from "./shapes.js";
@@ -12,7 +11,7 @@ import { corner, corners, triangle } from "./triangle.js";
 
 const diagram = $("diagram");
 
-export const orientation = () => (OTHER_SHEETS.includes(state.sheet) ? "picture" : state.diagram);
+export const orientation = () => (state.sheet in data.kinds ? "picture" : state.diagram);
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
 function mapOf(width, height, { L, E, P, two }) {

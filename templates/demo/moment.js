@@ -3,9 +3,9 @@
 import * as geometry from "../live/geometry.js";
 import { bending, windows } from "../live/sheets.js";
 import { crossing, pole } from "./aim.js";
-import { behindFirst, inSeries, OTHER_SHEETS } from "./beyond.js";
-import { abs, arg, determinant, minus, plus, resolved, scaled } from "./complex.js";
-import { clamped, data } from "./data.js";
+import { behindFirst, inSeries } from "./beyond.js";
+import { abs, arg, determinant, minus, plus, resolved, scaled, times } from "./complex.js";
+import { clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { FLOOR, state } from "./state.js";
 
@@ -14,8 +14,8 @@ const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.0
 
 // The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
 export function sceneValues() {
-  const { scene, sheet, alpha, prisms, piece, L, E, ratio, axis, alpha2, d } = state;
-  const values = { ...data.scenes[scene], sheet, alpha, prisms, ratio, axis, eye: E, faces: data.faces };
+  const { scene, piece, L, E, alpha2, d } = state;
+  const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
   if (inSeries()) values.window = [{ alpha: alpha2, z: Math.max(d, geometry.depth(values) + 0.011), sheet: null }];
   const back = geometry.depth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
@@ -37,7 +37,8 @@ export function moment() {
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
   now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
   [now.window] = windows(scene);
-  if (OTHER_SHEETS.includes(sheet)) now.bend = bending(now.window);
+  now.kind = data.kinds[sheet];  // of the sheets beyond the paper's
+  if (now.kind) now.bend = bending(now.window);
   now.behind = behindFirst(scene);
   if (now.behind.length) {
     [[now.d]] = now.behind;
@@ -46,14 +47,14 @@ export function moment() {
   }
   // the paper's window; or a choice beyond the paper
   now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
-  now.beyond = Boolean(now.Z) || OTHER_SHEETS.includes(sheet);
+  now.beyond = Boolean(now.Z || now.kind);
   now.P = equations.P(r, alpha);
   now.place = markedPosition(now);
   Object.assign(now, appearance(now));
   // whether the light from L, on its way through the first window, misses the second one
   now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(equations.atSecondWindow(now), scene);
   // near the pole, the window shows a small part of the object's plane: its width
-  now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || sheet === "lenslets" || now.M === Infinity);
+  now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || Number.isFinite(now.turned) || now.M === Infinity);
   now.seen = scene.aperture / now.M;
   return now;
 }
@@ -64,7 +65,7 @@ export const NEAR_POLE = 12;  // a larger M is near the pole
 export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
   const { E, prism, behind } = now;
   if (imagingPole(now, z1, z2)) return [Infinity, 0];
-  if (OTHER_SHEETS.includes(now.sheet)) return crossing(L, E, z1, z2, now.window, near);
+  if (now.kind) return crossing(L, E, z1, z2, now.window, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
   if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
@@ -74,11 +75,15 @@ export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near =
 export const markedPosition = (now) => apparentPosition(now, now.L, now, now.radii[now.objects.indexOf(now.z1)]);
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
-// of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length.
+// of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length; `turned` is the angle if
+// the object appears undistorted.
 export function appearance(now) {
   const { sheet, z1, z2, alpha, prism, behind } = now;
   if (imagingPole(now, z1, z2)) return { nu: NaN, M: Infinity };
-  if (OTHER_SHEETS.includes(sheet)) return { nu: NaN, M: Math.sqrt(Math.abs(determinant(shownSteps(now)))) };
+  if (now.kind) {
+    const [right, up] = shownSteps(now);
+    return { nu: NaN, M: Math.sqrt(Math.abs(determinant([right, up]))), turned: abs(minus(up, times([0, 1], right))) < 1e-6 * abs(right) ? arg(right) : NaN };
+  }
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
   if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
   if (behind.length) {
@@ -101,7 +106,7 @@ export function objectStep(now, step) {
 
 // Whether the prediction can be wrong by pixels. The limits are in povgen/limits.py.
 export function unsure(now) {
-  if (now.sheet === "none" || OTHER_SHEETS.includes(now.sheet)) return false;
+  if (now.sheet === "none" || now.kind) return false;
   if (now.sheet === "ideal") return now.M > data.limits.condition;
   return !(possibleError(now) <= data.limits.error);
 }

@@ -2,14 +2,14 @@
 
 import { radians } from "../live/geometry.js";
 import { finite } from "./complex.js";
-import { pick } from "./data.js";
+import { data } from "./data.js";
 
-export const SYMBOL = { alpha: "α", z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d", ratio: "|η|" };
+const ofSheets = (what) => Object.fromEntries(Object.entries(data.parameters).map(([name, parameter]) => [name, parameter[what]]));
+export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d" };
+const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles" };
 
 // The names of the settings that can be replaced.
-export const SETTINGS = {
-  ...pick(SYMBOL, "alpha", "z1", "z2", "prisms", "alpha2", "d", "ratio"), L: "L", E: "E", axis: "axis", piece: "piece", sheet: "sheets", windows: "windows",
-};
+export const SETTINGS = { ...SYMBOL, L: "L", E: "E", piece: "piece", sheet: "sheets", windows: "windows" };
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
@@ -34,7 +34,12 @@ export const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision
 export const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
 export const rough = (x) => printed(String(Number(x.toPrecision(2))));
 export const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
-export const quantity = (name, x) => (name.startsWith("alpha") ? `${fixed(x, 1)}°` : name === "ratio" ? size(x) : `${size(x)} tiles`);
+
+
+export const isAngle = (name) => Boolean(UNIT[name]?.startsWith("°"));
+export const quantity = (name, x) => (isAngle(name) ? fixed(x, 1) + UNIT[name] : `${size(x)} ${UNIT[name] ?? ""}`.trim());
+// A number, or a direction's three. Lengths are without their unit.
+export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(", ")})` : isAngle(name) ? quantity(name, x) : brief(x));
 
 export const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
 

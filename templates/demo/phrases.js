@@ -1,7 +1,10 @@
 // Parts of sentences.
 
+import { radians } from "../live/geometry.js";
+import { linear } from "./aim.js";
+import { abs, arg, minus } from "./complex.js";
 import { imagingPole, possibleError } from "./moment.js";
-import { angle, brief, fixed, rough } from "./numbers.js";
+import { angle, brief, fixed, placeText, rough } from "./numbers.js";
 import { state } from "./state.js";
 import { contents, SHOWN } from "./contents.js";
 
@@ -34,9 +37,13 @@ export function poleSentence(now) {
   const { M, seen } = now;
   const exact = !Number.isFinite(M), name = thing();
   const pole = exact ? "The pole" : "Near the pole";
-  const part = exact ? "one point, straight before the eye" : `a part that is only ${rough(seen)} tiles wide`;
+  const { from, columns } = (exact && now.kind && linear(now.window, now.E, now.z1, now.z2)) || { from: now.E, columns: [] };
+  const where = abs(minus(from, now.E)) < 1e-6 ? "straight before the eye" : `at (${placeText(from)})`;
+  const part = exact ? `one point, ${where}` : `a part that is only ${rough(seen)} tiles wide`;
   if (imagingPole(now, now.z1, now.z2) === "line") {
-    return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(now.degrees / 2, 1)}°, through the point straight before the eye.`
+    const along = columns.reduce((best, column) => (abs(column) > abs(best) ? column : best));
+    const degrees = ((arg(along) / radians(1)) % 180 + 180) % 180;
+    return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(degrees, 1)}°, through the point ${where}.`
       + (contents(now).has("thing") ? " Each of its points is drawn out across the window." : ` ${absent(now)}`);
   }
   if (!contents(now).has("thing") && !contents(now).has("pedestal")) {
@@ -44,7 +51,7 @@ export function poleSentence(now) {
   }
   if (!contents(now).has("thing")) return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
   return exact
-    ? `The pole: one point of the ${name} fills the whole window, the point straight before the eye.`
+    ? `The pole: one point of the ${name} fills the whole window, the point ${where}.`
     : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
 }
 

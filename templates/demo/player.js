@@ -1,6 +1,6 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
-import { chosenBeyond, replace } from "./beyond.js";
+import { chosenBeyond, replace, usesAlpha } from "./beyond.js";
 import { $, clamped, data } from "./data.js";
 import { refresh } from "./frame.js";
 import { brief, quantity, SYMBOL } from "./numbers.js";
@@ -11,10 +11,11 @@ export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 export const player = {
   preset: data.presets[0], playing: false, since: 0,
 
-  // The ends of the movie. A sheet that rotates light about an axis is dark for large angles.
+  // The ends of the movie. Some sheets have their own.
   ends() {
-    const { start, stop, log, parameter } = this.preset;
-    return state.sheet === "axis" && parameter === "alpha" ? { start: -60, stop: 60, log, parameter } : { start, stop, log, parameter };
+    const { log, parameter } = this.preset;
+    const [start, stop] = data.kinds[state.sheet]?.sweep[parameter] ?? [this.preset.start, this.preset.stop];
+    return { start, stop, log, parameter };
   },
 
   value(part) {
@@ -50,7 +51,7 @@ export const player = {
 
   play() {
     if (this.preset.scene !== state.scene) return;
-    if (this.preset.parameter === "alpha" && ["none", "single"].includes(state.sheet)) replace({ sheet: "ideal" });  // alpha needs two sheets
+    if (this.preset.parameter === "alpha" && !usesAlpha(state.sheet)) replace({ sheet: "ideal" });
     if (this.part() >= 1) this.seek(0);
     this.playing = true;
     this.since = performance.now();
@@ -86,9 +87,11 @@ export const player = {
     requestAnimationFrame((next) => this.tick(next));
   },
 
-  // A preset is for a scene: another scene takes its own.
+  // A preset is for a scene: another scene takes its own. A sheet beyond the paper that has no alpha takes another parameter.
   follow() {
+    const isMoot = ({ parameter }) => parameter === "alpha" && state.sheet in data.kinds && !usesAlpha(state.sheet);
     if (this.preset.scene !== state.scene) this.reset();
+    if (isMoot(this.preset)) this.preset = data.presets.find((preset) => preset.scene === state.scene && !isMoot(preset)) ?? this.preset;
   },
 
   reset() {

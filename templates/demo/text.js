@@ -1,11 +1,11 @@
 // What the page says of what is seen, in sentences.
 
 import * as geometry from "../live/geometry.js";
-import { OTHER_SHEETS, replacedNames } from "./beyond.js";
+import { replacedNames, usesAlpha } from "./beyond.js";
 import { seenThrough } from "./beyondText.js";
 import { finite } from "./complex.js";
 import { NEAR_POLE, outside, unsure } from "./moment.js";
-import { angle, brief, fixed, placeText, prismsText, SETTINGS, size, timesText } from "./numbers.js";
+import { angle, brief, briefly, fixed, placeText, prismsText, SETTINGS, size, SYMBOL, timesText } from "./numbers.js";
 import { absent, doubt, listed, poleSentence, thing, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
 import { session, state } from "./state.js";
@@ -57,7 +57,7 @@ function remarks(now) {
     found.push(`It floats ${brief(z1)} tiles in front of the window: move the eye and watch.`);
   }
   const limits = limitsMet(now);
-  if (OTHER_SHEETS.includes(sheet) && !finite(now.place) && !now.nearPole && contents(now).has("thing")) {
+  if (now.kind && !finite(now.place) && !now.nearPole && contents(now).has("thing")) {
     const filled = contents(now).size === 1 ? `The ${thing()} fills the window` : `Parts of the ${thing()} are in the window`;
     limits.push(`${filled}, but no path of light from L to the eye was found.`);
   }
@@ -78,23 +78,22 @@ export function describe(now) {
   const model = {
     none: "without sheets", single: `through one sheet of ${prismsText(now.scene.prisms)}`, ideal: "through the ideal sheet",
     detailed: `through two sheets of ${prismsText(now.scene.prisms)}`,
-  }[now.sheet] ?? { axis: "through an ideal sheet that rotates light about an axis", refraction: "through an ideal sheet that refracts",
-    lenslets: "through ideal lenslets", mirror: "through an ideal sheet that mirrors" }[now.sheet];
-  return `A ${thing()} seen ${model}${several}. α = ${fixed(now.degrees, 1)}°, z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
+  }[now.sheet] ?? `through an ideal sheet that ${now.kind.does}`;
+  return `A ${thing()} seen ${model}${several}. ${parametersOf(now).map((text) => `${text}, `).join("")}z₁ = ${size(now.z1)} and z₂ = ${size(now.z2)} tiles.`
     + ` The object L is at ${placeText(now.L)}, the eye E at ${placeText(now.E)}. ${explanation(now)}`;
 }
 
+// The values of the sheet's parameters.
+const parametersOf = ({ sheet, kind, scene }) =>
+  Object.keys(kind?.parameters ?? (usesAlpha(sheet) ? { alpha: "" } : {})).map((name) => `${SYMBOL[name]} = ${briefly(name, scene[name])}`);
+
 // The parts of the caption on the picture.
 export function caption(now) {
-  const sheets = { axis: "axis", refraction: "refraction", lenslets: "lenslets", mirror: "mirror", none: "no sheet", single: `one sheet, N = ${now.scene.prisms}`, detailed: `N = ${now.scene.prisms}`, ideal: "ideal sheet" };
-  const parts = [sheets[now.sheet], `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
-  if (!now.two && !now.beyond) return parts;
-  if (now.Z) parts.splice(1, 0, ...(now.sheet === "none" ? [] : [`α₂ = ${fixed(state.alpha2, 1)}°`]), `d = ${brief(now.d)}`);
-  if (now.sheet !== "none") parts.splice(1, 0, `α = ${fixed(now.degrees, 1)}°`);
-  if (OTHER_SHEETS.includes(now.sheet)) {
-    const own = { axis: `axis ${placeText(state.axis)}`, refraction: `|η| = ${brief(state.ratio)}`, lenslets: `|η| = ${brief(state.ratio)}` }[now.sheet];
-    return [...parts, ...(own ? [own] : [])];
-  }
+  const { prisms } = now.scene;
+  const sheet = now.kind?.choice ?? { none: "no sheet", single: `one sheet, N = ${prisms}`, detailed: `N = ${prisms}`, ideal: "ideal sheet" }[now.sheet];
+  const second = now.Z ? [...(now.sheet === "none" ? [] : [`α₂ = ${fixed(state.alpha2, 1)}°`]), `d = ${brief(now.d)}`] : [];
+  const parts = [sheet, ...parametersOf(now), ...second, `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
+  if (!now.two && !now.Z) return parts;
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
   return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];
 }

@@ -35,7 +35,7 @@ def test_a_spec_with_another_number_of_frames(tmp_path):
     ("options", "words"),
     [
         (["chess", "--sweep", "alpha"], ["sweep = 'alpha': allowed: NAME=START:STOP"]),
-        (["chess", "--sweep", "knights=1:2"], ["'knights'", "allowed: alpha, z2, ratio, prisms"]),
+        (["chess", "--sweep", "knights=1:2"], ["'knights'", "allowed: alpha, prisms, index"]),
         (["chess", "--sweep", "z2=6:0.05"], ["frame 61 of 61: z2 = 0.05", "window frame"]),
         (["chess", "--sweep", "alpha=0:9", "--alpha", "3"], ["alpha = '3': also swept; allowed: one value or a sweep"]),
         (["chess", "--sweep", "alpha=0:9", "--frames", "1"], ["frames = '1'", "2 to 10000"]),

@@ -5,6 +5,8 @@ import pytest
 from conftest import sentence, show
 from playwright.sync_api import expect
 
+from povgen.liveview.page import KINDS
+
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
 SMALL = [(800, 600), (853, 683), (640, 620), (899, 580), (360, 640)]
@@ -41,6 +43,7 @@ def test_each_control_is_on_top_and_large_enough(page, size):
         {"caption": True, "position": True, "image": True},
         {"windows": 2, "diagram": "paper"},
         {"scene": "spheres", "sheet": "axis"},
+        *({"sheet": sheet} for sheet in KINDS),
         {"question": 4},
     ):
         page.evaluate("fromHash('')")
@@ -104,7 +107,9 @@ SCENES = [
     *({}, {"E": [9, 1]}, {"E": [0, 10], "alpha": 180}, {"L": [4, -0.85]}, {"L": [1.9, 0]}, {"z1": 60}),
     *({"sheet": "none", "L": [4, 0]}, {"sheet": "single", "L": [4, 0]}, {"sheet": "single", "z1": 20}),
     *(LENSLETS, LENSLETS | {"E": [1.5, 0.5]}, {"sheet": "mirror", "alpha": 90, "z1": 6, "E": [-1.4, 1]}),
-    *({"sheet": "axis", "alpha": 180}, {"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2}),
+    *({"sheet": "axis", "alpha": 180}, *({"sheet": sheet} for sheet in KINDS)),
+    *({"sheet": "lens", "focal_length": 1.5}, {"sheet": "view-rotator", "z1": 6}, {"sheet": "twist", "twist": 90}),
+    {"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2},
     *(SERIES, SERIES | {"L": [3, -0.85]}),
     *({"alpha": 180, "z1": 6} | {"E": E} for E in ([0, 0], [1.5, 0.5], [0, -1.2])),
 ]
@@ -142,11 +147,18 @@ def test_what_the_window_shows_is_what_the_live_view_draws(page):
 
 def test_imaging_sheets_at_their_pole_say_what_is_seen(page):
     one, some = "one point of the knight fills the window", "0.15 tiles of the knight fill the window"
+    lens = {"sheet": "lens", "focal_length": 3, "z1": 6}
     mirror, line = {"sheet": "mirror", "alpha": 90, "z1": 6}, "one line of the knight’s plane fills the window"
     for values, words, P, written in (
         (LENSLETS, "The pole: one point of the knight fills", "∞", one),
         (LENSLETS | {"z1": 11.4}, "Near the pole: a part of the knight’s plane", "(0.00, −17.00)", some),
         (LENSLETS | {"E": [1.5, 0.5]}, "not there: the window shows the floor", "∞", "nothing of the knight is seen"),
+        (
+            lens | {"E": [1, 0]},
+            "in one point, at (−1.00, 0.00). The knight is not there",
+            "∞",
+            "nothing of the knight is seen",
+        ),
         (mirror, "plane in a line at 45.0°, through the point straight before the eye", "∞", line),
     ):
         page.evaluate("fromHash('')")

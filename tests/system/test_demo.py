@@ -23,7 +23,7 @@ from playwright.sync_api import expect
 
 from povgen import InputError, Spheres, live
 from povgen.liveview import page as teaching
-from povgen.liveview.page import demo
+from povgen.liveview.page import KINDS, demo
 from povgen.optics import paraxial, rotation
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
@@ -144,30 +144,39 @@ def test_a_question_about_an_image_does_not_give_its_answer(page):
 def test_an_axis_is_typed(page):
     """The field holds 0 on the way to 0.5. Then the axis is not lost."""
     show(page, sheet="axis", alpha=20, axis=[0, 0, 1])
-    expect(page.locator("#sentence")).to_contain_text("that is the paper’s window")
+    expect(page.locator("#sentence")).to_contain_text("That is the paper’s window")
     page.locator("#number-axisz").press_sequentially("0.5")
     page.locator("#number-axisz").fill("")
     page.locator("#number-axisz").press_sequentially("0.5")
     assert page.evaluate("state.axis") == [0, 0, 0.5]
     show(page, axis=[0, 0, 0])
     assert page.evaluate("state.axis") == [0, 0, 0.5]
-    expect(page.locator("#sentence")).to_contain_text("An axis of 0, 0, 0 has no direction")
+    expect(page.locator("#sentence")).to_contain_text("a = (0, 0, 0) has no direction: it stays as it was.")
 
 
 def test_what_is_beyond_the_paper_is_chosen(page):
-    """Each choice shows its own controls, its scene and what the paper says of it."""
+    """Each choice shows its own controls, and what the sheet does."""
     choose = page.get_by_label("Beyond the paper’s window")
-    for name, control, said in (
-        ("series", "#slider-d", "2 tiles in front of the first window"),
-        ("axis", "#number-axisz", "about the axis (0, 1, 0)"),
-        ("refraction", "#number-ratio", "by 0.7"),
-        ("lenslets", "#number-ratio", "−f₁/f₂ = −2. They form an image 1 tile"),
-        ("mirror", "#slider-alpha", "45.0°"),
-    ):
-        choose.select_option(name)
-        expect(page.locator(control)).to_be_visible()
-        expect(page.locator("#sentence")).to_contain_text(said)
+    names = {each.name for kind in KINDS.values() for each in kind.parameters}
+    assert choose.locator("option").count() == 2 + len(KINDS)
+    for name, kind in KINDS.items():
+        choose.select_option(label=kind.choice)
+        assert page.evaluate("state.sheet") == name
+        own = {each.name: each for each in kind.parameters}
+        for each in names:
+            places = page.locator(f"#slider-{each}, #number-{each}, #number-{each}x, #number-{each}y, #number-{each}z")
+            assert places.count() >= 2
+            for place in places.all():
+                expect(place).to_be_visible(visible=each in own)
+        for each in own.values():
+            row = page.locator(f"[data-quantity={each.name}]")
+            expect(row).to_contain_text(each.symbol)
+            expect(row).to_contain_text(each.label or each.about)
+        expect(page.locator("#sentence")).to_contain_text(kind.sentence.partition("{")[0])
         expect(page.locator("#row-prisms")).to_be_hidden()
+    choose.select_option("series")
+    expect(page.locator("#slider-d")).to_be_visible()
+    expect(page.locator("#sentence")).to_contain_text("2 tiles in front of the first window")
     choose.select_option("series")
     page.locator("#number-alpha2").fill("20")
     page.locator("#number-d").fill("0.1")
@@ -240,6 +249,25 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
         "The knight appears turned by 15.0° counter-clockwise, and 0.851 times as large as if it stood in the window."
     )
     # every point of the piece's predicted image is in the window, and there the picture shows the piece
+    piece, predicted = piece_and_prediction(page)
+    assert (piece & predicted).sum() > 0.92 * (piece | predicted).sum() > 500
+    y, x = np.nonzero(predicted)
+    half = 1.5 / 3.7 * 120
+    assert max(abs(x - 79.5).max(), abs(y - 59.5).max()) < half
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_other_sheets_show_the_piece_where_it_is_predicted(page, name):
+    page.get_by_label("Beyond the paper’s window").select_option(name)
+    show(page)
+    piece, predicted = piece_and_prediction(page)
+    y, x = np.indices(piece.shape)
+    inside = np.maximum(abs(x - 79.5), abs(y - 59.5)) < 1.45 / 3.7 * 120
+    assert (piece & predicted & inside).sum() > 0.8 * ((piece | predicted) & inside).sum() > 300
+
+
+def piece_and_prediction(page):
+    """Return where the picture shows the piece, and where its image is predicted, as masks (120, 160)."""
     shown = page.evaluate("[...readout(view, 160, 120).shown].filter((_, k) => k % 4 === 0)")
     piece = np.reshape(shown, (120, 160))[::-1] == 3  # OBJECT in objects.glsl
     inside = page.evaluate(
@@ -249,11 +277,28 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
             $("image").isPointInFill(new DOMPoint((k % 160 - 79.5) * scale, (Math.floor(k / 160) - 59.5) * scale)));
         }"""
     )
-    predicted = np.reshape(inside, (120, 160))
-    assert (piece & predicted).sum() > 0.92 * (piece | predicted).sum() > 500
-    y, x = np.nonzero(predicted)
-    half = 1.5 / 3.7 * 120
-    assert max(abs(x - 79.5).max(), abs(y - 59.5).max()) < half
+    return piece, np.reshape(inside, (120, 160))
+
+
+def test_sliders_of_other_sheets(page):
+    """A focal length has both signs, and a lens is weak in the middle of the slider. An angle is linear."""
+    choose = page.get_by_label("Beyond the paper’s window")
+    choose.select_option("glens")
+    slider, ends = page.locator("#slider-focal_length"), []
+    for place in (-1000, -1, 0, 1, 500, 1000):
+        slider.fill(str(place))
+        ends.append(page.evaluate("state.focal_length"))
+        expect(page.locator("#number-focal_length")).to_have_value(f"{ends[-1]:.4g}")
+    assert ends == pytest.approx([-0.1, -100, 100, 100, 10**0.5, 0.1], rel=0.01)
+    show(page, focal_length=-2)
+    assert float(slider.input_value()) == pytest.approx(-1000 * np.log(50) / np.log(1000))
+    expect(slider).to_have_attribute("aria-valuetext", "−2.000 tiles")
+    expect(page.locator("#scrub-value")).to_have_text("z₁ = 2")  # no alpha: the other movie
+    choose.select_option("twist")
+    page.locator("#slider-twist").fill("-45")
+    assert page.evaluate("state.twist") == -45
+    expect(page.locator("#slider-twist")).to_have_attribute("aria-valuetext", "−45.0°/tile")
+    expect(page.locator("#scrub-value")).to_have_text("α = 0.0°")
 
 
 def test_switches_draw_on_the_picture(page):
@@ -438,7 +483,7 @@ def test_few_large_prisms_push_eye_and_object_away(page):
     expect(page.locator("#about-nu")).to_have_text("for 100 prisms; the equation gives 15.0°")
 
 
-@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", "refraction", "mirror"])
+@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", *sorted({*KINDS} - {"axis", "twist"})])
 def test_the_image_follows_the_pointer(page, sheet):
     show(page, sheet=sheet, alpha=120)
     start, step = centre(page, "#object-picture"), 0.4 + 0.2j

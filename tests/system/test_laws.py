@@ -27,7 +27,7 @@ SERIES = [
 
 @pytest.fixture(scope="module")
 def node():
-    started = Node(SCENES)
+    started = Node.of_page(SCENES)
     yield started
     started.close()
 

@@ -14,8 +14,8 @@ const { value: script } = await lines.next();
 globalThis.window = globalThis;
 (0, eval)(JSON.parse(script));
 const { povgen } = globalThis;
-const { geometry, sheets, ...pages } = povgen;
-Object.assign(globalThis, povgen, ...Object.values(pages));
+const pages = Object.keys(povgen).filter((name) => !["geometry", "sheets"].includes(name));
+Object.assign(globalThis, povgen, ...pages.map((name) => povgen[name]));
 for await (const line of lines) {
   const { script, argument } = JSON.parse(line);
   const found = (0, eval)(`(${script})`);

@@ -1,22 +1,30 @@
 """The scripts of the pages, without a browser: their equations, geometry, text and state are those of povgen."""
 
+import json
+import os
 import re
+import shutil
+import subprocess
+import sys
 from graphlib import CycleError
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import BEYOND, scene_of, seen_through_other_sheets, sentence
+from conftest import BEYOND, MODULES, Node, scene_of, seen_through_other_sheets, sentence
 
+import povgen
 from povgen import Chess, InputError, Spheres
 from povgen.liveview import scripts
+from povgen.liveview.page import KINDS
 from povgen.liveview.values import values as live_values
 from povgen.optics import paraxial, rotation, series
 from povgen.optics.prism import Prism
 from povgen.scene import warnings
 from povgen.scene.laws import to_live
 from povgen.scene.models import SCENES
+from povgen.scene.spec import MOVIES
 from povgen.settings import Rendering
-from povgen.sheets import OTHER
 
 
 @pytest.fixture
@@ -128,7 +136,7 @@ def test_equations_of_windows_in_series_are_those_of_rotation_and_paraxial(page)
 def test_positions_behind_other_sheets_are_those_of_python(page):
     """Also where the ray along the normal does not pass, and where two paths have just become one."""
     marks = Spheres(sheet="axis", axis=(0, -0.7, -0.6), alpha=180, z2=1, eye=(0, -1.5), line=(0, 2.6), z1=3)
-    linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in OTHER if sheet != "law"]
+    linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in KINDS]
     cases = [(scene, L, 2.0, 0.0) for scene in linear for L in (0.3 - 1j, 2 + 1j)]
     cases += [
         (scene, L, scene.z1, 0.0)
@@ -267,6 +275,156 @@ def test_nonsense_in_an_address_is_ignored(page, link):
     assert page.evaluate("({ ...state })") == page.evaluate("({ ...OPENING })")
 
 
+# ---- The kinds of sheets ----
+
+# A kind with parameters that no other has: a lens along x only, which also shifts all light.
+CYLINDER = """
+from povgen.sheets.law import Law
+from povgen.sheets.sheet import Ideal, Parameter
+
+class Cylinder(Ideal):
+    name = "cylinder"
+    title = "cylinder lens <1>"
+    does = "bends light towards a vertical line"
+    source = "a test"
+    parameters = (
+        Parameter("power", "power of the lens, -3 to 3", 0.2, -3, 3),
+        Parameter("shift", "shift of the light as X,Y,Z", (0.5, 0.0, 0.1), -1, 1, kind="direction"),
+    )
+    law = Law("x - power*X*z + shift_x*z/9, y + shift_y*z/9, z + 0*shift_z", ["power", "shift_x", "shift_y", "shift_z"])
+"""
+# What the page is made of, and where Python says that the knight is seen.
+EMITTED = """
+import json, sys
+from povgen import Chess
+from povgen.liveview import page, scripts
+from povgen.scene.laws import to_live
+from povgen.scene.pieces import PIECES
+from povgen.scene.sdl import to_html
+data, laws = page.data({name: name for name in PIECES}), to_live()
+place = Chess(sheet="cylinder", power=-0.3, shift=(-1, 0.25, 0), z1=3, eye=(0.4, -0.3)).apparent_position(-0.85j, 3)
+html = to_html("demo/index", data, scripts.script("demo/main.js", laws=laws), laws)
+print(json.dumps([data, scripts.script(*sys.argv[1:], laws=laws), html, [place.real, place.imag]]))
+"""
+
+
+def test_a_new_kind_of_sheet_is_one_file(tmp_path):
+    """It is in the page's choice, with its sliders and fields; the page's numbers are Python's."""
+    shutil.copytree(Path(povgen.__file__).parent, tmp_path / "povgen", ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in (scripts.TEMPLATES, MOVIES):
+        shutil.copytree(folder, tmp_path / folder.name)
+    (tmp_path / "povgen" / "sheets" / "cylinder.py").write_text(CYLINDER)
+    command = [sys.executable, "-c", EMITTED, *MODULES]
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert not done.returncode, done.stderr
+    data, script, html, place = json.loads(done.stdout)
+    assert '<option value="cylinder">cylinder lens &lt;1&gt;</option>' in html
+    for part in ("slider-power", "number-power", "number-shiftx", "number-shifty", "number-shiftz"):
+        assert f'id="{part}"' in html
+    node = Node(data, script)
+    node.evaluate("chooseBeyond", "cylinder")
+    assert node.evaluate("[state.power, state.shift]") == [0.2, [0.5, 0, 0.1]]
+    assert node.evaluate("chosenBeyond()") == "cylinder"
+    node.evaluate("change", {"power": -0.3, "shift": [-1, 0.25, 0], "z1": 3, "E": [0.4, -0.3]})
+    assert node.evaluate("moment().place") == pytest.approx(place, abs=1e-9)
+    link = node.evaluate("toHash()")
+    assert "sheet=cylinder" in link and "power=-0.3&shift=-1,0.25,0&" in link
+    node.evaluate("fromHash('')")
+    node.evaluate("fromHash", link)
+    assert node.evaluate("moment().place") == pytest.approx(place, abs=1e-9)
+    caption = node.evaluate("caption(moment())")
+    assert caption[:3] == ["cylinder lens <1>", "power = −0.3", "shift = (−1, 0.25, 0)"]
+    assert node.evaluate("explanation(moment())").startswith(
+        "The sheet bends light towards a vertical line. The knight"
+    )
+    node.evaluate("change", {"power": 7})
+    assert "power is at most 3." in node.evaluate("explanation(moment())")
+    node.process.stdin.close()
+    assert node.process.wait(10) == 0
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_choice_opens_with_the_values_of_its_kind(page, name):
+    page.evaluate("chooseBeyond", name)
+    kind = KINDS[name]
+    wanted = {each.name: each.default for each in kind.parameters} | {**kind.opening}
+    found = page.evaluate("(names) => names.map((name) => state[name])", [*wanted])
+    assert found == [list(value) if isinstance(value, tuple) else value for value in wanted.values()]
+    text = page.evaluate("[describe(moment()), ...caption(moment())].join()")
+    assert kind.choice in text and kind.does in text and "{" not in text
+    for each in kind.parameters:
+        assert each.symbol in text
+
+
+@pytest.mark.parametrize(
+    ("values", "turned"),
+    [
+        ({"sheet": "refraction", "ratio": 1, "alpha": 40}, 40),
+        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": -20}, -20),
+        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": 360}, 0),
+        ({"sheet": "twist", "twist": 0, "alpha": 15}, 15),
+        ({"sheet": "view-rotator", "alpha": 0}, 0),
+        ({"sheet": "lenslets", "ratio": 1, "alpha": 50.01}, 50.01),
+        ({"sheet": "lenslets", "ratio": 1.01, "alpha": 50}, None),
+        ({"sheet": "lens", "focal_length": 100}, None),
+        ({"sheet": "mirror", "alpha": 0}, None),
+    ],
+    ids=str,
+)
+def test_a_sheet_that_is_the_papers_says_so(page, values, turned):
+    text = sentence(page, **values)
+    assert ("That is the paper’s window." in text) == bool(turned)
+    assert ("With these values the sheet does nothing." in text) == (turned == 0)
+
+
+def test_the_image_of_a_sheet_is_where_all_eyes_see_it(page):
+    """The apparent positions for two eyes are on the lines from these eyes to the image."""
+    for values, W in (
+        ({"sheet": "lens", "focal_length": 4, "z1": 2}, 4),
+        ({"sheet": "lens", "focal_length": 1, "z1": 2}, -2),
+        ({"sheet": "lens", "focal_length": -2, "z1": 2}, 1),
+        ({"sheet": "lens", "focal_length": 2, "z1": 2}, np.inf),
+        ({"sheet": "glens", "focal_length": 4, "object_focal_length": 6, "z1": 3}, 4),
+        ({"sheet": "lenslets", "alpha": 180, "ratio": 2, "z1": 2}, -1),
+        ({"sheet": "lenslets", "alpha": 50, "ratio": 2, "z1": 2}, None),
+        ({"sheet": "view-rotator", "alpha": 50, "view_distance": 3, "z1": 3}, 3),
+        ({"sheet": "view-rotator", "alpha": 50, "view_distance": 3, "z1": 2}, None),
+        ({"sheet": "mirror", "alpha": 50}, None),
+        ({"sheet": "twist", "alpha": 180}, None),
+        ({"sheet": "refraction", "alpha": 0, "ratio": 1.3}, None),
+    ):
+        page.evaluate("fromHash('')")
+        text = sentence(page, **values)
+        assert ("image is" in text) == (W is not None), text
+        if W is None:
+            continue
+        if np.isinf(W):
+            assert "image is infinitely far away" in text
+        else:
+            tiles = f"{abs(W)} {'tile' if abs(W) == 1 else 'tiles'}"
+            assert f"image is {tiles} {'behind' if W > 0 else 'in front of'} the window" in text
+        scene = scene_of(page)
+        seen = [complex(scene.replace(eye=(x, 0.1)).apparent_position(scene.L, scene.z1)) for x in (0, 0.5)]
+        assert seen[1] - seen[0] == pytest.approx(0.5 * (1 if np.isinf(W) else W / (W + scene.z2)))
+
+
+def test_where_all_light_passes_at_the_pole_is_said(page):
+    """A lens images an eye beside its axis to a point beside the axis."""
+    text = sentence(page, sheet="lens", focal_length=3, z1=6, z2=6, E=[0.4, 0])
+    assert text.endswith("The pole: one point of the knight fills the whole window, the point at (−0.40, 0.00).")
+
+
+def test_values_that_a_sheet_does_not_allow_are_said(page):
+    for value, kept in ((0.01, 0.1), (-0.01, -0.1), (-0.1, -0.1), (0, 0.1)):
+        text = sentence(page, sheet="lens", focal_length=value)
+        assert page.evaluate("state.focal_length") == kept
+        assert ("|f| is at least 0.1." in text) == (value != kept)
+        scene_of(page)
+    text = sentence(page, sheet="axis", axis=[0, 1e-4, 0])
+    assert "a = (0, 0.0001, 0) has no direction" in text and page.evaluate("state.axis") == [1, 0, 0]
+
+
 # ---- Words ----
 
 
@@ -357,6 +515,13 @@ def test_a_page_has_all_modules_of_its_folder_once(folder):
         own = path.read_text().rpartition('.js";\n')[2].splitlines()
         assert all(line in text for line in own if not line.startswith("export "))
     assert not re.search("^(import|export) ", text, re.M)
+
+
+def test_an_import_may_have_another_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(scripts, "TEMPLATES", tmp_path)
+    (tmp_path / "a.js").write_text('import { b as c, d } from "./b.js";\nexport const a = c + d;\n')
+    (tmp_path / "b.js").write_text("export const b = 1;\nexport const d = 2;\n")
+    assert "const { b: c, d } = povgen.b;\n" in scripts.script("a.js", laws=[])
 
 
 def test_modules_that_import_each_other_are_refused(tmp_path, monkeypatch):

@@ -8,6 +8,7 @@ from povgen import Chess, InputError, MovieSpec
 from povgen.scene.models import SCENES
 from povgen.scene.spec import Sweep, swept_numbers
 from povgen.settings import QUALITIES
+from povgen.sheets import PARAMETERS
 
 HEAD = 'title = "A movie"\nscene = "chess"\nframe_rate = 12.5\nframes = 13\n'
 
@@ -109,6 +110,7 @@ def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
         **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
         **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
+        **{name: 1 for name, (each, *_) in PARAMETERS.items() if each.kind == "number"},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
     assert swept("z1=2:4", "spheres", frames=3) == [2, 3, 4]
