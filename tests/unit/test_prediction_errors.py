@@ -81,7 +81,7 @@ def measured_error(scene, rays=80):
 
 def where_rays_end(scene, aim, z1):
     """Return the rays from the eye to points of the first window that take the designed path, and where they end."""
-    first = scene.sheets.count("ideal") if scene.sheet != "single" else 0
+    first = len(scene.ideal)
     crossed = np.vstack(
         (np.full(aim.shape, scene.E), series.crossings(aim, scene.E, scene.z2, np.radians(scene.alpha), scene.behind))
     )
