@@ -107,6 +107,9 @@ docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
 docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
 	$(VENV)/bin/python docs/notebook.py
 
+docs/kinds.md: $(SOURCES) docs/kinds.py | $(READY)  ## a table of the kinds of sheets
+	$(VENV)/bin/python docs/kinds.py
+
 lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the scripts, by eslint and tsc
 	$(VENV)/bin/ruff format --quiet --check .
 	$(VENV)/bin/ruff check --quiet .

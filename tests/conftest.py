@@ -129,6 +129,17 @@ def landing(scene, P):
     return P + scene.distances[0] * scene.sheets[0].slope((P - scene.E) / scene.z2, P)  # NaN: no light passes
 
 
+def mirrored_position(L, E, z1, z2, prism):
+    """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
+
+    A line along z appears as a hyperbola.
+    """
+    D = np.subtract(L, E)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = D.real / (np.add(z2, z1) - prism.slab_shift) + 1j * np.divide(D.imag, np.subtract(z2, z1))
+        return np.add(E, np.multiply(z2, slope))
+
+
 @pytest.fixture
 def rng():
     """A generator of the same random numbers for each test."""

@@ -103,18 +103,6 @@ def apparent_position(
     return np.add(E, a * D) + b * np.conj(D)
 
 
-def mirrored_position(L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, prism: Prism) -> Complexes:
-    """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
-
-    A line along z appears as a hyperbola. For z1 = z2 the result is infinite or NaN, because light from L meets the
-    eye's plane in a line, or does not reach it.
-    """
-    D = np.subtract(L, E)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = D.real / (np.add(z2, z1) - prism.slab_shift) + 1j * np.divide(D.imag, np.subtract(z2, z1))
-        return np.add(E, np.multiply(z2, slope))
-
-
 def frequencies(z2: float, alpha: float, prism: Prisms, behind: Sequence[tuple[float, float]] = ()) -> list[complex]:
     """Return k of every sheet of prisms: Im(k d) of its prisms lie between the rays that cross z = 0 a step d apart.
 

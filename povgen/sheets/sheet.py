@@ -70,9 +70,7 @@ class Sheet:
     does: ClassVar[str]  # what it does to light: a sentence without its full stop
     source: ClassVar[str]  # where it is described
     parameters: ClassVar[tuple[Parameter, ...]] = ()
-    rotates: ClassVar[bool] = (
-        False  # whether it does no more than turn light about the normal, as the paper's sheets do
-    )
+    rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
     layers: ClassVar[int] = 0  # how many sheets of prisms it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
     # the teaching page, of ideal sheets; `sentence` contains values as {alpha} and {alpha/2}

@@ -128,7 +128,7 @@ function sheet({ slab_shift, separation }) {
   return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
 }
 
-// The point where light from L crosses the plane z = 0 if there is a single sheet: paraxial.mirrored_position.
+// The point where light from L crosses the plane z = 0 if there is a single sheet: `aim.single`.
 export function mirrored(L, E, z1, z2, prism) {
   const [x, y] = minus(L, E);
   return plus(E, scaled(z2, [x / (z2 + z1 - prism.slab_shift), y ? y / (z2 - z1) : 0]));

@@ -68,7 +68,7 @@ export function pieces(scene) {
 
 const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 6);
 
-// POV-Ray's units per tile. povgen/scene/limits.py
+// POV-Ray's units per tile. povgen/limits.py
 export function tile(scene) {
   return Math.max(1000, windows(scene).some(hasPrisms) ? Math.round(1.2 / prism(scene).pitch) : 0);
 }

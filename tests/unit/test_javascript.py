@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import BEYOND, MODULES, Node, scene_of, seen_through_other_sheets, sentence
+from conftest import BEYOND, MODULES, Node, mirrored_position, scene_of, seen_through_other_sheets, sentence
 
 import povgen
 from povgen import Chess, InputError, Spheres
@@ -104,7 +104,7 @@ def test_positions_are_those_of_rotation_and_paraxial(page):
             "(grid) => grid.map(([L, E, z1, z2, , prism]) => equations.mirrored(L, E, z1, z2, prism))",
             [each for each, ok in zip(grid, apart, strict=True) if ok],
         ),
-        np.array(paraxial.mirrored_position(L, E, z1, z2, prism))[apart],
+        np.array(mirrored_position(L, E, z1, z2, prism))[apart],
     )
 
 

@@ -1,11 +1,14 @@
 """The prediction for prisms of finite size: eq. 7 in the limit, and the exact ray trace."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from conftest import mirrored_position
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import paraxial, rotation
+from povgen.optics import aim, paraxial, rotation
 from povgen.optics.prism import Prism
 from povgen.optics.trace import Sheet, pair, trace
 
@@ -89,7 +92,10 @@ def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
     end = rays.position + ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:]) * rays.direction
     D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
     along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
-    seen = (paraxial.mirrored_position(E + complex(along, across), E, z1, z2, prism) - E) / z2
+    L = E + complex(along, across)
+    sheet = SimpleNamespace(transfer=aim.single(prism))
+    assert aim.position(L, E, z1, [(z2, sheet)]) == pytest.approx(mirrored_position(L, E, z1, z2, prism), rel=1e-12)
+    seen = (mirrored_position(L, E, z1, z2, prism) - E) / z2
     assert seen.real == pytest.approx(1, abs=0.05 * prism.slab_shift / (z1 + z2))
     assert seen.imag == pytest.approx(1, abs=0.01)
 
