@@ -22,7 +22,7 @@ from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
-from povgen.sheets import OTHER
+from povgen.sheets import OTHER, PARAMETERS, USED_BY
 from povgen.sheets.sheet import Parameter, Sheet
 from povgen.video import build
 
@@ -81,7 +81,9 @@ def data(
         "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
         "faces": FACES,
         "kinds": {name: _kind(kind) for name, kind in KINDS.items()},
-        "parameters": {each.name: _parameter(each) for kind in KINDS.values() for each in kind.parameters},
+        "parameters": {
+            name: _parameter(several[0]) for name, several in PARAMETERS.items() if {*USED_BY[name]} & {*KINDS}
+        },
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
