@@ -261,3 +261,10 @@ def test_the_table_of_parallaxes():
         left, right = (complex(scene.apparent_position(scene.L, 2)) for scene in scenes)
         places = [left.real, left.imag, right.real, right.imag, (right - left).real, (right - left).imag]
         assert [float(text) for text in re.split(r"[|,]", row)] == pytest.approx(places, abs=6e-4)
+
+
+def test_the_table_of_the_kinds_of_sheets():
+    """docs/kinds.md is what docs/kinds.py writes."""
+    import kinds
+
+    assert kinds.PAGE.read_text("utf-8") == kinds.page()
