@@ -9,12 +9,12 @@ from povgen.sheets.sheet import Ideal
 PAGE = Path(__file__).with_name("kinds.md")
 HEAD = """# The kinds of sheets
 
-`make docs/kinds.md` writes this page from `povgen/sheets/`. [Beyond the paper](beyond.md#other-ideal-sheets) explains the
-laws. [Adding](adding.md#a-sheet) says how to add a kind.
+`make docs/kinds.md` writes this page from `povgen/sheets/`. [Beyond the paper](beyond.md#other-ideal-sheets) explains
+the laws. [Adding](adding.md#a-sheet) says how to add a kind.
 
-A law is the direction (x, y, z) behind the sheet of a ray that runs away from the eye. Before the sheet the ray has the
-direction (x, y, z), of length 1. It meets the sheet at (X, Y), in tiles from the window's centre. Angles are in radians.
-No light passes where the new z is not above 0.
+A law is the direction (x, y, z) behind the sheet of a ray that runs away from the eye. Before the sheet the ray has
+the direction (x, y, z), of length 1. It meets the sheet at (X, Y), in tiles from the window's centre. Angles are in
+radians. No light passes where the new z is not above 0.
 
 | `--sheet` | it | parameters | law | source |
 |---|---|---|---|---|
