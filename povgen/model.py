@@ -31,6 +31,10 @@ class Model(BaseModel):
     def __setattr__(self, name: str, value: object) -> None:
         raise InputError(f"{name} = {shown(value)}: values never change; allowed: a copy, .replace({name}=...)")
 
+    def __hash__(self) -> int:
+        values = (getattr(self, name) for name in type(self).model_fields)
+        return hash((type(self), *(str(x) if isinstance(x, dict) else x for x in values)))
+
     def __delattr__(self, name: str) -> None:
         raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
 

@@ -83,6 +83,7 @@ def to_pov(
         ("mosaic", mosaic, (Mosaic, NoneType), "a Mosaic"),
         ("sheet_macro", sheet_macro, (str, NoneType), "text"),
         ("file", file, str, "text"),
+        ("found", found, (Survey, NoneType), "a Survey"),
     ):
         if not isinstance(value, kinds):
             raise InputError(f"{name} = {shown(value)}: should be {allowed}")

@@ -67,7 +67,7 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
 
 
 def test_a_fault_in_the_scene(monkeypatch):
-    def broken(scene):
+    def broken(scene, found=None):
         return to_pov(scene, sheet_macro="#macro Sheet(Angle, Centre) shpere { 0, 1 } #end")
 
     monkeypatch.setattr(frames, "to_pov", broken)
@@ -187,7 +187,9 @@ def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
     """It ends no other child process. If it waited for POV-Ray, whose timeout is long, the test would time out."""
     other = subprocess.Popen(["sleep", "60"])
     good = frames.to_pov
-    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("#while (1) #end" if scene.z1 > 10 else ""))
+    monkeypatch.setattr(
+        frames, "to_pov", lambda scene, found=None: good(scene) + ("#while (1) #end" if scene.z1 > 10 else "")
+    )
     scenes = [EMPTY.model_copy(update={"z1": z1}) for z1 in (10, 11, 12, 13)]
     rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 1e4}), 2)
     next(rendered)
@@ -277,7 +279,9 @@ def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_pa
 
     spec = MovieSpec.load("vary-alpha").model_copy(update={"fixed": {"sheet": "ideal", "piece": "pawn"}})
     good = frames.to_pov
-    monkeypatch.setattr(frames, "to_pov", lambda scene: good(scene) + ("shpere {}" if scene.alpha > 150 else ""))
+    monkeypatch.setattr(
+        frames, "to_pov", lambda scene, found=None: good(scene) + ("shpere {}" if scene.alpha > 150 else "")
+    )
     output = tmp_path / "movie.mp4"
     output.write_bytes(b"kept")
     with pytest.raises(PovrayError, match="alpha = 156"):
