@@ -24,4 +24,4 @@ class Twist(Ideal):
     opening = {"alpha": 0}
     sentence = "The sheet turns light by {alpha} at its centre. Outwards, the angle changes by {twist}."
     law = Law(f"cos({_ANGLE})*x + sin({_ANGLE})*y, cos({_ANGLE})*y - sin({_ANGLE})*x, z", ["alpha", "twist"])
-    examples = ({"alpha": 66, "twist": 30}, {"alpha": 0, "twist": -45})
+    examples = ({"alpha": 66, "twist": 10}, {"alpha": 0, "twist": -15})
