@@ -16,4 +16,4 @@ class Lens(Ideal):
     choice = "lens"
     sentence = "The sheet bends light as a thin lens of focal length f = {focal_length} does."
     law = Law("x - X*z/focal_length, y - Y*z/focal_length, z", ["focal_length"])
-    examples = ({"focal_length": 4}, {"focal_length": -3})
+    examples = ({"focal_length": 4}, {"focal_length": -8})
