@@ -3,9 +3,10 @@
 Signs and units are as in `rotation`. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first
 window, a distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
-A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1) of a ray before
-the window to that behind it. The windows' matrices and those of the distances between them are multiplied. Other
-windows say which slope a ray gets, and L is found by Newton's method from several rays.
+A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
+and slope before the window, to the same behind it. The windows' matrices and those of the distances between them are
+multiplied. For other windows only the slope behind them is known for each ray. Newton's method, from many starts, finds
+the ray to L.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,10 +19,10 @@ from povgen.optics.prism import Prism
 from povgen.optics.rotation import Complexes, Floats
 
 Matrix = NDArray[np.float64]  # (5, 5)
-# The rays from which the search starts: their angles to the normal, projected onto the planes of x and of y.
+# Start rays of the search: the angles to the normal of their projections onto the planes x-z and y-z.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
-_PRECISION = 1e-11  # of a found path: how far it passes L, relative to the distances
+_PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
 
 
 class Element(Protocol):
@@ -39,14 +40,15 @@ class Element(Protocol):
         """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
 
 
-Windows = Sequence[tuple[float, Element]]  # the first one first: the distance from the window before, or from the eye
+# nearest to the eye first, each with its distance from the window before or the eye
+Windows = Sequence[tuple[float, Element]]
 
 
 def pair(alpha: float, prism: Prism) -> Matrix:
     """Return the matrix of two sheets of prisms that rotate light by alpha (radians), in paraxial approximation.
 
-    It is for the plane midway between them. As in `paraxial.depths`, they shorten the distances on both sides by h, and
-    add (separation - slab_shift) exp(i alpha) conj(s) to the place.
+    The matrix refers to the plane midway between them. As in `paraxial.depths`, the pair shortens the distances on both
+    sides by h, and adds (separation - slab_shift) exp(i alpha) conj(s) to the place.
     """
     h, turn = (prism.separation + prism.slab_shift) / 2, np.exp(-1j * alpha)
     b = (prism.separation - prism.slab_shift) / turn
@@ -77,7 +79,7 @@ def matrix(windows: Windows) -> Matrix | None:
 
 
 def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Complexes, Complexes, Complexes, Complexes]]:
-    """Return, for each window, place and slope before it and behind it: of rays that leave the eye with this slope."""
+    """Follow rays from the eye with this slope. Return place and slope before and behind each window."""
     s, P = np.asarray(slope, complex), np.asarray(E, complex)
     found = []
     for distance, window in windows:
@@ -96,12 +98,12 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
 def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
-    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths. The result is that with the
-    least of max(|x|, |y|): a square window round 0 that shows any of them shows this one. It is NaN if there is no
-    path, and infinite if L appears at infinity.
+    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths. The result is the position with
+    the least max(|x|, |y|). So a square window round 0 that shows any of these positions shows the result. It is NaN if
+    there is no path, and infinite if L appears at infinity.
 
-    At a caustic two paths become one. Beyond it, both are gone. Then the path that passes L at the least distance
-    counts, if this distance is up to `near`: a large object can be seen although its middle is not.
+    At a caustic two paths become one. Beyond it, both are gone. A path that misses L by up to `near`, less than its
+    neighbours do, counts too: a large object can be seen although its middle is not.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
     distance, total = windows[0][0], matrix(windows)
@@ -139,10 +141,10 @@ def _real(a: complex, b: complex) -> Matrix:
 
 
 def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
-    """Return the slopes s (...) for which the sum of two maps (..., 2, 2) is `to` (...).
+    """Return the slopes s (...) with (first + second) s = `to` (...), for maps (..., 2, 2).
 
-    Where only some `to` can be reached, another one gives an infinite slope. Where all slopes lead to one point, the
-    result is NaN for this point. Entries as small as rounding errors count as 0.
+    If the map has rank 1, a `to` outside its range gives infinity. If the map is 0, `to` = 0 gives NaN, and any other
+    infinity. Entries as small as rounding errors count as 0.
     """
     size = abs(first) + abs(second)
     maps = np.where(abs(first + second) <= 1e-14 * size.max((-2, -1), keepdims=True), 0, first + second)
@@ -176,7 +178,7 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
         rows, columns = (np.flatnonzero(passing.any(axis)) for axis in (1, 0))
         step = _ANGLES[1] - _ANGLES[0]
         nets.append(_net(*(np.linspace(_ANGLES[i[0]] - step, _ANGLES[i[-1]] + step, 25) for i in (columns, rows))))
-    places = np.linspace(-0.55, 0.55, 25) * windows[0][1].aperture  # and one of rays through the window
+    places = np.linspace(-0.55, 0.55, 25) * windows[0][1].aperture  # a net of rays through the first window
     nets.append((places + 1j * places[:, None] - E) / windows[0][0])
     starts, targets = [], []
     for net in nets:
@@ -189,7 +191,7 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
     scale = abs(L - E) + z1 + windows[0][0]
     found = off <= np.maximum(_PRECISION * scale, near)[target]
     far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
-    # exact paths first where they are; of equally good ones the nearest to the window's middle
+    # of all found paths the nearest to the window's middle
     best = np.full(len(L), complex(np.nan, np.nan))
     order = np.argsort(np.where(found, far, np.inf))[::-1]
     order = order[found[order]]
@@ -205,9 +207,9 @@ def _net(x: Floats, y: Floats) -> Complexes:
 def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Any]]:
     """Yield slopes from which to search, and the numbers of their targets.
 
-    `image` (targets, rows, columns) is how far the net's rays pass the targets.
+    `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
     """
-    # the ray of a target in a triangle of the net's image, as if it followed linearly from the corners
+    # for targets in or near a triangle of the net's image: the slope, interpolated from the corners
     for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
         a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
         s0, s1, s2 = (np.broadcast_to(net[rows, columns], a.shape) for rows, columns in ((i, i), (j, i), (i, j)))
@@ -226,9 +228,9 @@ def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Any]]
 
 
 def _newton(s: Complexes, target: Any, miss: Any) -> tuple[Complexes, Floats]:  # noqa: ANN401
-    """Return slopes that bring rays closer to their targets, and how far they pass them.
+    """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
 
-    It is Levenberg's and Marquardt's method: where a ray cannot meet its target, it passes it at the least distance.
+    Levenberg's and Marquardt's method: where no ray near it meets the target, the result is a ray that misses it least.
     """
     s, f = s.copy(), miss(s, target)
     damping = np.full(len(s), 1e-3)

@@ -3,10 +3,10 @@
 Signs and units are as in `rotation`, and `behind` are the windows behind the first one, as in `rotation.depth`. Windows
 have no thickness. `rotation.apparent_position` says where light crosses the first window.
 
-Light that reaches the eye E with the slope s has crossed L - E = Z s on its way from L. Without windows, light from a
-point L at the distance W behind the plane of the first window has crossed (z2 + W) s. So if W = Z - z2 is real, the
-light of L runs as if it came from the point opposite L at the distance W, whatever its slope: an image. W does not
-depend on the eye. All points of a plane have the same W, so the image is upright and as large as the object.
+Light from L that reaches the eye E with the slope s obeys L - E = Z s, with the complex depth Z of `rotation.depth`.
+Without windows, L - E = (z2 + w) s for a point L at the distance w behind the plane of the first window. So if W = Z -
+z2 is real, the light of L runs as if it came from the point with L's x and y at w = W, whatever its slope: an image. W
+does not depend on the eye. All points of a plane have the same W, so the image is upright and as large as the object.
 """
 
 import numpy as np
@@ -18,9 +18,9 @@ from povgen.optics.rotation import ROUNDING, Complexes, Floats, Windows, depth
 def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
     """Return W = Z - z2, the complex depth of the object behind the first window.
 
-    Two rays of light from L that reach the eye's side with slopes that differ by s are |W - w| |s| apart in the plane
-    at the distance w behind the first window (before it if w < 0). So the light is closest together at w = Re W. There
-    the distance is |Im W| |s|: without an image the light never comes together.
+    Two rays from L whose slopes at the eye differ by ds are |W - w| |ds| apart at the distance w behind the first
+    window (before it if w < 0). So the light is closest together at w = Re W. There the distance is |Im W| |ds|:
+    without an image the light never comes together.
     """
     return depth(z1, 0, alpha, behind)
 

@@ -1,8 +1,9 @@
 """The choice that `--sheet auto` makes: the cheapest model of the sheets and the cheapest sampling within a tolerance.
 
 A sampling is `Rendering.antialias`, as text. Errors of position are predicted, by eq. 7 and the paraxial prediction.
-Errors of the picture are measured: small blocks of the window are rendered with each candidate. They are compared with
-the same blocks of the converged picture (81 rays a pixel) through the scene's prisms.
+Errors of the picture are measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1:
+small blocks of the window are rendered with each candidate. They are compared with the same blocks of the converged
+picture (81 rays a pixel) through the scene's prisms.
 """
 
 import re

@@ -42,7 +42,7 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 def _read(path: Path, rendering: Rendering) -> bytes | None:
     """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    return cache.read(path, most=2**20 + 6 * width * height)  # 1 MiB more than twice the size of the pixels' colours
+    return cache.read(path, most=2**20 + 6 * width * height)  # no frame is larger: twice the raw pixels and 1 MiB
 
 
 def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
@@ -105,10 +105,10 @@ def render_all(
     done: Callable[[], object] = lambda: None,
     runner: Runner | None = None,
 ) -> Generator[list[bytes], None, None]:
-    """Yield each scene's frames, in the scenes' order: the PNG files of its `views`. Call `done` after each scene.
+    """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background. Keep the order.
 
-    `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on this machine. The runner is
-    stopped at the end.
+    Call `done` after each scene. `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on
+    this machine. The runner is stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
     many frames failed, and why the first SHOWN_FAILURES failed. Any other error ends the rendering at once. Finished

@@ -10,14 +10,15 @@ from povgen.scene.models import Scene
 if TYPE_CHECKING:
     from povgen.optics.rotation import Complexes, Floats
 
-_CELLS = 16  # across the window, in which the error is computed first
-_SERIES_CELLS = 24  # the least, so that the eye sees no further window within a single cell
+_CELLS = 16  # across the window, for the first estimate of the error
+_SERIES_CELLS = 24  # the least number in series: with fewer, a single cell could contain a further window
 
 
 def template(scene: Scene) -> str:
     """Return the name of the template of the camera that simulates the ideal windows. "" is POV-Ray's own camera.
 
-    Several windows that do no more than rotate light have exact polygons. Other laws have triangles that are halved.
+    "ideal": one window that only rotates light. "series": several of these; the parts of the picture are exact
+    polygons. "law": all others; triangles at an edge are halved until small.
     """
     if {sheet.name for sheet in scene.ideal} <= {"none"}:
         return ""
@@ -31,7 +32,7 @@ def camera_cells(scene: Scene) -> int:
 
     This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
     `grid`. See camera/ideal.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the
-    part of it that shows a second window is no rectangle.
+    part of the first window that shows a second one is no rectangle, and needs cells.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
@@ -80,9 +81,9 @@ def is_dark(scene: Scene) -> bool:
 def _cells_of_laws(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
-    The error is computed in 16 cells across the window. It falls as their square where the law is smooth. Where a law
-    depends on the place, it is computed again for the number found. If light passes only between the corners of these
-    cells, the number is MAX_CELLS.
+    The error is computed in 16 cells across the window. With n cells the error falls as 1/n^2 if the law is smooth. If
+    a law depends on the place, n grows until the error, computed again, is small enough. If light passes only between
+    the corners of these cells, the number is MAX_CELLS.
     """
     if len(scene.ideal) > 1:
         return max(_SERIES_CELLS, _cells_of_smooth_laws(scene))
@@ -110,7 +111,8 @@ def _is_exact(scene: Scene) -> bool:
     share = np.linspace(0.05, 0.95, 7)
     parts = np.array(np.meshgrid(share, share))
     low, high = parts.min(0), parts.max(0)
-    corner = np.where(parts[0] > parts[1], 1, 0)  # of the triangle: x = 1, y = 0, or x = 0, y = 1
+    # the third corner of the point's triangle: lower right (1) or upper left (0)
+    corner = np.where(parts[0] > parts[1], 1, 0)
     weights = (1 - high), low, high - low
     place = (share[None, :] - 0.5 + 1j * (share[:, None] - 0.5)) * scene.aperture
     exact_start, exact = _behind_points(scene, place)
@@ -126,7 +128,8 @@ def _is_exact(scene: Scene) -> bool:
 def _law_error(scene: Scene, n: int) -> float:
     """Return the error of an object's position with n cells across the window, in pixels of 1280x960.
 
-    It is computed in the middle of the cells' diagonals. NaN if no light passes at the corners of any cell.
+    It is computed in the middle of the cells' diagonals. NaN if there is no cell with light at its middle and all of
+    its corners.
     """
     import numpy as np
 
@@ -157,9 +160,10 @@ def _law_error(scene: Scene, n: int) -> float:
 
 
 def _behind(scene: Scene, n: int) -> "tuple[Complexes, Floats]":
-    """Return places (n + 1, n + 1) and unit directions (n + 1, n + 1, 3), behind the ideal windows, of lines of sight.
+    """Follow lines of sight through the corners of n x n cells of the first window.
 
-    They cross the first window at the corners of n cells across it. NaN: no light passes.
+    Return their places (n + 1, n + 1) at the last ideal window and unit directions (n + 1, n + 1, 3) behind it. NaN: no
+    light passes.
     """
     import numpy as np
 

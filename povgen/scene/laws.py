@@ -30,8 +30,7 @@ class Functions(NamedTuple):
 def to_pov(scene: Scene) -> list[Functions]:
     """Return the laws of a scene's ideal windows, as POV-Ray's functions of x, y, z, X and Y.
 
-    A parameter has its name, with a capital letter for each word: Alpha, FocalLength, AxisX. Those of window 2 end
-    with 2.
+    Names have a capital letter for each word: Alpha, FocalLength, AxisX. For window 2 they end with _2.
     """
     return [_functions(number, window) for number, window in enumerate(scene.windows[: len(scene.ideal)], 1)]
 
@@ -67,15 +66,15 @@ class Text(NamedTuple):
     """The law of a kind of ideal sheet in GLSL and JavaScript."""
 
     name: str
-    # for each number of the law: its parameter, the unit of that, and which component of a direction it is
+    # for each number of the law: its parameter, the parameter's unit, and the component's number if it is a direction
     numbers: dict[str, tuple[str, str, int | None]]
-    constants: list[str]  # JavaScript: what depends on the numbers alone, p.NAME
+    constants: list[str]  # JavaScript: the parts that depend on parameters alone; a parameter is p.NAME
     glsl: list[str]  # x, y and z; the constants are constants[at], constants[at + 1], ...
     javascript: list[str]  # x, y and z; the constants are c[0], c[1], ...
 
 
 def to_live(scenes: Iterable[Scene] = ()) -> list[Text]:
-    """Return the laws of all kinds of ideal sheets, and of those of the users' own in scenes, in GLSL and JavaScript.
+    """Return, in GLSL and JavaScript, the laws of all kinds of ideal sheets, and the users' own laws in these scenes.
 
     What depends on parameters alone is computed in JavaScript: a graphics processor's sine has errors of 2e-5.
     """

@@ -64,7 +64,7 @@ def to_pov(
     found: Survey | None = None,
     **options: object,
 ) -> str:
-    """Return the scene in POV-Ray's scene description language. Two frames of a movie differ only in their parameters.
+    """Return the scene in POV-Ray's language. Texts of two frames of a movie differ only in declared parameters.
 
     The header has POV-Ray's command for the picture, from a file of this name. Options are size, quality and
     antialias, as of `Rendering`.
@@ -111,9 +111,9 @@ def to_pov(
 
 
 def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
-    """Return the text with which POV-Ray writes to the file `crossings` where lines cross a piece's surface.
+    """Return a scene that makes POV-Ray write, to the file `crossings`, where grid lines cross a piece's surface.
 
-    The grid's points are numbered along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
+    `grid`: the number of points along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
     """
     template = _environment().get_template("probes/crossings.pov.j2")
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through the windows of prisms."""
 
-    # the least max_trace_level with which POV-Ray loses few of the rays to each window of prisms (MAX_LOST_FRACTION)
+    # the least max_trace_level with which POV-Ray loses at most MAX_LOST_FRACTION of the rays to any window of prisms
     trace_level: int
     designed: float  # the fraction of the rays to the last window that are on the designed path
 
@@ -33,7 +33,7 @@ class SurveyInputs(NamedTuple):
     E: complex
     aperture: float
     prism: Prism
-    side: int  # the number of rays is at least its square
+    side: int  # the number of rays along a side; more if few cross all windows
 
 
 def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
@@ -63,8 +63,9 @@ def of_inputs(given: SurveyInputs) -> Survey:
     """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
 
     So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The
-    trace level is the greatest that one of them needs. The rays to the last window give the fraction on the designed
-    path. Ideal windows are always nearer to the eye. Rays that pass them start at the last one.
+    trace level is the greatest that any of these windows needs. The rays to the last window give the fraction on the
+    designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the last
+    ideal one.
     """
     import numpy as np
 
@@ -92,12 +93,12 @@ def of_inputs(given: SurveyInputs) -> Survey:
 
 
 def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
-    """Return where rays from the eye cross the windows up to this one (0: the first), (number + 1, rays).
+    """Return the points (number + 1, rays) where rays from the eye cross the windows 0 to `number`.
 
     These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
-    window, which contains the points where they cross it, is divided into side^2 smaller ones, or into more if
-    otherwise fewer rays than that would cross all windows. There is a random point in each, the same each time.
-    Regularly spaced points would make moire with the prisms.
+    window contains the points where they cross it. It is divided into side^2 cells, or into up to 16 side^2 if fewer
+    than side^2 rays would cross all windows. There is a random point in each cell, the same each time. Regularly spaced
+    points would make moire with the prisms.
     """
     import numpy as np
 

@@ -14,7 +14,7 @@ class AxisRotation(Ideal):
     """Light is rotated by alpha about an axis.
 
     alpha is positive if the rotation is counter-clockwise for somebody who looks along the axis: for the axis (0, 0, 1)
-    it is that of the ideal sheet. Light passes if the rotation leaves it on its way through the sheet.
+    it is that of the ideal sheet. Light passes if the rotated direction still points to the eye's side.
     """
 
     name = "axis"

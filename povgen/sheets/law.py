@@ -1,6 +1,6 @@
 """Laws of ideal sheets: the direction of a ray behind a sheet, as text that several languages read alike.
 
-They are numpy, POV-Ray's scene description language, GLSL and JavaScript.
+The languages are Python (with numpy), POV-Ray's scene description language, GLSL and JavaScript.
 
 A law is three expressions, for x, y and z. They may contain
 
@@ -10,8 +10,8 @@ A law is three expressions, for x, y and z. They may contain
 - decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
   not negative).
 
-x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where its
-z is above 0. Light itself runs the other way along the same path.
+x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where the
+new direction has z > 0. Light itself runs the other way along the same path.
 """
 
 import ast
@@ -40,7 +40,7 @@ _SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
 
 
 class Law:
-    """A law that is checked. Two laws are equal if their expressions are."""
+    """A law, checked against the grammar. Two laws are equal if their expressions are."""
 
     def __init__(self, text: str, parameters: Collection[str] = ()) -> None:
         """Read a law: three expressions, separated by commas.
@@ -65,8 +65,8 @@ class Law:
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
-        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` are those
-        of the parameters, with angles in radians.
+        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` has each
+        parameter's number by its name; angles are in radians.
         """
         import numpy as np
 
@@ -76,7 +76,7 @@ class Law:
             x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
             at = np.asarray(place, complex)
             names |= {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag, "__builtins__": {}}
-            # the grammar has no other names, no attributes and no other calls
+            # eval is safe: the grammar has only these names and calls, and no attributes
             bent = np.stack(np.broadcast_arrays(*eval(self._code, names), x + 0 * at.real)[:3], -1)
             bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
             return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
@@ -100,11 +100,11 @@ class Law:
         return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
 
     def expressions(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the three expressions in a language that calls each name, also of functions, `name(it)`."""
+        """Return the three expressions, with each name n (of functions too) written as `name(n)`."""
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the largest parts that contain parameters, but neither the direction nor the place of a ray."""
+        """Return the largest subexpressions that contain parameters, but none of x, y, z, X and Y."""
         return [_written(part, name) for part in self._extracted[0]]
 
     def with_constants(self, name: Callable[[str], str] = str) -> list[str]:
@@ -181,7 +181,7 @@ def _depth(tree: ast.AST) -> int:
 
 
 class _Extract(ast.NodeTransformer):
-    """Replace parts that contain parameters, but no ray, by names c0, c1, ... and collect them."""
+    """Replace the parts that `Law.constants` returns by the names c0, c1, ..., and collect them."""
 
     def __init__(self, constants: list[ast.expr]) -> None:
         self.constants = constants

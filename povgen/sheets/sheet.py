@@ -1,4 +1,4 @@
-"""What all sheets have in common: a kind's name, parameters and words; a sheet's values."""
+"""Base classes of sheets. A class is a kind: name, parameters, texts. An instance has values."""
 
 import re
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ Kind = Literal["number", "whole number", "direction", "choice", "switch", "text"
 class Parameter:
     """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
 
-    Kinds of sheets that have a parameter of the same name share it: all but `text` and `label` is the same.
+    If several kinds have a parameter of the same name, only `text` and `label` may differ.
     """
 
     name: str
@@ -57,7 +57,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A sheet, or a pair of sheets, in a window: the kind is the class, the values are those of its parameters.
+    """The sheet, or the pair of sheets, in a window. Its class is its kind; `values` are those of its parameters.
 
     Lengths are in tiles, angles in degrees.
     """
@@ -67,18 +67,20 @@ class Sheet:
 
     name: ClassVar[str]
     title: ClassVar[str]  # what it is, in a few words
-    does: ClassVar[str]  # what it does to light: a sentence without its full stop
+    does: ClassVar[str]  # what it does to light: a predicate, such as "leaves light as it is"
     source: ClassVar[str]  # where it is described
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
     layers: ClassVar[int] = 0  # how many sheets of prisms it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
-    # the teaching page, of ideal sheets; `sentence` contains values as {alpha} and {alpha/2}
+    # For ideal sheets on the teaching page. {alpha} and {alpha/2} in `sentence` are replaced by values.
     choice: ClassVar[str] = ""  # its name in the choice; otherwise the title
-    opening: ClassVar[Mapping[str, Any]] = {}  # values of the scene with which it begins; otherwise the defaults
+    # values when the user chooses this kind; otherwise the parameters' defaults
+    opening: ClassVar[Mapping[str, Any]] = {}
     sentence: ClassVar[str] = ""  # what it does; otherwise what `does` says
-    remark: ClassVar[str] = ""  # a sentence more, unless the sheet does no more than the paper's
-    sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}  # other ends of the paper's movies
+    remark: ClassVar[str] = ""  # one more sentence; left out if, with its values, the sheet only rotates light
+    # first and last value of a parameter, in place of those of the paper's movies
+    sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
         return hash((type(self), str(sorted(self.values.items())), self.aperture))
@@ -104,7 +106,7 @@ class Sheet:
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return the slope behind the sheet of a ray from the eye that meets it at a place. Both are x + iy."""
+        """Return a ray's slope behind the sheet. The ray comes from the eye. Slopes and places are x + iy."""
         return self.thin.slope(slope, place)
 
 
@@ -129,11 +131,11 @@ class Ideal(Sheet):
         return found
 
     def bend(self, direction: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return the unit directions (..., 3) of rays from the eye behind the sheet, NaN if no light passes: `Law`."""
+        """Return unit directions (..., 3) behind the sheet, NaN if no light passes: `Law.bend`."""
         return self.law.bend(direction, place, self.numbers)
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return the slope behind the sheet of a ray from the eye that meets it at a place. Both are x + iy."""
+        """Return a ray's slope behind the sheet. The ray comes from the eye. Slopes and places are x + iy."""
         import numpy as np
 
         s = np.asarray(slope, complex)
@@ -145,7 +147,7 @@ class Ideal(Sheet):
     def transfer(self) -> "Matrix | None":
         """The matrix if the slope behind the sheet is a linear function of the slope before it and of the place.
 
-        It follows from five rays, and holds for others, if the law is linear.
+        Five rays determine it. If one of 20 other rays disagrees, there is no matrix.
         """
         import numpy as np
 

@@ -12,7 +12,7 @@ class ViewRotator(Ideal):
     """What stands at view_distance behind the sheet appears turned by alpha about the window's centre.
 
     A ray that would meet this plane at Q meets it at Q turned by -alpha. So every eye sees what is there turned as a
-    whole, and not scaled. The uniform sheet turns it about the eye, and scales it.
+    whole, and not scaled. The sheet `ideal` turns it about the point opposite the eye, and scales it.
     """
 
     name = "view-rotator"

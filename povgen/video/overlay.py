@@ -101,7 +101,7 @@ def _number(value: float, form: str) -> str:
 
 
 class Item(NamedTuple):
-    """A text in a strip, the text whose width is reserved for it, and the colour that it explains."""
+    """A text, the widest text that can stand there (its width is reserved), and the colour of its swatch, if any."""
 
     text: str
     widest: str

@@ -1,4 +1,5 @@
-// What the page says of the choices beyond the paper, in sentences.
+// What the page says of the choices beyond the paper, in sentences. The sentence about one kind of sheet is `sentence` in
+// povgen/sheets/.
 
 import * as geometry from "../live/geometry.js";
 import { imageDepth } from "./aim.js";

@@ -51,7 +51,7 @@ export function moment() {
   now.P = equations.P(r, alpha);
   now.place = markedPosition(now);
   Object.assign(now, appearance(now));
-  // whether the light from L, on its way through the first window, misses the second one
+  // whether the line of sight to L through the first window misses the second one
   now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(equations.atSecondWindow(now), scene);
   // near the pole, the window shows a small part of the object's plane: its width
   now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || Number.isFinite(now.turned) || now.M === Infinity);
@@ -75,8 +75,8 @@ export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near =
 export const markedPosition = (now) => apparentPosition(now, now.L, now, now.radii[now.objects.indexOf(now.z1)]);
 
 // The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
-// of the width; `height` is that of the height. Of the other sheets, M is that of the area, as a length; `turned` is the angle if
-// the object appears undistorted.
+// of the width; `height` is that of the height. For the other sheets, M is the square root of the area's magnification;
+// `turned` is the angle if the object appears undistorted.
 export function appearance(now) {
   const { sheet, z1, z2, alpha, prism, behind } = now;
   if (imagingPole(now, z1, z2)) return { nu: NaN, M: Infinity };
@@ -93,7 +93,7 @@ export function appearance(now) {
   return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
 }
 
-// How a short step of the object to the right, and one up, appears: for each tile of the step.
+// The columns of the Jacobian d(apparent position)/d(L), by central differences.
 const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
 
 // Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.

@@ -62,7 +62,7 @@ Finish PlinthTexture(vec3 p) {
   return Finish(Plinth(PlinthVein(p.x, p.y, p.z)), {{ materials.FINISHES.plinth | join(", ") }}, false);
 }
 
-// ---- wood.pov.j2; the point is relative to the middle of the piece's foot ----
+// ---- piece_wood.pov.j2; the point is relative to the middle of the piece's foot ----
 Finish Wood(vec3 color, vec3 p) {
   float value = Rings(p.x, p.y, p.z);
   vec3 pigment = {{ materials.WOOD | interpolated("srgb(color * vec3({}))") }};
