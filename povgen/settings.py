@@ -62,7 +62,7 @@ class Sampling(Model):
     file: ClassVar[str] = "frame.png"
     format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
 
-    quality: Quality = Field("standard", description="draft, standard, high or hd")
+    quality: Quality = Field("standard", description=", ".join(QUALITIES))
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
         QUALITIES["standard"].size,
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680 (default: the quality's)",
