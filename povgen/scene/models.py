@@ -26,7 +26,7 @@ from povgen.errors import InputError, shown
 from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
-from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets import PAPER, PARAMETERS, SHEETS
 from povgen.sheets.law import Law
 from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Ideal, Parameter, Sheet
@@ -164,7 +164,9 @@ def _fields(required: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        about = "; ".join(f"{', '.join(names)}: {text}" if len(kinds) > 1 else text for text, names in kinds.items())
+        # what the paper's sheets have needs no names of kinds
+        plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
+        about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
         found[name] = (
             (annotation, Field(default, description=about))

@@ -119,6 +119,8 @@ class _Reader:
         self.text, self.names = text, (*RAY, *parameters)
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
+        if "#" in text:  # Python's comments
+            raise self._error(text.index("#"), text.index("#") + 1)
         try:
             tree = ast.parse(
                 f"({text}\n)", mode="eval"

@@ -10,7 +10,7 @@ vec3 bent(vec3 d, vec2 place, int number) {
   vec3 found = vec3(0);  // no light
   switch (kind[number]) {
 {% for law in laws %}
-    case {{ loop.index0 }}: found = vec3({{ law.glsl | join(", ") }}); break;  // {{ law.name }}
+    case {{ loop.index0 }}: found = vec3({{ law.glsl | join(", ") }}); break;  // {{ law.name.split(" ")[0] }}
 {% endfor %}
   }
   return found.z > 1e-6 * length(found) ? normalize(found) : vec3(0, 0, -1);

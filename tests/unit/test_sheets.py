@@ -160,6 +160,7 @@ def test_the_grammar(text, x):
         ("x, y, (z", "at character"),
         ("x +, y, z", "at character"),
         ("", "0 expressions"),
+        ("x, y, z # \\", "'#' at character 9"),
         ("x, y, z\0", "allowed:"),
         ("(" * 400 + "x" + ")" * 400 + ", y, z", "allowed"),
         ("+".join(["x"] * 200) + ", y, z", "more than 100 levels"),
