@@ -53,12 +53,12 @@ def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
     rays = found(partial=np.random.default_rng(2), most=250)
     white = rays.end <= End.BACK
     for page, words in (
-        ("beyond.md", r"(\d+) % of its light has come by"),
+        ("beyond.md", r"(\d+) % of its light has been"),
         ("sheets.md", r"(\d+) % of all light from the"),
     ):
         (stated,) = re.findall(words, (DOCS / page).read_text())
         assert 100 * rays.reflected[white].mean() == pytest.approx(int(stated), abs=1.5)
-    (bright,) = re.findall(r"the window is ([\d.]+) as bright\sas its", (DOCS / "beyond.md").read_text())
+    (bright,) = re.findall(r"the window is ([\d.]+) times as bright\sas its", (DOCS / "beyond.md").read_text())
     assert white.mean() == pytest.approx(float(bright), abs=0.01)
 
 
