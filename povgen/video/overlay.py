@@ -174,7 +174,7 @@ def _write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: 
 
 def _font(size: float) -> ImageFont.FreeTypeFont:
     # with the basic layout, places of letters do not depend on whether Pillow has Raqm
-    return ImageFont.truetype(FONT, size, layout_engine=ImageFont.Layout.BASIC)
+    return ImageFont.truetype(str(FONT), size, layout_engine=ImageFont.Layout.BASIC)
 
 
 def _widest_text(name: str, several: bool, windows: int) -> str:
