@@ -27,9 +27,8 @@ from povgen.sheets.sheet import Parameter, Sheet
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
-KINDS = {
-    name: kind for name, kind in OTHER.items() if name != "law"
-}  # of sheets that the page shows beyond the paper's
+# the kinds of sheets that the page shows beyond the paper's
+KINDS = {name: kind for name, kind in OTHER.items() if name != "law"}
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -58,14 +57,13 @@ def demo(
     check_options(movies, given)
     specs = {name: MovieSpec.load(name) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
+    quality = Rendering(**given).quality
     for name, file in files.items():
-        quality = Rendering(**given).quality
         build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), inputs)
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
     for name, file in files.items():
         build.movie(specs[name], file, workers=workers, progress=progress, **given)
-    quality = Rendering(**given).quality
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
     laws = to_live()
     text = to_html("demo/index", data(shown, shapes, presets), script("demo/main.js", laws=laws), laws)

@@ -9,8 +9,8 @@ multiplied. For other windows only the slope behind them is known for each ray. 
 the ray to L.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.rotation import Complexes, Floats
 
 Matrix = NDArray[np.float64]  # (5, 5)
+Indices = NDArray[np.intp]
 # Start rays of the search: the angles to the normal of their projections onto the planes x-z and y-z.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
@@ -168,7 +169,7 @@ def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
 def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats) -> Complexes:
     """Return the slopes at the eye, (n,), of rays to L (n,): see `position`."""
 
-    def miss(s: Complexes, target: Any) -> Complexes:  # noqa: ANN401
+    def miss(s: Complexes, target: Indices) -> Complexes:
         *_, P, behind = follow(s, E, windows)[-1]
         return P + z1[target] * behind - L[target]
 
@@ -204,7 +205,7 @@ def _net(x: Floats, y: Floats) -> Complexes:
     return np.tan(np.clip(x, -1.55, 1.55)) + 1j * np.tan(np.clip(y, -1.55, 1.55))[:, None]
 
 
-def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Any]]:
+def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indices]]:
     """Yield slopes from which to search, and the numbers of their targets.
 
     `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
@@ -227,7 +228,7 @@ def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Any]]
     yield np.broadcast_to(net, off.shape)[lowest], np.nonzero(lowest)[0]
 
 
-def _newton(s: Complexes, target: Any, miss: Any) -> tuple[Complexes, Floats]:  # noqa: ANN401
+def _newton(s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes]) -> tuple[Complexes, Floats]:
     """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
 
     Levenberg's and Marquardt's method: where no ray near it meets the target, the result is a ray that misses it least.

@@ -35,6 +35,7 @@ FUNCTIONS = {
 }
 RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # characters of a law, and levels of its tree
+LARGEST = 1e30  # number in a law: the graphics processor's have 32 bits
 LEAST_Z = 1e-6  # of the new direction, relative to its length: with less, no light passes
 _SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
 
@@ -84,9 +85,8 @@ class Law:
     @property
     def uses_place(self) -> bool:
         """Whether the law differs from place to place."""
-        return bool(
-            {"X", "Y"} & {each.id for part in self._parts for each in ast.walk(part) if isinstance(each, ast.Name)}
-        )
+        nodes = (node for part in self._parts for node in ast.walk(part))
+        return any(isinstance(node, ast.Name) and node.id in ("X", "Y") for node in nodes)
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)
@@ -122,9 +122,7 @@ class _Reader:
         if "#" in text:  # Python's comments
             raise self._error(text.index("#"), text.index("#") + 1)
         try:
-            tree = ast.parse(
-                f"({text}\n)", mode="eval"
-            ).body  # the text is on the first line, one character to the right
+            tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character
         except SyntaxError as error:
             raise self._error(min(max((error.offset or 2) - 2, 0), len(text))) from None
         except (ValueError, RecursionError, MemoryError):  # a NUL, or hundreds of parentheses
@@ -155,7 +153,7 @@ class _Reader:
                 return self._checked(operand)
             case ast.UnaryOp(ast.USub(), operand):
                 return ast.UnaryOp(ast.USub(), self._checked(operand))
-            case ast.Constant(float() | int() as number) if not isinstance(number, bool) and self._finite(number):
+            case ast.Constant(float() | int() as number) if not isinstance(number, bool) and abs(number) < LARGEST:
                 return ast.Constant(float(number))
             case ast.Name(name) if name in self.names:
                 return ast.Name(name, ast.Load())
@@ -163,15 +161,9 @@ class _Reader:
                 return ast.Call(ast.Name(name, ast.Load()), [self._checked(each) for each in arguments], [])
         if node.lineno > 1 or node.end_lineno != node.lineno:
             raise self._error(0)
-        before = self.text.encode()  # Python counts bytes
-        start, end = (
-            len(before[: at - 1].decode(errors="ignore")) for at in (node.col_offset, node.end_col_offset or 0)
-        )
+        text, ends = self.text.encode(), (node.col_offset, node.end_col_offset or 0)  # Python counts bytes
+        start, end = (len(text[: at - 1].decode(errors="ignore")) for at in ends)
         raise self._error(start, end)
-
-    @staticmethod
-    def _finite(number: float) -> bool:
-        return abs(number) < 1e30  # a 32-bit number of the graphics processor
 
 
 def _depth(tree: ast.AST) -> int:

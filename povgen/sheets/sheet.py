@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # numpy is slow to load
 
     from povgen.optics.aim import Matrix
 
-Kind = Literal["number", "whole number", "direction", "choice", "switch", "text", "table"]
+Kind = Literal["number", "whole number", "direction", "choice", "text", "table"]
 
 
 @dataclass(frozen=True)
