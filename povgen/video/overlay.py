@@ -44,7 +44,7 @@ def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) ->
     if colours := key(scene, rendering):
         _strip(picture, [Item(text, text, colour) for text, colour in colours], at_top=True)
     if rendering.caption:
-        texts = (f"{SYMBOLS.get(name, name)} = {value}" for name, value in facts(scene).items())
+        texts = (f"{_symbol(name)} = {value}" for name, value in facts(scene).items())
         several, windows = len(scene.distances) > 1, len(scene.places)
         widest = (_widest_text(name, several, windows) for name in facts(scene))
         _strip(picture, [Item(*texts) for texts in zip(texts, widest, strict=True)], at_top=False)
@@ -71,6 +71,11 @@ def facts(scene: Scene) -> dict[str, str]:
     return texts
 
 
+def _symbol(name: str) -> str:
+    """Return what a caption calls a value: focal_length is two words."""
+    return SYMBOLS.get(name, name.replace("_", " "))
+
+
 def _values(scene: Scene) -> dict[str, str]:
     """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it."""
     found: dict[str, list[str]] = {}
@@ -78,7 +83,8 @@ def _values(scene: Scene) -> dict[str, str]:
         numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
         for each in numbers:
             x = sheet.values[each.name]
-            text = f"{x:z.1f}°" if each.unit == "degrees" else _number(x, ".3g")
+            unit = each.unit.replace("degrees", "°").replace(" a ", "/")
+            text = f"{x:z.1f}{unit}" if unit.startswith("°") else _number(x, ".3g")
             found.setdefault(each.name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():
             found.setdefault(name, []).append(_number(x, ".3g"))
@@ -185,7 +191,7 @@ def _widest_text(name: str, several: bool, windows: int) -> str:
     if name in ("alpha", "z"):  # of other parameters the space is that of one window
         number = ", ".join([number + unit * (name == "alpha")] * windows)
         unit = ""
-    return f"{SYMBOLS.get(name, name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
+    return f"{_symbol(name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:

@@ -195,3 +195,14 @@ def test_sheets_that_cannot_be_are_refused(values, words):
     with pytest.raises(InputError) as error:
         Chess(**values)
     assert words in str(error.value)
+
+
+def test_captions_name_the_parameters_in_words():
+    scene = Chess(sheet="twist", twist=20, window="z=1,sheet=lens,focal_length=4.5")
+    assert overlay.facts(scene)["twist"] == "20.0°/tile"
+    plain = np.zeros((240, 640, 3), np.uint8)
+    with pytest.MonkeyPatch.context() as patch:
+        texts = []
+        patch.setattr(overlay, "_strip", lambda picture, items, at_top: texts.extend(item.text for item in items))
+        overlay.annotated(plain, scene, Rendering(caption=True))
+    assert "focal length = 4.5" in texts and "α = 66.0°" in texts
