@@ -94,6 +94,13 @@ class Model(BaseModel):
         )
 
 
+def as_pair(value: object) -> object:
+    """Accept text such as 'X,Y', and a complex number."""
+    if isinstance(value, complex):
+        return value.real, value.imag
+    return value.split(",") if isinstance(value, str) else value
+
+
 @contextmanager
 def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterator[None]:
     """Raise InputError in place of pydantic's error, and for a Boolean in place of a number or a name."""

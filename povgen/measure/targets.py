@@ -9,7 +9,7 @@ from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
 from povgen.optics import aim, rotation, series
 from povgen.scene import camera
-from povgen.scene.models import Window
+from povgen.scene.windows import Window
 from povgen.sheets import OTHER
 
 Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window

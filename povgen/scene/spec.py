@@ -11,9 +11,10 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.files import own_folder
-from povgen.model import Model
-from povgen.scene.models import MAX_WINDOWS, SCENES, Scene, Window, as_pair, as_windows
+from povgen.model import Model, as_pair
+from povgen.scene.models import SCENES, Scene
 from povgen.scene.pieces import from_folder
+from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
 from povgen.settings import preset_of
 
 MOVIES = own_folder("movies")

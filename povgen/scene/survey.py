@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics.prism import Prism
-from povgen.scene.models import Placed, Scene
+from povgen.scene.models import Scene
+from povgen.scene.windows import Placed
 
 if TYPE_CHECKING:
     from povgen.optics import trace

@@ -8,7 +8,7 @@ from povgen.liveview.values import values as live_values
 from povgen.measure import probes
 from povgen.optics import rotation, series, trace
 from povgen.scene import cells, survey, warnings
-from povgen.scene.models import Window
+from povgen.scene.windows import Window
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 from povgen.video import overlay

@@ -1,0 +1,142 @@
+"""The sheets' parameters as fields of scenes, and the windows behind the first one."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+
+from pydantic import AfterValidator, BeforeValidator, Field, create_model
+
+from povgen.model import Model, as_pair
+from povgen.sheets import PAPER, PARAMETERS, SHEETS
+from povgen.sheets.sheet import Parameter, Sheet
+
+MAX_WINDOWS = 5
+
+
+def _table(value: object) -> object:
+    """Accept texts such as 'k=0.3', one or several, in place of a table of numbers."""
+    texts = [value] if isinstance(value, str) else value
+    if not isinstance(texts, (list, tuple)):
+        return value
+    parts = [text.partition("=") if isinstance(text, str) else ("", "", "") for text in texts]
+    if not all(equals for _, equals, _ in parts):
+        raise ValueError("should be text such as k=0.3")
+    return {name.strip(): number for name, _, number in parts}
+
+
+def _checked_size(parameter: Parameter) -> AfterValidator:
+    """Return the check of a number that may not be near 0, or of a direction's largest component."""
+
+    def check(value: Any) -> Any:  # noqa: ANN401  (a number or a direction)
+        if max(abs(x) for x in (value if isinstance(value, tuple) else [value])) < parameter.size:
+            raise ValueError("too short" if parameter.kind == "direction" else "too close to 0")
+        return value
+
+    return AfterValidator(check)
+
+
+def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is composed here)
+    """Return the type of a sheet's parameter, for pydantic."""
+    bounds = Field(ge=parameter.least, le=parameter.most)
+    number = Annotated[float, bounds]
+    match parameter.kind:
+        case "direction":
+            return Annotated[tuple[number, number, number], BeforeValidator(as_pair), _checked_size(parameter)]
+        case "choice":
+            return Literal[parameter.choices]
+        case "text":
+            return str
+        case "table":
+            return Annotated[dict[str, float], BeforeValidator(_table)]
+        case "whole number":
+            return Annotated[int, bounds]
+    return Annotated[number, _checked_size(parameter)] if parameter.size else number
+
+
+def _fields(required: bool) -> dict[str, Any]:
+    """Return the fields that scenes have for the parameters of all kinds of sheets.
+
+    Those of further windows are None if they are not given: they then have the first window's value.
+    """
+    found: dict[str, Any] = {}
+    for name, several in PARAMETERS.items():
+        kinds: dict[str, list[str]] = {}
+        for kind in SHEETS.values():
+            for text in (each.text for each in kind.parameters if each.name == name):
+                kinds.setdefault(text, []).append(kind.name)
+        # what the paper's sheets have needs no names of kinds
+        plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
+        about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
+        annotation, default = _annotation(several[0]), several[0].default
+        found[name] = (
+            (annotation, Field(default, description=about))
+            if required
+            else (annotation | None, Field(None, description=about))
+        )
+    return found
+
+
+if TYPE_CHECKING:  # mypy takes only names that are written out
+    SheetName = str
+else:
+    SheetName = Literal[tuple(SHEETS)]
+_OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(required=False))
+ParametersOfSheets: Any = create_model("ParametersOfSheets", __base__=Model, **_fields(required=True))
+
+
+class Window(_OfWindow):
+    """A window behind the first one, and parallel to it. Its size and its frame are those of the first.
+
+    A parameter of its sheet that is not given is that of the first window.
+    """
+
+    z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
+    sheet: SheetName | None = Field(None, description="model of its sheets (default: the scene's)")
+
+
+class Placed(NamedTuple):
+    """A window: where it is, and the sheet in it."""
+
+    z: float  # midway between its sheets, tiles
+    sheet: Sheet
+
+
+def _window(value: object) -> object:
+    """Accept text such as 'alpha=120,z=2'. Commas also separate the components of a direction."""
+    if isinstance(value, str):
+        parts: list[str] = []
+        for part in value.split(","):
+            if "=" in part or not parts:
+                parts.append(part)
+            else:
+                parts[-1] += f",{part}"
+        pairs = [part.partition("=") for part in parts]
+        values = {name.strip(): number for name, _, number in pairs}
+        if len(values) < len(pairs) or not all(equals for _, equals, _ in pairs):
+            raise ValueError("should be text such as alpha=120,z=2")
+        value = values
+    return Window(**value) if isinstance(value, Mapping) else value
+
+
+def _windows(value: object) -> object:
+    """Accept a single window."""
+    return [value] if isinstance(value, (str, Mapping, Window)) else value
+
+
+WINDOW = (
+    "a further window, such as alpha=120,z=2: how many tiles it is behind the first window, and what differs from the "
+    f"first: sheet, and the parameters of its sheet; up to {MAX_WINDOWS - 1} windows, in order of z"
+)
+Windows = Annotated[
+    tuple[Annotated[Window, BeforeValidator(_window)], ...],
+    Field(max_length=MAX_WINDOWS - 1),
+    BeforeValidator(_windows),
+]
+
+
+class _Windows(Model):
+    window: Windows = Field(description=WINDOW)
+
+
+def as_windows(value: object) -> list[Window]:
+    """Return the windows that a scene's parameter `window` states. Raises InputError."""
+    return list(_Windows(window=value).window)
