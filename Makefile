@@ -2,16 +2,25 @@
 # Each target first installs what it needs: Debian's packages of POV-Ray and Python, and povgen in a virtual environment.
 
 QUALITY ?= standard
+RENDERER ?= povray
+# of auto-check
+SCENES ?= 100
 # more options for povgen's command line, such as --size 64x48
 OPTIONS ?=
 VENV := .venv
 $(if $(filter-out 1,$(words $(VENV))),$(error VENV = '$(VENV)': allowed: the name of a folder, without spaces))
 POVGEN := $(VENV)/bin/povgen
 # those beyond the paper
-BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4)
+BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4 lenticular.mp4)
+# what RENDERER needs besides POV-Ray
+RENDERER_READY := $(if $(filter gl auto,$(RENDERER)),gl-deps $(VENV)/gl-ready)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
-GALLERY := $(addprefix docs/gallery/,rotation.gif $(addsuffix .png,prisms prediction single ideal real-image far spheres \
-  pieces imaging refraction black-tops page))
+GALLERY := $(addprefix docs/gallery/,rotation.webp $(addsuffix .png,prisms prediction single ideal real-image far spheres \
+  pieces imaging refraction black-tops page lenticular))
+# those of the worksheet
+PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
+# these compare scenes side by side
+PANELS := $(addprefix docs/gallery/,$(addsuffix .png,prisms prediction single black-tops far spheres pieces refraction lenticular))
 SOURCES := $(shell find povgen templates -type f -not -name '*.pyc')
 READY := $(VENV)/ready
 # This file says that make created the environment. Only then may make remove it. It lies in the environment: if a user
@@ -45,21 +54,21 @@ MADE := build/.make/made
 begin = @mkdir -p build/.make && touch build/.make/$@ && sleep 0.02
 note = @find $(1) -type f -newer build/.make/$@ -exec sha256sum {} + >> $(MADE)
 
-.PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release test-deps lint verify chart docs bench \
-  cluster-bench auto-check clean help
+.PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release coverage test-deps gl-deps lint verify chart ray-pictures site \
+  package container notes bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
 
 movies-beyond: $(BEYOND)  ## movies of windows in series and of other ideal sheets, into movies/
 
-movies/%.mp4: movies/%.toml $(SOURCES) build/.make/options | $(READY)
-	$(POVGEN) movie $< -o $@ --quality $(QUALITY) $(OPTIONS)
+movies/%.mp4: movies/%.toml $(SOURCES) build/.make/options | $(READY) $(RENDERER_READY)
+	$(POVGEN) movie $< -o $@ --quality $(QUALITY) --renderer $(RENDERER) $(OPTIONS)
 	@sha256sum $@ >> $(MADE)
 
-frame: | $(READY)  ## one frame, frame.png: a chess piece and its predicted image
+frame: | $(READY) $(RENDERER_READY)  ## one frame, frame.png: a chess piece and its predicted image
 	$(begin)
-	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) $(OPTIONS) -o frame.png
+	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) --renderer $(RENDERER) $(OPTIONS) -o frame.png
 	$(call note,frame.png)
 
 demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, beside the equations; works offline
@@ -70,67 +79,103 @@ demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, besi
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
-test: $(VENV)/test-ready test-deps  ## all tests except the tests before a release
-	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
+test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
+	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
 
-test-release: $(VENV)/test-ready test-deps  ## tests before a release: every Python on this machine, the oldest packages
+test-release: $(VENV)/test-ready test-deps gl-deps  ## tests before a release: every Python on this machine, the oldest packages
 	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
+
+coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage
+	$(begin)
+	COVERAGE_FILE=build/coverage.data $(VENV)/bin/python -m pytest tests/unit tests/cli tests/render --numprocesses 6 --dist loadgroup \
+	  --cov povgen --cov-report term:skip-covered --cov-report html:build/coverage
+	$(call note,build/coverage build/coverage.data)
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
 	@mkdir -p docs/figures
 	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
-	cat docs/figures/figure?.md > docs/figures/README.md
+	{ echo "# The figures of the paper"; echo; cat docs/figures/figure?.md; } > docs/figures/README.md
 
-gallery: $(GALLERY)  ## the pictures of docs/gallery.md
+gallery: $(GALLERY) $(PRINTED) docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
-docs/gallery/rotation.gif: ARGUMENTS = movie chess --sweep alpha=0:352 --frames 45 --sheet ideal --size 400x300 --antialias 2x --caption
-docs/gallery/prisms.png: ARGUMENTS = frame chess --quality hd --caption
-docs/gallery/prediction.png: ARGUMENTS = frame chess --quality high --predicted-image --caption
-docs/gallery/single.png: ARGUMENTS = frame chess --quality high --sheet single --caption
-docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption
-docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption
-docs/gallery/far.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 90 --z1 15 --overlay --caption
-docs/gallery/spheres.png: ARGUMENTS = frame spheres --quality high --sheet ideal --alpha 120 --overlay --caption
+docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption full
+docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view
 docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \
-  --eye 0.6,0.1
-docs/gallery/refraction.png: ARGUMENTS = frame chess --quality high --sheet refraction --ratio 0.7 --alpha 40 --overlay --caption
-docs/gallery/black-tops.png: ARGUMENTS = frame chess --quality high --tops black
-docs/gallery/pieces.png: ARGUMENTS = frame chess --size 1280x720 --antialias 3x --sheet none --aperture 7.5 --view 1.8 --eye 0,0.25 \
-  --pedestal 2 --z1 8 --piece king --piece queen --piece bishop --piece knight --piece rook --piece pawn \
-  --x -3 --x -1.8 --x -0.6 --x 0.6 --x 1.8 --x 3
-$(filter-out docs/gallery/page.png,$(GALLERY)): $(SOURCES) | $(READY)
-	@mkdir -p docs/gallery
+  --eye 0.6,0.1 --caption short --side-view
+$(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
+docs/worksheet/free.png: SHOWS = --sheet none --z1 6
+docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6
+docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2
+$(filter-out $(PANELS) docs/gallery/page.png docs/gallery/rotation.webp,$(GALLERY)) $(PRINTED): $(SOURCES) | $(READY)
+	@mkdir -p $(@D)
 	$(POVGEN) $(ARGUMENTS) -o $@
+$(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
+	$(VENV)/bin/python docs/panels.py $* -o $@
+docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(READY)
+	$(VENV)/bin/python docs/first_picture.py -o $@
 docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 
-docs/lesson.ipynb: docs/lesson.md docs/notebook.py | $(VENV)/test-ready  ## the lesson as a notebook
+docs/tolerances/builds.png: $(SOURCES) | $(VENV)/charts-ready
+	$(POVGEN) tolerance chess --prisms 100 --alpha 90 --z1 10 --z2 10 --builds 300 --deviation turn=0.05 \
+	  --deviation tilt_x=0.01 --deviation tilt_y=0.01 --deviation far_tilt_x=0.01 --deviation far_tilt_y=0.01 \
+	  --deviation separation=0.02 -o $@
+
+docs/seminar.ipynb: docs/seminar.md docs/notebook.py | $(VENV)/test-ready  ## the seminar as a notebook
 	$(VENV)/bin/python docs/notebook.py
+
+ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of docs/rays.md, by the code on that page
+	$(VENV)/bin/python docs/pictures.py docs/rays.md -o docs/rays
 
 docs/kinds.md: $(SOURCES) docs/kinds.py | $(READY)  ## a table of the kinds of sheets
 	$(VENV)/bin/python docs/kinds.py
 
-lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the scripts, by eslint and tsc
+povgen/rendering/volumes.xz: templates/pieces/* templates/probes/crossings.pov.j2 | $(READY)  ## the shapes of povgen's own pieces, for the live view
+	$(VENV)/bin/python -c "from povgen.rendering import volumes; volumes.ship()"
+
+lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the scripts, by eslint and tsc; of the workflows, by actionlint and zizmor
 	$(VENV)/bin/ruff format --quiet --check .
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
+	$(VENV)/bin/mypy --config-file lint/mypy.ini lint/script.py
 	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js templates tests/unit/evaluate.mjs
 	$(VENV)/bin/node $(VENV)/lint/node_modules/typescript/bin/tsc -p lint
+	$(VENV)/bin/node $(VENV)/lint/workflows.js .github/workflows/*.yml
+	$(VENV)/bin/zizmor --quiet --offline .github
+	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[0-9]*.yml
+	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 
-verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; stability maps in stability/
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in stability/
 	$(begin)
-	$(POVGEN) verify
-	$(POVGEN) verify --stability
+	$(POVGEN) verify --html build/verify.html
+	$(POVGEN) verify --stability --html build/stability.html
 	$(call note,stability \( -name '*.png' -o -name '*.csv' \))
+	$(call note,build/verify.html build/stability.html)
 	cp stability/stability.png docs
 
-chart: $(VENV)/charts-ready $(VENV)/live-ready  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
+chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
+	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > benchmarks/mitsuba.csv
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
+	$(VENV)/bin/python docs/lenticulars.py
 
-docs: $(VENV)/docs-ready  ## pages about the Python interface, build/api/povgen.html
+site: | $(VENV)/docs-ready  ## the site, build/site/index.html: these pages, the gallery, the live page, the Python interface
 	$(begin)
-	$(VENV)/bin/python docs/api.py build/api
-	$(call note,build/api)
+	$(VENV)/bin/python docs/website.py build/site
+	$(call note,build/site)
+
+package: | $(VENV)/package-ready  ## the wheel and the source distribution, into dist
+	$(begin)
+	@rm -f dist/povgen-*
+	$(VENV)/bin/uv build --quiet --out-dir dist
+	$(call note,dist)
+
+container: package  ## an image of povgen, for Docker or Podman
+	$(if $(shell command -v podman),podman,docker) build --tag povgen --file Containerfile .
+
+notes:  ## what CHANGELOG.md says of this version
+	@awk -v version="$$(sed -n 's/^__version__ = "\(.*\)"/\1/p' povgen/version.py)" \
+	  '/^## /{found = $$2 == version; next} found' CHANGELOG.md
 
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## CPU time of povgen and of other programs: a table, and build/bench.json
 	$(begin)
@@ -142,9 +187,9 @@ cluster-bench: $(VENV)/cluster-ready  ## time of a movie on a Dask cluster: tabl
 	$(VENV)/bin/python benchmarks/cluster_bench.py
 	$(call note,build/cluster.json)
 
-auto-check: $(VENV)/charts-ready  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
+auto-check: $(VENV)/charts-ready $(RENDERER_READY)  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
 	$(begin)
-	$(VENV)/bin/python benchmarks/auto_check.py
+	$(VENV)/bin/python benchmarks/auto_check.py $(SCENES) $(RENDERER)
 	$(call note,build/auto-check)
 
 clean:  ## remove what make made: movies, frame.png, pages, the virtual environment (frames stay in povgen's cache)
@@ -155,14 +200,14 @@ clean:  ## remove what make made: movies, frame.png, pages, the virtual environm
 	@rmdir build 2> /dev/null; true
 
 help:  ## this list
-	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), OPTIONS='more options of povgen'"
+	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), RENDERER=povray|gl (now $(RENDERER)), OPTIONS='more options of povgen'"
 	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
 	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 
-# changes when QUALITY or OPTIONS change
+# changes when QUALITY, RENDERER or OPTIONS change
 build/.make/options: FORCE
 	@mkdir -p build/.make
-	@echo "$(QUALITY) $(OPTIONS)" | cmp -s - $@ || echo "$(QUALITY) $(OPTIONS)" > $@
+	@echo "$(QUALITY) $(RENDERER) $(OPTIONS)" | cmp -s - $@ || echo "$(QUALITY) $(RENDERER) $(OPTIONS)" > $@
 FORCE:
 
 $(READY): pyproject.toml $(NEW)
@@ -178,6 +223,12 @@ TEST_PACKAGES := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /u
   $(if $(wildcard /usr/share/povray*/include/colors.inc),,povray-includes)
 test-deps:
 	$(if $(strip $(TEST_PACKAGES)),$(call install,$(strip $(TEST_PACKAGES))))
+
+# The renderer gl needs OpenGL by EGL, and Mesa's drivers, one of which draws without a graphics processor.
+GL_PACKAGES := $(if $(wildcard /usr/lib/*/libEGL.so.1),,libegl1) $(if $(wildcard /usr/lib/*/libGL.so.1),,libgl1) \
+  $(if $(wildcard /usr/lib/*/libEGL_mesa.so.0),,libegl-mesa0) $(if $(wildcard /usr/lib/*/dri/*_dri.so),,libgl1-mesa-dri)
+gl-deps:
+	$(if $(strip $(GL_PACKAGES)),$(call install,$(strip $(GL_PACKAGES))))
 
 # Mitsuba, which the benchmark compares povgen with, has an environment of its own.
 $(VENV)/mitsuba/ready: pyproject.toml $(NEW) | $(READY)

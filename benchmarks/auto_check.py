@@ -1,7 +1,8 @@
 """Check what `--sheet auto` promises on random scenes, and print a table: `make auto-check`.
 
-Results are kept in build/auto-check, so that a stopped run can continue and nothing is rendered twice. CPU seconds are
-what the operating system reports of the POV-Ray processes, for whole frames and for whole trials.
+The arguments are the number of scenes, and the renderers that povgen may choose: povray or auto. Results are kept in
+build/auto-check, so that a stopped run can continue and nothing is rendered twice. CPU seconds are what the operating
+system reports of the processes that draw, for whole frames and for whole trials.
 """
 
 import json
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from hashlib import sha256
+from itertools import repeat
 from math import exp, inf, log
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
@@ -24,17 +26,19 @@ from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.files import save
 from povgen.measure import speed
+from povgen.measure.drawn import Drawn
 from povgen.rendering import auto
 from povgen.rendering.flip import CONVERGED
 from povgen.scene.models import PIECES, Scene
 from povgen.scene.spec import MovieSpec
 
 KEPT = Path("build/auto-check")
-SCENES = 100
 SEED = 2009
 MOVIES = (("vary-alpha", 0.3), ("vary-z1", 0.2), ("spheres", 0.3))  # movie, tolerance (mean FLIP)
 AUTO_SOURCE = Path(auto.__file__).read_text()  # kept trials are used until this changes
 PROCESSES = len(os.sched_getaffinity(0))
+RENDERERS = {"povray": ("povray",), "auto": auto.RENDERERS}
+Ordered = tuple[str, str, str]  # a candidate: renderer, sheet, sampling
 
 
 @dataclass
@@ -43,6 +47,7 @@ class Found:
 
     scene: str
     tolerance: float
+    renderer: str
     sheet: str | None  # None: refused, because no candidate keeps the tolerance
     antialias: str | None
     flip: float  # of the whole window; if refused, of the best candidate
@@ -96,42 +101,54 @@ def converged(scene: Scene, size: tuple[int, int]) -> tuple[float, np.ndarray]:
         return float(data["cpu"]), data["picture"]
 
 
-def measured(scene: Scene, size: tuple[int, int], candidate: tuple[str, str]) -> tuple[float, float]:
+def measured(scene: Scene, size: tuple[int, int], candidate: Ordered) -> tuple[float, float]:
     """Return the CPU seconds and the mean FLIP of a candidate's whole frame."""
+    renderer, sheet, sampling = candidate
+    shown = scene.model_copy(update={"sheet": sheet})
 
     def make() -> list[float]:
-        cpu, picture = speed.sample(text, candidate[1], size)
+        if renderer == "gl":
+            view = Drawn(shown)
+            view.picture(size, 1)  # the first picture compiles the shaders
+            cpu, picture = speed.drawn_sample(view, sampling, size)
+        else:
+            cpu, picture = speed.sample(to_pov(shown), sampling, size)
         return [cpu, speed.picture_error(picture, converged(scene, size)[1], scene)[1]]
 
-    text = to_pov(scene.model_copy(update={"sheet": candidate[0]}))
-    cpu, flip = kept(text, [size, candidate], make)
+    cpu, flip = kept(to_pov(shown), [size, candidate], make)
     return cpu, flip
 
 
-def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float) -> Any:
+def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float, renderers: str) -> Any:
     """Return the choice as a dictionary, with the CPU seconds of the trial."""
 
     def make() -> dict[str, Any]:
         before = getrusage(RUSAGE_CHILDREN)
         try:
-            chosen, _ = auto.choose(scenes, Rendering(size=size), auto.Tolerance(flip=tolerance))
+            chosen, _ = auto.choose(
+                scenes, Rendering(size=size), auto.Tolerance(flip=tolerance), None, RENDERERS[renderers]
+            )
             found = asdict(chosen)
         except InputError:
-            found = {"sheet": None, "antialias": None, "flip": inf, "margin": 0}
+            found = {"renderer": "povray", "sheet": None, "antialias": None, "flip": inf, "margin": 0}
         after = getrusage(RUSAGE_CHILDREN)
         return found | {"cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
 
-    return kept("".join(map(to_pov, scenes)) + f"{size} {tolerance}", "trial", make)
+    return kept("".join(map(to_pov, scenes)) + f"{size} {tolerance} {renderers}", "trial", make)
 
 
-def check(number: int) -> Found:
+def check(number: int, renderers: str) -> Found:
     """Choose for a random scene, and render the frames that are needed to judge the choice."""
     scene, size, tolerance = draw(number)
-    chosen = tried([scene], size, tolerance)
-    order = [("ideal", sampling) for sampling in auto.IDEAL_SAMPLINGS]
-    order += [("detailed", sampling) for sampling in auto.PRISM_SAMPLINGS]
+    chosen = tried([scene], size, tolerance, renderers)
+    order = [
+        (renderer, sheet, sampling)
+        for renderer in RENDERERS[renderers]
+        for sheet, samplings in (("ideal", auto.IDEAL_SAMPLINGS), ("detailed", auto.prism_samplings(renderer)))
+        for sampling in samplings
+    ]
     refused = chosen["sheet"] is None
-    place = len(order) - 1 if refused else order.index((chosen["sheet"], chosen["antialias"]))
+    place = len(order) - 1 if refused else order.index(candidate(chosen))
     cpu, flip = measured(scene, size, order[place])
     cost_ratio = inf if refused and flip <= tolerance else 1.0
     if not refused:
@@ -139,10 +156,15 @@ def check(number: int) -> Found:
         cost_ratio = max([1.0, *(cpu / cost for cost, error in costs if error <= tolerance)])
     trial = chosen["cpu"] / converged(scene, size)[0]
     name = f"{scene.name} {size[0]}x{size[1]} N {scene.prisms} α {scene.alpha} z2 {scene.z2:g}"
-    return Found(name, tolerance, chosen["sheet"], chosen["antialias"], flip, chosen["flip"], cost_ratio, trial)
+    return Found(name, tolerance, *candidate(chosen), flip, chosen["flip"], cost_ratio, trial)
 
 
-def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
+def candidate(chosen: dict[str, Any]) -> Ordered:
+    """Return the candidate of a choice."""
+    return chosen["renderer"], chosen["sheet"], chosen["antialias"]
+
+
+def check_movie(name: str, tolerance: float, renderers: str) -> tuple[str, float, float]:
     """Return the choice, and two ratios.
 
     The first is the worst FLIP of frames that were not tried, divided by the tolerance. The second is the trial's CPU
@@ -150,21 +172,21 @@ def check_movie(name: str, tolerance: float) -> tuple[str, float, float]:
     """
     size = (160, 120)
     scenes = [scene.model_copy(update={"sheet": "detailed"}) for scene in MovieSpec.load(name).scenes("standard")]
-    chosen = tried(scenes, size, tolerance)
+    chosen = tried(scenes, size, tolerance, renderers)
     between = [scenes[round((k + 0.5) * (len(scenes) - 1) / 7)] for k in range(7)]
-    flip = max(measured(scene, size, (chosen["sheet"], chosen["antialias"]))[1] for scene in between)
+    flip = max(measured(scene, size, candidate(chosen))[1] for scene in between)
     cost = float(np.mean([converged(scene, size)[0] for scene in between]))
-    return f"{name}: {chosen['sheet']} {chosen['antialias']}", flip / tolerance, chosen["cpu"] / cost
+    return " ".join([f"{name}:", *candidate(chosen)]), flip / tolerance, chosen["cpu"] / cost
 
 
-def main(count: int) -> bool:
+def main(count: int, renderers: str) -> bool:
     KEPT.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(PROCESSES) as pool:
         found = []
-        for number, one in enumerate(pool.map(check, range(count))):
+        for number, one in enumerate(pool.map(check, range(count), repeat(renderers))):
             found.append(one)
             print(f"{number}: {one}", file=sys.stderr, flush=True)
-        movies = list(pool.map(check_movie, *zip(*MOVIES, strict=True)))
+        movies = list(pool.map(check_movie, *zip(*MOVIES, strict=True), repeat(renderers)))
     missed = [one for one in found if one.missed]
     far = [one for one in found if one.missed and one.flip > 1.1 * one.tolerance]
     costly = [one for one in found if not one.missed and one.cost_ratio > 1.5]
@@ -187,7 +209,7 @@ def main(count: int) -> bool:
             False,
         ),
     ]
-    table = Table("", "measured", "bound", "", title=f"--sheet auto on {count} random scenes")
+    table = Table("", "measured", "bound", "", title=f"--sheet auto --renderer {renderers} on {count} random scenes")
     for what, value, bound, least in rows:
         holds = value >= bound if least else value <= bound
         table.add_row(what, f"{value:.3g}", f"{'≥' if least else '≤'} {bound:g}", "ok" if holds else "FAILS")
@@ -195,7 +217,8 @@ def main(count: int) -> bool:
     console.print(table)
     refused = sum(one.sheet is None for one in found)
     ideal = sum(one.sheet == "ideal" for one in found)
-    console.print(f"chosen: {ideal} ideal, {count - ideal - refused} detailed, {refused} refused")
+    drawn = sum(one.renderer == "gl" for one in found)
+    console.print(f"chosen: {ideal} ideal, {count - ideal - refused} detailed, {refused} refused; {drawn} by gl")
     for one in missed + costly:
         console.print(one)
     for movie in movies:
@@ -204,4 +227,4 @@ def main(count: int) -> bool:
 
 
 if __name__ == "__main__":
-    sys.exit(not main(int(sys.argv[1]) if len(sys.argv) > 1 else SCENES))
+    sys.exit(not main(int(sys.argv[1]), sys.argv[2]))

@@ -11,12 +11,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from math import ceil, cos, floor, radians, sin
+from math import radians
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
 
 import numpy as np
+from mitsuba_points import fastest
 from rich.console import Console
 from rich.table import Table
 
@@ -24,7 +25,6 @@ from povgen import Chess, Rendering, to_pov
 from povgen.measure import speed
 from povgen.optics import trace
 from povgen.rendering.flip import CONVERGED
-from povgen.scene import survey
 
 HERE = Path(__file__).parent
 PLAIN = Rendering(size=(640, 480), antialias="off")
@@ -40,46 +40,7 @@ def paired(ours: Callable[[], float], theirs: Callable[[], float], rounds: int) 
 
 
 def cpu(text: str, rendering: Rendering = PLAIN) -> Callable[[], float]:
-    return lambda: speed.cpu_seconds(text, rendering)[0]
-
-
-def triangles(scene: Chess) -> list[list[list[float]]]:
-    """Return povgen's mesh: the near sheet and the far sheet, each a list of triangles of three corners, tiles."""
-    prism, half = scene.prism, scene.aperture / 2
-    base, top = prism.length / 2, prism.top_length / 2
-    found = []
-    for angle, side in ((radians(scene.alpha / 2), -1), (0.0, 1)):
-        reach = half * (abs(cos(angle)) + abs(sin(angle))) + scene.rim / 2
-        faces = []
-        for k in range(floor((half - reach) / prism.pitch), ceil((half + reach) / prism.pitch)):
-            low = k * prism.pitch - half + prism.pitch * prism.gap / 2
-            high = low + prism.height
-            for ya, za, yb, zb in (
-                (low, -base, low, base),
-                (low, -base, high, -top),
-                (low, base, high, top),
-                (high, -top, high, top),
-            ):
-                a, b, c, d = (-reach, ya, za), (reach, ya, za), (reach, yb, zb), (-reach, yb, zb)
-                faces += [a, b, c, a, c, d]
-        corners = np.array(faces)
-        x, y = corners[:, 0].copy(), corners[:, 1].copy()
-        corners[:, 0], corners[:, 1] = cos(angle) * x - sin(angle) * y, sin(angle) * x + cos(angle) * y
-        corners[:, 2] += side * prism.separation / 2
-        found.append(corners.reshape(-1, 9).round(9).tolist())
-    return found
-
-
-def mitsuba(python: str) -> Callable[[], float]:
-    scene = Chess()
-    values = {"window": scene.aperture, "view": scene.view, "z2": scene.z2, "floor": scene.floor}
-    given = json.dumps({**values, "sheets": triangles(scene)})
-
-    def run() -> float:
-        command = [python, HERE / "mitsuba_baseline.py", str(survey.max_trace_level(scene))]
-        return float(subprocess.run(command, input=given, capture_output=True, text=True, check=True).stdout)
-
-    return run
+    return lambda: speed.sample(text, rendering.sampling, rendering.size)[0]
 
 
 def help_seconds() -> float:
@@ -95,7 +56,7 @@ def traced() -> float:
     direction = np.column_stack((random, np.full(len(random), 6.0)))
     prism = Chess().prism
     start = time.process_time()
-    trace.trace([[0, 0, -6]], direction, trace.pair(radians(66), prism), 2.4, prism)
+    trace.trace([[0, 0, -6]], direction, trace.pair(radians(66), prism), 2.4)
     return time.process_time() - start
 
 
@@ -129,7 +90,9 @@ def lines() -> Iterator[Line]:
         bound = 0.25 if name == "intersections" else None
         yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(text), 5), bound
     if len(sys.argv) > 1:
-        yield "detailed, CPU s", "Mitsuba 3, the same mesh", *paired(cpu(detailed), mitsuba(sys.argv[1]), 5), 0.9
+        other = fastest(sys.argv[1])
+        name = f"Mitsuba 3 {other.variant}, the same mesh"
+        yield "detailed, CPU s", name, *paired(cpu(detailed), lambda: other.sample(PLAIN.size, 1)[0], 5), 0.9
     yield equal_error(detailed, by_hand["intersections"])
     ideal, none = to_pov(Chess(sheet="ideal")), to_pov(Chess(sheet="none"))
     for sampling in ("off", "1,0.9,2", "1,0.3,3", "2,0.3,2", "2,0.1,3"):

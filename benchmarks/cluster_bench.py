@@ -129,7 +129,7 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
     scenes, rendering = spec(LONG).scenes("standard"), Rendering(quality=quality)
     with temporary_folder() as folder, speed.empty_cache(folder / "cache"):
         picture = folder / "picture.png"
-        picture.write_bytes(still.png(scenes[LONG // 2], rendering))
+        picture.write_bytes(still.as_file(scenes[LONG // 2], rendering))
         (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))
         with running(workers, "--preload", folder / "stand_in.py") as (address, scheduler):
             counted = Counted(address)
@@ -145,7 +145,8 @@ def for_nothing(quality: str, workers: int) -> dict[str, float]:
                     pass
                 wall = time.monotonic() - start
                 scheduling = (cpu(scheduler) - scheduling) / LONG
-                povray = median(speed.cpu_seconds(to_pov(scene), rendering)[0] for scene in spec(5).scenes("standard"))
+                few = [to_pov(scene) for scene in spec(5).scenes("standard")]
+                povray = median(speed.sample(text, rendering.sampling, rendering.size)[0] for text in few)
                 return {
                     "text, bytes": len(texts[0].encode()),
                     "picture, bytes": picture.stat().st_size,

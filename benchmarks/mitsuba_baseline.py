@@ -1,9 +1,10 @@
-"""Render the sheets of povgen's detailed frame with Mitsuba 3 (scalar_rgb, one thread, one ray a pixel), and time it.
+"""Render the sheets of povgen's detailed frame with Mitsuba 3, and time it.
 
-bench.py runs this in an environment of its own. The argument is the greatest number of faces on a path. Standard input
-is JSON: lengths of povgen's scene, in tiles (the window's side, the picture's height, z2, the floor's height), and the
-mesh, a list of sheets, each a list of triangles of three corners. The output is the CPU seconds of rendering without
-reading the scene: the median of three frames, after one to warm up.
+mitsuba_points.py runs this in an environment of its own. The arguments are a variant of Mitsuba, the greatest number of
+faces on a path, the picture's width and height, the rays a pixel, and a file for the picture (.npy, sRGB bytes).
+Standard input is JSON: lengths of povgen's scene, in tiles (the window's side, the picture's height, z2, the floor's
+height), and the mesh, a list of sheets, each a list of triangles of three corners. The output is the CPU seconds of
+rendering, of all threads, without reading the scene: the median of three frames, after one to warm up.
 """
 
 import json
@@ -13,8 +14,8 @@ import time
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("scalar_rgb")
-SIZE = (640, 480)
+VARIANT, FACES, WIDTH, HEIGHT, RAYS, PICTURE = sys.argv[1:]
+mi.set_variant(VARIANT)
 
 
 def sheet(triangles: list) -> "mi.Mesh":
@@ -34,7 +35,7 @@ def main() -> None:
     window, z2 = given["window"], given["z2"]
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": int(sys.argv[1])},
+        "integrator": {"type": "path", "max_depth": int(FACES)},
         "light": {"type": "constant", "radiance": 0.8},
         "floor": {
             "type": "rectangle",
@@ -49,8 +50,8 @@ def main() -> None:
             "fov_axis": "y",
             "fov": float(2 * np.degrees(np.arctan(given["view"] / 2 / z2))),
             "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, -z2], target=[0, 0, 0], up=[0, 1, 0]),
-            "film": {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}},
-            "sampler": {"type": "independent", "sample_count": 1},
+            "film": {"type": "hdrfilm", "width": int(WIDTH), "height": int(HEIGHT), "rfilter": {"type": "box"}},
+            "sampler": {"type": "independent", "sample_count": int(RAYS)},
         },
     }
     # in place of the window frame, four boxes around the window stop all rays beside it
@@ -64,8 +65,9 @@ def main() -> None:
     seconds = []
     for seed in range(4):
         start = time.process_time()
-        mi.render(loaded, seed=seed)
+        light = np.array(mi.render(loaded, seed=seed))  # waits until all is drawn
         seconds.append(time.process_time() - start)
+    np.save(PICTURE, np.array(mi.Bitmap(light).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True)))
     print(sorted(seconds[1:])[1])
 
 

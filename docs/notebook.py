@@ -1,4 +1,4 @@
-"""Make a Jupyter notebook of the lesson: `python docs/notebook.py` writes docs/lesson.ipynb from docs/lesson.md."""
+"""Make a Jupyter notebook of the seminar: `python docs/notebook.py` writes docs/seminar.ipynb from docs/seminar.md."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import jupytext
 import nbformat
 
-LESSON = Path(__file__).with_name("lesson.md")
+SEMINAR = Path(__file__).with_name("seminar.md")
 KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
 SHOW = {
     "png": "Image(",
@@ -50,4 +50,4 @@ def _show(commands: str) -> str:
 
 
 if __name__ == "__main__":
-    nbformat.write(notebook(LESSON.read_text()), LESSON.with_suffix(".ipynb"))
+    nbformat.write(notebook(SEMINAR.read_text()), SEMINAR.with_suffix(".ipynb"))

@@ -13,9 +13,16 @@ if TYPE_CHECKING:
     from povgen.errors import InputError as InputError
     from povgen.errors import PovrayError as PovrayError
     from povgen.liveview.view import live as live
+    from povgen.measure.drawn import points as points
+    from povgen.optics.rays import Bundle as Bundle
+    from povgen.record import info as info
+    from povgen.rendering.auto import cheapest as cheapest
+    from povgen.rendering.results import results as results
     from povgen.scene.models import Chess as Chess
+    from povgen.scene.models import Scene as Scene
     from povgen.scene.models import Spheres as Spheres
     from povgen.scene.sdl import to_pov as to_pov
+    from povgen.scene.sdl import to_sheets as to_sheets
     from povgen.scene.spec import MovieSpec as MovieSpec
     from povgen.settings import Rendering as Rendering
     from povgen.video.build import Movie as Movie
@@ -27,8 +34,13 @@ if TYPE_CHECKING:
 _NAMES = {
     "errors": ("InputError", "PovrayError"),
     "liveview.view": ("live",),
-    "scene.models": ("Chess", "Spheres"),
-    "scene.sdl": ("to_pov",),
+    "measure.drawn": ("points",),
+    "optics.rays": ("Bundle",),
+    "record": ("info",),
+    "rendering.auto": ("cheapest",),
+    "rendering.results": ("results",),
+    "scene.models": ("Chess", "Scene", "Spheres"),
+    "scene.sdl": ("to_pov", "to_sheets"),
     "scene.spec": ("MovieSpec",),
     "settings": ("Rendering",),
     "video.build": ("Movie", "movie"),
@@ -54,7 +66,7 @@ def _shown_in_notebooks() -> None:
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
         formatter.for_type_by_name(
-            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").png(scene)
+            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)
         )
 
 

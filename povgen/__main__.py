@@ -1,6 +1,6 @@
 """The program's start. Signals are handled before any slow import."""
 
-from povgen import stopping
+import sys
 
 
 def main() -> None:
@@ -8,6 +8,12 @@ def main() -> None:
 
     After SIGHUP, SIGINT and SIGTERM no process and no unfinished file is left, and the exit status is 129, 130 and 143.
     """
+    if sys.platform == "win32":
+        sys.exit(
+            "povgen: platform = Windows; allowed: the Windows Subsystem for Linux: wsl --install, then as on Ubuntu"
+        )
+    from povgen import stopping  # Windows cannot import it
+
     stopping.on_signals()
     try:
         from povgen.cli import app

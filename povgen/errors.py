@@ -1,5 +1,8 @@
 """Errors that are not faults of povgen, and the text of their messages."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class InputError(ValueError):
     """A value that the user gave is not allowed. The message names it and says what is allowed."""
@@ -13,6 +16,15 @@ class PovrayError(RuntimeError):
 
 class TransientError(PovrayError):
     """POV-Ray was killed or took too long. Another frame, or another try, may succeed."""
+
+
+@contextmanager
+def input_errors() -> Iterator[None]:
+    """Raise InputError in place of the ValueError with which the mathematics refuses a value. Also a decorator."""
+    try:
+        yield
+    except ValueError as error:
+        raise InputError(str(error)) from None
 
 
 def shown(value: object) -> str:

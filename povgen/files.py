@@ -34,10 +34,18 @@ def own_folder(name: str) -> Path:
     return next(folder for parent in Path(__file__).parents[:2] if (folder := parent / name).is_dir())
 
 
+def in_home(path: Path) -> Path:
+    """Return the path with a user's home folder in place of ~ at its start, if there is such a user."""
+    try:
+        return path.expanduser()
+    except RuntimeError:
+        return path
+
+
 def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
     """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
     try:
-        path = Path(path)  # type: ignore[arg-type]  # any object: what is no path raises TypeError
+        path = in_home(Path(path))  # type: ignore[arg-type]  # any object: what is no path raises TypeError
     except TypeError:
         raise InputError(f"{option} = {shown(path)}: should be a path; allowed: {', '.join(suffixes)}") from None
     name = f"{option} = {str(path)!r}"
@@ -79,18 +87,6 @@ def _is_same(path: Path, other: str | Path | int) -> bool:
         return False
 
 
-def checked_folder(path: Path) -> Path:
-    """Make a folder if it is missing, and return its path. Raises InputError if no file can be written into it."""
-    try:
-        path.mkdir(exist_ok=True)
-        with tempfile.TemporaryFile(dir=path):
-            return path
-    except (OSError, ValueError) as error:
-        name = f"output = {str(path)!r}"
-        reason = getattr(error, "strerror", error)
-        raise InputError(f"{name}: {reason}; allowed: a folder that can be written to") from None
-
-
 class Removed(FileNotFoundError):
     """Somebody has removed a folder while povgen worked in it."""
 
@@ -115,7 +111,13 @@ def output_folder(path: Path) -> Iterator[Path]:
     """
     new = not os.path.lexists(path)
     try:
-        yield checked_folder(path)
+        try:
+            path.mkdir(exist_ok=True)
+            tempfile.TemporaryFile(dir=path).close()
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", error)
+            raise InputError(f"output = {str(path)!r}: {reason}; allowed: a folder that can be written to") from None
+        yield path
     except BaseException:
         if new:
             with suppress(OSError):  # it is not empty
@@ -280,6 +282,32 @@ def _remove_locked(folder: Path, opened: int) -> bool:
         return True
     except OSError:
         return False
+
+
+def read_bytes(path: str, most: int) -> bytes:
+    """Return a regular file's content, at most so many bytes. Raises ValueError."""
+    try:
+        # without O_NONBLOCK, opening a FIFO would wait
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ValueError("should be a name or a regular file")
+            data = file.read(most + 1)
+            if data is None:  # as /proc/kmsg, which waits for the next message
+                raise ValueError("should be a name or a file that can be read at once")
+    except OSError as error:
+        raise ValueError(f"should be a name or a file, but: {error.strerror}") from None
+    if len(data) > most:
+        raise ValueError(f"should be a file of at most {most} bytes")
+    return data
+
+
+def read_text(path: str, most: int) -> str:
+    """Return a regular file's text, UTF-8 of at most so many bytes. Lines end with a line feed. Raises ValueError."""
+    try:
+        text = read_bytes(path, most).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError("should be a file in UTF-8") from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def save(made: bytes | Path, output: Path) -> None:

@@ -6,10 +6,8 @@ refuses scenes that exceed them, or warns.
 
 # (a) Up to this condition number of the apparent position, eq. 7 is right to 1 pixel of 1280x960.
 MAX_CONDITION = 150
-# Predictions for prisms warn if they can be wrong by more than this, in pixels of 1280x960 (`paraxial.possible_error`).
+# Predictions for prisms warn if they can be wrong by more than this, in pixels of 1280x960 (`optics.uncertainty`).
 MAX_ERROR = 3
-# The apparent radii, tiles, for which this holds: smaller and larger objects count as if they had these.
-RADII = (0.05, 0.25)
 # (b) Up to this number of prisms, at most 1 in 10,000 rays on the designed path takes a wrong path in POV-Ray.
 MAX_PRISMS = 3000
 # (c) The narrowest air gap, in units of the pitch: POV-Ray misses narrower gaps between fine prisms. Up to WIDE_GAP the

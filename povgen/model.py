@@ -12,6 +12,17 @@ from povgen.errors import InputError, shown
 
 # Not in the class, where the plugin for mypy would read it: it would refuse the fields that sheets add to scenes.
 CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+# povgen's words for those of pydantic's errors whose own words are Python's
+WORDS = {
+    "missing": "has too few parts",
+    "too_short": "should have at least {min_length} values",
+    "too_long": "should have at most {max_length} values",
+    "tuple_type": "should be a list",
+    **dict.fromkeys(("dict_type", "model_type"), "should be a table"),
+    **dict.fromkeys(("float_parsing", "float_type"), "should be a number"),
+    **dict.fromkeys(("int_parsing", "int_type", "int_from_float"), "should be a whole number"),
+    **dict.fromkeys(("bool_parsing", "bool_type"), "should be true or false"),
+}
 
 
 class Model(BaseModel):
@@ -30,6 +41,12 @@ class Model(BaseModel):
 
     def __setattr__(self, name: str, value: object) -> None:
         raise InputError(f"{name} = {shown(value)}: values never change; allowed: a copy, .replace({name}=...)")
+
+    def __repr_args__(self) -> Iterator[tuple[str, object]]:
+        """Yield what repr() shows: the values that were given and differ from the defaults."""
+        for name, field in type(self).model_fields.items():
+            if name in self.model_fields_set and (value := getattr(self, name)) != field.default:
+                yield name, value
 
     def __hash__(self) -> int:
         values = (getattr(self, name) for name in type(self).model_fields)
@@ -76,11 +93,7 @@ class Model(BaseModel):
             about.append(f"- `{name}{default}`: {text}")
         own = cleandoc(cls.__dict__.get("__doc__") or "")
         cls.__doc__ = "\n".join([own, "", "Parameters:", "", *about]) if about else own
-
-        def called() -> None: ...
-
-        called.__annotations__ = {name: field.annotation for name, field in fields.items()}
-        kinds = get_type_hints(called)  # without the ranges
+        kinds = get_type_hints(cls)  # without the ranges
         cls.__signature__ = Signature(
             [
                 Parameter(
@@ -132,7 +145,8 @@ def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorD
     message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     if not fault["loc"]:  # no values at all, or a check of several values together, whose message names them
         return message if fault["type"] == "value_error" else f"{shown(fault['input'])}: {message}"
-    message = _reason(fault) or message
+    if words := WORDS.get(fault["type"]):
+        message = words.format(**fault.get("ctx", {}))
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
         where = f" in the scene {model.name}" if hasattr(model, "name") else ""  # another scene may have it
@@ -146,25 +160,3 @@ def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorD
     if several and fault["type"] != "missing" and not isinstance(fault["input"], dict):
         message = f"{shown(fault['input'])} {message}"  # which of the values
     return f"{name} = {shown(values[name])}: {message} ({about})"
-
-
-def _reason(fault: ErrorDetails) -> str | None:
-    """Return povgen's words for those of pydantic's errors whose own words are Python's."""
-    match fault["type"]:
-        case "missing":  # a part of the value is missing
-            return "has too few parts"
-        case "too_short":
-            return f"should have at least {fault['ctx']['min_length']} values"
-        case "too_long":
-            return f"should have at most {fault['ctx']['max_length']} values"
-        case "tuple_type":
-            return "should be a list"
-        case "dict_type" | "model_type":
-            return "should be a table"
-        case "float_parsing" | "float_type":
-            return "should be a number"
-        case "int_parsing" | "int_type" | "int_from_float":
-            return "should be a whole number"
-        case "bool_parsing" | "bool_type":
-            return "should be true or false"
-    return None

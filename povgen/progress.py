@@ -68,6 +68,24 @@ def bar(what: str, total: int, quiet: bool = False, unit: str = "frames") -> Ite
         yield say_each_tenth
 
 
+@contextmanager
+def parts(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[float], None] | None]:
+    """Show on a terminal how much of some pictures is there, and the time left.
+
+    Yield the function to call with each further part of a picture; None if nothing is shown.
+    """
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(one_line(what), total=total)
+        yield lambda part: progress.advance(task, part)
+
+
 def _in_notebook() -> bool:
     """Whether this process is a Jupyter kernel."""
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None

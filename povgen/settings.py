@@ -1,8 +1,10 @@
 """How a scene is rendered: the qualities, picture size, antialiasing, caption and overlay."""
 
-from typing import Annotated, ClassVar, Literal, NamedTuple, Self, get_args
+from collections.abc import Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self, TypedDict, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from povgen.model import Model
 
@@ -23,11 +25,12 @@ class Preset(NamedTuple):
 
 
 QUALITIES = {
-    "draft": Preset((320, 240), (None, None), frames=1 / 4),
+    "draft": Preset((320, 240), (None, None), frames=0.8),
     "standard": Preset((480, 360), ("1.5x", (1, 0.1, 2))),
     "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frames=3),
     "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),  # players and editors expect 30 frames a second
 }
+MAX_SIDES = {"povray": 7680, "gl": 16384}  # pixels, by renderer
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 # pydantic takes the names from QUALITIES; mypy takes only names that are written out
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
@@ -53,21 +56,14 @@ def _antialias(value: object) -> object:
     return value.split(",")
 
 
-Pixels = Annotated[int, Field(ge=32, le=7680), AfterValidator(_even)]
+def _number(value: object) -> object:
+    return int(value) if isinstance(value, str) and value.isdecimal() and len(value) < 9 else value
 
 
-class Sampling(Model):
-    """What POV-Ray's options decide. Size and antialiasing follow from the quality if they are not given."""
-
-    file: ClassVar[str] = "frame.png"
-    format: ClassVar[tuple[str, ...]] = ("+FN8",)  # POV-Ray's options for PNG with 8 bits a colour
-
-    quality: Quality = Field("standard", description=", ".join(QUALITIES))
-    size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
-        QUALITIES["standard"].size,
-        description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680 (default: the quality's)",
-    )
-    antialias: Annotated[
+if TYPE_CHECKING:  # what a user may give, for type checkers
+    Antialias = str | tuple[int, float, int] | None
+else:
+    Antialias = Annotated[
         tuple[
             Annotated[int, Field(ge=1, le=2)],
             Annotated[float, Field(ge=0.001, lt=1)],
@@ -76,14 +72,25 @@ class Sampling(Model):
         | Factor
         | None,
         BeforeValidator(_antialias),
-    ] = Field(
-        QUALITIES["standard"].antialias[0],
+    ]
+Pixels = Annotated[int, Field(ge=32, le=MAX_SIDES["gl"]), AfterValidator(_even)]
+
+
+class Sampling(Model):
+    """What POV-Ray's options decide. Size and antialiasing follow from the quality if they are not given."""
+
+    quality: Quality = Field(default="standard", description=", ".join(QUALITIES))
+    size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
+        default=QUALITIES["standard"].size,
+        description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680, with --renderer gl to 16384 "
+        "(default: the quality's)",
+    )
+    antialias: Antialias = Field(
+        default=QUALITIES["standard"].antialias[0],
         description="off; 1.5x, 2x, 3x or 4x: POV-Ray's picture is that many times as wide and as high, and povgen "
         "averages its light; or POV-Ray's METHOD,THRESHOLD,DEPTH: 1 or 2, 0.001 to below 1, 1 to 9 "
         "(default: the quality's)",
     )
-
-    _prisms: bool = PrivateAttr(True)  # whether it is for pictures through prisms
 
     @model_validator(mode="after")
     def _follow_quality(self) -> Self:
@@ -95,7 +102,11 @@ class Sampling(Model):
 
     @model_validator(mode="after")
     def _check_pixels(self) -> Self:
+        if getattr(self, "renderer", "povray") == "gl":
+            return self
         width, height = self.size
+        if max(self.size) > MAX_SIDES["povray"]:
+            raise ValueError(f"size = {width}x{height}: should be up to 7680 pixels, or 16384 with renderer = 'gl'")
         if self.supersampling > 1 and self.supersampling**2 * width * height > MAX_PIXELS:
             raise ValueError(
                 f"size = {width}x{height}: too large for antialias = {self.sampling!r}; allowed: up to "
@@ -106,14 +117,19 @@ class Sampling(Model):
     def suited(self, prisms: bool) -> Self:
         """Return the sampling for a picture through prisms, or for one without. A given antialiasing stays."""
         suited = self.model_copy()
-        BaseModel.__setattr__(suited, "_prisms", prisms)  # `Model` refuses changes
         if "antialias" not in self.model_fields_set:
             object.__setattr__(suited, "antialias", QUALITIES[self.quality].antialias[not prisms])
         return suited
 
-    def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed, for the same pictures. Raises InputError if it is not allowed."""
-        return super().replace(*unnamed, **changes).suited(self._prisms)
+    @property
+    def file(self) -> str:
+        """The name of POV-Ray's picture."""
+        return "frame.png"
+
+    @property
+    def format(self) -> tuple[str, ...]:
+        """POV-Ray's options for the file format: PNG with 8 bits a colour."""
+        return ("+FN8",)
 
     @property
     def supersampling(self) -> float:
@@ -126,6 +142,11 @@ class Sampling(Model):
         if isinstance(self.antialias, tuple):
             return ",".join(f"{value:g}" for value in self.antialias)
         return self.antialias or "off"
+
+    @property
+    def rays(self) -> int:
+        """How many rays the renderer gl draws in every pixel. Its error is then about that of POV-Ray."""
+        return self.antialias[2] ** 2 + 1 if isinstance(self.antialias, tuple) else ceil(self.supersampling) ** 2
 
     @property
     def picture_options(self) -> list[str]:
@@ -145,31 +166,82 @@ def preset_of(quality: str) -> Preset:
     return QUALITIES[Sampling(quality=quality).quality]
 
 
+class Options(TypedDict, total=False):
+    """The fields of `Rendering`, for type checkers: the options of `render` and of other functions."""
+
+    quality: str
+    size: str | Sequence[int]
+    antialias: Antialias
+    renderer: Literal["povray", "gl"]
+    bits: Literal[8, 16, 32]
+    timeout: float
+    caption: Literal["none", "short", "full"]
+    overlay: bool
+    side_view: bool
+    stereo: Literal["none", "pair", "anaglyph"]
+    eye_distance: float
+
+
 class Rendering(Sampling):
     """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
 
+    renderer: Literal["povray", "gl"] = Field(
+        default="povray",
+        description="povray, or gl: the live view's shaders, on a graphics processor if there is one; no --fresnel",
+    )
+    bits: Annotated[Literal[8, 16, 32], BeforeValidator(_number)] = Field(
+        default=8,
+        description="bits of each colour: 8, 16 (a finer PNG file) or 32 (an EXR file, which has scene-linear light: "
+        "1 is white, and highlights are brighter)",
+    )
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
-        1800, description="time limit for a frame, above 0 to 1e6 seconds"
+        default=1800, description="time limit for a frame, above 0 to 1e6 seconds"
     )
 
-    caption: bool = Field(
-        False, description="write alpha, z1, z2, r and the predicted nu and M along the picture's lower edge"
+    caption: Literal["none", "short", "full"] | None = Field(
+        default=None,
+        description="below the picture: none, short (what moves, or the sheets' parameters) or full (with predicted nu "
+        "and M) (default: none; of a movie's file short)",
     )
     overlay: bool = Field(
-        False,
-        description="mark predicted positions inside the window, and the curves on which they move",
+        default=False, description="mark predicted positions inside the window, and the curves on which they move"
+    )
+
+    side_view: bool = Field(
+        default=False,
+        description="add a view from the side, to scale",
     )
 
     stereo: Literal["none", "pair", "anaglyph"] = Field(
-        "none",
+        default="none",
         description="what two eyes see: pair (the left eye's picture beside the right eye's), anaglyph (for glasses "
         "with red on the left, cyan on the right) or none (one eye)",
     )
     eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
+        default=0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
     )
+
+    @model_validator(mode="after")
+    def _check_bits(self) -> Self:
+        if self.is_light and self.annotated:
+            drawn = "overlay" if self.overlay else "side_view" if self.side_view else "caption"
+            raise ValueError(f"bits = {self.bits}: {drawn} is drawn with 8 bits; allowed: bits = 8, or without {drawn}")
+        return self
+
+    @property
+    def is_light(self) -> bool:
+        """Whether frames are rendered as light: floating-point numbers, in place of the bytes of a PNG file."""
+        return self.bits > 8
+
+    @property
+    def file(self) -> str:
+        return "frame.exr" if self.is_light else super().file
+
+    @property
+    def format(self) -> tuple[str, ...]:
+        return ("+FE",) if self.is_light else super().format
 
     @property
     def annotated(self) -> bool:
         """Whether povgen draws on POV-Ray's picture."""
-        return self.caption or self.overlay
+        return self.caption in ("short", "full") or self.overlay or self.side_view

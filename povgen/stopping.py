@@ -73,7 +73,12 @@ def _raise(number: int, frame: object) -> None:
     if not _raised:
         _raised = True
         _stop(number)
+        sys.unraisablehook = _ignore  # the exception is lost if Python called the handler within a destructor
         raise KeyboardInterrupt
+
+
+def _ignore(_: object) -> None:
+    """Print nothing of what is lost while povgen ends. `_end_in_time` ends it in any case."""
 
 
 def _stop(number: int) -> None:

@@ -9,6 +9,7 @@ import time
 from contextlib import redirect_stderr, redirect_stdout
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,9 @@ from hypothesis import settings
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
 from povgen.liveview.page import KINDS
+from povgen.optics import aim
+from povgen.optics.prism import Prism
+from povgen.optics.trace import pair
 from povgen.scene.models import SCENES
 
 PROJECT = Path(__file__).parents[1]
@@ -36,9 +40,7 @@ stop = 180
     "test",
 )
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
-WORK = {"width": 1000, "height": 640}  # a small canvas costs less
 NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
-COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
 settings.register_profile("povgen", deadline=None, derandomize=True, database=None)
@@ -129,6 +131,14 @@ def landing(scene, P):
     return P + scene.distances[0] * scene.sheets[0].slope((P - scene.E) / scene.z2, P)  # NaN: no light passes
 
 
+def glass(z2, alpha, prism, behind=()):
+    """Return windows of prisms as in `optics.aim`: `behind` as in equations.depth, one shape or one for each."""
+    turns, distances = [alpha, *(turn for _, turn in behind)], [z2, *(d for d, _ in behind)]
+    shapes = [prism] * len(turns) if isinstance(prism, Prism) else prism
+    pairs = [SimpleNamespace(transfer=aim.transfer(pair(turn, p))) for turn, p in zip(turns, shapes, strict=True)]
+    return [*zip(distances, pairs, strict=True)]
+
+
 def mirrored_position(L, E, z1, z2, prism):
     """Return where light from L to E crosses z = 0, the middle plane of a single sheet whose ridges lie along x.
 
@@ -146,6 +156,28 @@ def rng():
     return np.random.default_rng(2009)
 
 
+@pytest.fixture(scope="session")
+def started_drawing():
+    """A runner of the renderer gl whose processes go on to the next picture: to start one takes longer than to draw."""
+    from povgen.rendering import gl_runner
+
+    class Lasting(gl_runner.Runner):
+        def stop(self):
+            pass
+
+    runner = Lasting()
+    yield runner
+    gl_runner.Runner.stop(runner)
+
+
+@pytest.fixture
+def drawing(started_drawing, monkeypatch):
+    """The renderer gl draws all pictures of the test with processes that earlier tests have started."""
+    from povgen.rendering import gl_runner
+
+    monkeypatch.setattr(gl_runner, "Runner", lambda *_: started_drawing)
+
+
 @pytest.fixture(scope="module")
 def browser():
     """A Chromium that draws without a GPU."""
@@ -159,7 +191,10 @@ def browser():
 
 
 # The modules of the page whose exports are global names in Node.
-EXPORTED = ("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions", "beyond")
+EXPORTED = (
+    *("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions", "beyond", "qr"),
+    *("rays", "trace"),
+)
 
 
 MODULES = [f"{path}.js" for path in ("live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED))]
@@ -215,77 +250,6 @@ def node():
 # ---- The teaching page ----
 
 
-@pytest.fixture(scope="module")
-def demo_file(tmp_path_factory):
-    """The teaching page, in a folder whose name has to be quoted in a URL."""
-    from povgen.liveview.page import demo
-
-    return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
-
-
-class Faults(list):
-    """What the console says, and the requests for anything but the page's own files."""
-
-    def watch(self, page, folder):
-        page.set_default_timeout(60_000)
-        page.on("console", lambda message: self.append(message.text))
-        page.on("pageerror", lambda error: self.append(str(error)))
-        page.on("request", lambda request: request.url.startswith((folder, "data:")) or self.append(request.url))
-        return self
-
-
-def opened(browser, file, hash_="", **options):
-    """Open the teaching page, with few rays: those of a coarse display."""
-    page = browser.new_page(viewport=WORK, **options)
-    faults = Faults().watch(page, file.parent.as_uri())
-    page.goto(file.as_uri() + hash_)
-    page.evaluate(NAMES)
-    page.evaluate("PACE.RAYS = 1; view.ready")
-    page.evaluate(COARSE)
-    return page, faults
-
-
-@pytest.fixture(scope="module")
-def shared_page(browser, demo_file):
-    page, faults = opened(browser, demo_file)
-    assert page.evaluate("Boolean(view.gl)"), "no WebGL 2"
-    page.evaluate("view.ready.then(draw)")
-    yield page, faults
-    page.close()
-
-
-@pytest.fixture
-def page(shared_page):
-    """The teaching page, as it is when it has just been opened. The test fails if the page has an error."""
-    page, faults = shared_page
-    page.evaluate(COARSE)
-    page.set_viewport_size(WORK)
-    page.emulate_media(reduced_motion="no-preference", forced_colors="none")
-    page.evaluate(
-        """() => {
-          player.pause();
-          endGlide();  // of an earlier test, on a busy machine
-          player.preset = data.presets[0];
-          state.question = -1;
-          session.lastQuestion = 0;
-          fromHash("");
-          $("loop").checked = false;
-          $("shortcuts").checked = true;
-          document.activeElement.blur();
-          scrollTo(0, 0);
-          draw();
-        }"""
-    )
-    yield page
-    assert not faults
-    faults.clear()
-
-
-def show(page, **values):
-    """Change the page's state and draw it."""
-    page.evaluate("(values) => { change(values); draw(); }", values)
-
-
 def sentence(page, **values):
     """Change the page's state, and return what the page will say of it. It draws nothing, which costs less."""
     return page.evaluate("(values) => { change(values); return explanation(moment()); }", values)
@@ -305,3 +269,14 @@ BEYOND = [
     {"windows": 2, "sheet": "detailed", "alpha": 50, "alpha2": -120, "d": 0.01, "prisms": 30},
     {"windows": 2, "sheet": "none", "alpha": 50, "alpha2": 75, "d": 3},
 ]
+
+
+def picture(folder, size=(64, 32)):
+    """Make a picture whose red grows from left to right, and whose green grows downwards. Return its path."""
+    from PIL import Image
+
+    columns, rows = size
+    red, green = np.linspace(0, 255, columns), np.linspace(0, 255, rows)
+    colours = np.stack([*np.meshgrid(red, green), np.full((rows, columns), 90)], -1)
+    Image.fromarray(np.uint8(colours)).save(folder / "picture.png")
+    return str(folder / "picture.png")

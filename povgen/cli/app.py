@@ -4,30 +4,67 @@ The commands are in commands/. The models check values (`povgen.model`).
 """
 
 import os
+import re
 import sys
 from functools import cache
 from importlib import import_module
 from inspect import getdoc
 from io import TextIOWrapper
+from textwrap import wrap
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from povgen import stopping
-from povgen.cli.options import with_options
+from povgen.cli.options import OTHERS, columns, item, with_options
 from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError, one_line, shown
 from povgen.progress import say, tell
 from povgen.version import __version__
 
-COMMANDS = ("list", "pov", "frame", "movie", "demo", "check", "cache", "verify", "chart", "figure")
+HELP = {"help_option_names": ["-h", "--help"]}
+COMMANDS = ("list", "pov", "frame", "movie", "info", "demo", "check", "cache", "verify", "chart", "tolerance", "figure")
+
+
+class _Described(TyperCommand):
+    """A command whose help lists its options under headings, in few lines."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401  (as click declares it)
+        width, usage = columns(), [f"Usage: {ctx.command_path} [OPTIONS]"]
+        groups: dict[str, list[str]] = {"Options": []}
+        for param in self.get_params(ctx):
+            about, default = getattr(param, "help", None) or "", getattr(param, "show_default", False)
+            if default and (isinstance(default, str) or param.default not in (None, False)):
+                about += f" (default {default if isinstance(default, str) else param.default})"
+            group = getattr(param, "rich_help_panel", None)
+            if param.param_type_name == "argument":
+                names = str(param.metavar or param.name.upper())
+                usage.append(names)
+            else:
+                names = ", ".join(param.opts)
+                names += f" {param.metavar}" if param.metavar and group is None else ""
+            about = re.sub(r"\(default:? ([^)]*)\)", r"[\1]", about)
+            groups.setdefault(group or "Options", []).extend(item(names, about, width))
+        text = [" ".join(usage)]
+        for paragraph in (self.help or "").split("\n\n"):
+            text += ["", *wrap(paragraph, width)]
+        for group, lines in groups.items():
+            if group == OTHERS:
+                names = " ".join(line.split()[0] for line in lines if line.startswith("  --"))
+                lines = wrap(names, width, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False)
+            text += ["", f"{group}:", *lines]
+        if "The picture" in groups:
+            text += ["", "In brackets: the defaults. The opposite of a switch: --no-overlay."]
+        formatter.write("\n".join(text) + "\n")
 
 
 @cache
 def _with_options(name: str) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
     alone = typer.Typer(add_completion=False)
-    alone.command(name)(with_options(import_module(f"povgen.cli.commands.{name}").command))
+    alone.command(name, cls=_Described, context_settings=HELP)(
+        with_options(import_module(f"povgen.cli.commands.{name}").command)
+    )
     return typer.main.get_command(alone)
 
 
@@ -54,6 +91,7 @@ app = typer.Typer(
     cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
+    context_settings=HELP,
     pretty_exceptions_enable=False,
 )
 

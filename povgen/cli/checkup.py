@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from povgen import remedies
 from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
@@ -52,14 +53,6 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         yield part.name
 
 
-def _temporary() -> str:
-    return _room(temporary_folder())
-
-
-def _cache() -> str:
-    return _room(cache.work_folder())
-
-
 def _room(work_folder: AbstractContextManager[Path]) -> str:
     """Make more and larger files than the small frame and movie need. Return the folder where they were."""
     with work_folder as folder:
@@ -87,30 +80,45 @@ def _frame() -> str:
     return "a chess piece seen through two sheets of 100 prisms, 64x48 pixels"
 
 
+def _gl() -> str:
+    """Return which device the renderer gl draws with. It is no fault if there is none: POV-Ray does not need it."""
+    from povgen.rendering import gl_runner
+
+    try:
+        return gl_runner.device()
+    except InputError as error:
+        return f"none: {error}"
+
+
 def _encode() -> str:
     import imageio_ffmpeg
 
     with temporary_folder() as folder:
         encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, folder / "movie.mp4", 10, {})
-    return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"
+    return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}, {imageio_ffmpeg.get_ffmpeg_exe()}"
 
 
 PARTS = (
-    Part("POV-Ray", lambda: povray.version(), "install it: apt-get install povray"),
-    Part("temporary files", _temporary, "make room in this folder, or name another in TMPDIR"),
-    Part("cache", _cache, "make room in this folder and let povgen write there, or name another in POVGEN_CACHE"),
+    Part("POV-Ray", lambda: povray.version(), f"install it: {remedies.system('povray')}"),
+    Part("temporary files", lambda: _room(temporary_folder()), "make room in this folder, or name another in TMPDIR"),
+    Part(
+        "cache",
+        lambda: _room(cache.work_folder()),
+        "make room in this folder and let povgen write there, or name another in POVGEN_CACHE",
+    ),
     Part("sandbox", _sandbox, "report it as an issue of povgen"),
     Part("limits", _limits, "install util-linux, or a shell"),
     Part(
         "frame",
         _frame,
-        "read POV-Ray's message; reinstall it: apt-get install --reinstall povray",
+        "read POV-Ray's message; remove POV-Ray and install it again",
         ("POV-Ray", "temporary files", "sandbox", "limits"),
     ),
+    Part("renderer gl", _gl, "reinstall it: pip install --force-reinstall moderngl; update the graphics driver"),
     Part(
         "encoder",
         _encode,
-        "reinstall it: pip install --force-reinstall 'imageio[ffmpeg]'; unset IMAGEIO_FFMPEG_EXE",
+        f"unset IMAGEIO_FFMPEG_EXE, or install it: {encode.REMEDY}",
         ("temporary files",),
     ),
 )

@@ -4,7 +4,10 @@ import inspect
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from itertools import chain
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
@@ -15,16 +18,22 @@ from povgen.progress import say
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
-    from povgen.model import Model
+    from povgen.record import Record
     from povgen.rendering.auto import Tolerance as AutoTolerance
     from povgen.scene.models import Scene
 
+OTHERS = "Parameters of other sheets, which povgen list explains"
+INDENT = 20  # of what an option does, in a help
 Command = Callable[..., None]
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, lists of texts, and Booleans of switches
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
 Workers = Annotated[
     str | None,
-    typer.Option(metavar="N", help="how many POV-Ray processes run at once, 1 to 256", show_default="8 for each core"),
+    typer.Option(
+        metavar="N",
+        help="how many frames are rendered at once, 1 to 256",
+        show_default="8 for each core; with --renderer gl 1",
+    ),
 ]
 Tolerance = Annotated[
     str | None,
@@ -33,7 +42,25 @@ Tolerance = Annotated[
         help="largest error for --sheet auto: of positions (1px), of the picture (0.2flip), or both (1px,0.2flip)",
     ),
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="address of a Dask scheduler, tcp://HOST:PORT, whose workers compute"),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="print how many frames, and about how long; render nothing")]
+Source = Annotated[
+    Path | None,
+    typer.Option(
+        "--from",
+        metavar="FILE",
+        help="make a file of povgen's again, from the record in it; other options replace what the record says",
+    ),
+]
+
+
+def output_to(metavar: str, about: str) -> Any:  # noqa: ANN401  (as typer declares its options)
+    """Return the option --output."""
+    return typer.Option("-o", "--output", metavar=metavar, help=about)
 
 
 def takes(*models: str) -> Callable[[Command], Command]:
@@ -70,8 +97,13 @@ def with_options(command: Command) -> Command:
             raise InputError(f"{error}{_repeat(str(error), repeated)}") from None
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-    auto = "; or auto: the cheapest within --tolerance" if any(p.name == "tolerance" for p in own) else ""
-    parameters = [*own, *(_option(name, owners, auto if name == "sheet" else "") for name, owners in fields.items())]
+    auto = {}
+    if any(p.name == "tolerance" for p in own):
+        auto = {
+            "sheet": "; or auto: the cheapest within --tolerance",
+            "renderer": "; or auto, with --sheet auto: the cheapest within --tolerance",
+        }
+    parameters = [*own, *(_option(name, owners, auto.get(name, "")) for name, owners in fields.items())]
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
     called.__dict__["__signature__"] = inspect.Signature(parameters)
     called.__annotations__ = {p.name: p.annotation for p in parameters}
@@ -82,8 +114,11 @@ def with_options(command: Command) -> Command:
 
 def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
     """Return what to add to an error about an option that can be repeated, and that got several values at once."""
+    from povgen.scene import mesh
+
     for name, texts in repeated.items():
-        if re.search(rf"\b{name} = ", message) and any(re.search("[,; ]", text) for text in texts):
+        several = (text for text in texts if re.search("[,; ]", text) and not mesh.split(text))
+        if re.search(rf"\b{name} = ", message) and any(several):
             return f"; give --{name} once for each value"
     return ""
 
@@ -94,15 +129,10 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
     from povgen.settings import Rendering, Sampling
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
-    groups: dict[str, list[type[Model]]] = {
-        "scenes": [*SCENES.values()],
-        "sampling": [Sampling],
-        "rendering": [Rendering],
-    }
-    for group in models:
-        for model in groups[group]:
-            for name, field in model.model_fields.items():
-                fields.setdefault(name, []).append((getattr(model, "name", ""), field))
+    groups = {"scenes": SCENES.values(), "sampling": [Sampling], "rendering": [Rendering]}
+    for model in chain.from_iterable(groups[group] for group in models):
+        for name, field in model.model_fields.items():
+            fields.setdefault(name, []).append((getattr(model, "name", ""), field))
     return fields
 
 
@@ -116,14 +146,30 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
     flag = name.replace("_", "-")
     kind: Any  # a type that is composed here
     if owners[0][1].annotation is bool:
-        kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about)
+        kind, info = bool, typer.Option(f"--{flag}/--no-{flag}", help=about, rich_help_panel=_panel(name))
     else:
         several = any(_takes_several(field.annotation) for _, field in owners)
         about += "; can be repeated" if several else ""
-        kind, info = list[str] if several else str, typer.Option(f"--{flag}", help=about, metavar=name.upper())
+        kind = list[str] if several else str
+        info = typer.Option(f"--{flag}", help=about, metavar=name.upper(), rich_help_panel=_panel(name))
     # None: the user did not give it; for a movie, the spec then decides
     annotation = Annotated[kind | None, info]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def _panel(name: str) -> str:
+    """Return the heading under which a field's option stands in the help."""
+    from povgen.scene.models import Scene
+    from povgen.settings import Rendering
+    from povgen.sheets import PAPER, PARAMETERS, USED_BY
+
+    if name in PARAMETERS and {*PAPER}.isdisjoint(USED_BY[name]):
+        return OTHERS
+    if name in (*PARAMETERS, "sheet", "window", "wavelength", "fresnel", "aperture"):
+        return "The sheets"
+    if name in Rendering.model_fields or name in ("view", "background"):
+        return "The picture"
+    return "The eye" if name in Scene.model_fields else "The objects"
 
 
 def _takes_several(annotation: object) -> bool:
@@ -132,6 +178,19 @@ def _takes_several(annotation: object) -> bool:
     if get_origin(annotation) is dict:
         return True
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
+
+
+def columns() -> int:
+    """Return how wide a help is."""
+    return min(get_terminal_size().columns, 120)
+
+
+def item(names: str, about: str, width: int) -> list[str]:
+    """Return the lines about an option or another name: the name, and beside it what it is."""
+    lines = wrap(about, width - INDENT, break_on_hyphens=False) or [""]
+    if len(names) > INDENT - 3:
+        return [f"  {names}", *(" " * INDENT + line for line in lines)]
+    return [f"  {names:{INDENT - 2}}{lines[0]}", *(" " * INDENT + line for line in lines[1:])]
 
 
 def described(field: "FieldInfo") -> str:
@@ -153,6 +212,31 @@ def scene_of(name: str, values: Values) -> "Scene":
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
     return SCENES[name](**values)
+
+
+def again(source: Path, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
+    """Return the record in a file, its scenes, and the values that the user gave, after those of its rendering.
+
+    Print a warning if another version of povgen or of the renderer made the file. Raises InputError.
+    """
+    from povgen.scene.models import recorded
+    from povgen.version import __version__
+    from povgen.video.still import drawn_by
+
+    record, scenes = recorded(source)
+    options = record.rendering.model_dump()
+    if options["stereo"] == "none":
+        del options["eye_distance"]
+    if options["bits"] != 16:  # the output's ending says whether it is 8 or 32
+        del options["bits"]
+    if "quality" in values:  # it decides what the user does not
+        del options["size"], options["antialias"]
+    if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
+        here = __version__, drawn_by(record.rendering)
+        if here != (record.povgen, record.renderer):
+            made = f"made by povgen {record.povgen} and {record.renderer}, here are {' and '.join(here)}"
+            say(f"povgen: warning: {source}: {made}: pixels can differ")
+    return record, scenes, {**options, **values}
 
 
 def split(values: Values) -> tuple[Values, Values]:
@@ -177,29 +261,38 @@ def made_folder(output: Path) -> AbstractContextManager[Path]:
     return output_folder(output)
 
 
-def auto_tolerance(values: Values, tolerance: str | None) -> "AutoTolerance | None":
-    """Return the tolerance of --sheet auto, or None for another sheet.
+def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "tuple[AutoTolerance | None, list[str]]":
+    """Return the tolerance of --sheet auto, or None for another sheet, and the renderers that it may choose.
 
-    Raises InputError if the tolerance is not valid, or if only one of --sheet auto and --tolerance is given.
+    Remove --renderer auto from the options. Raises InputError if the tolerance is not valid, if only one of --sheet
+    auto and --tolerance is given, or if --renderer auto is given without them.
     """
     if (values.get("sheet") == "auto") != (tolerance is not None):
         raise InputError("sheet = 'auto' and tolerance go together; allowed: both: --sheet auto --tolerance 1px")
+    renderer = options.get("renderer", "povray")
     if tolerance is None:
-        return None
-    from povgen.rendering.auto import Tolerance
+        if renderer == "auto":
+            raise InputError("renderer = 'auto': allowed: with --sheet auto, otherwise 'povray' or 'gl'")
+        return None, []
+    from povgen.rendering.auto import RENDERERS, Tolerance
 
-    return Tolerance.parse(tolerance)
+    if renderer == "auto":
+        del options["renderer"]
+        return Tolerance.parse(tolerance), [*RENDERERS]
+    return Tolerance.parse(tolerance), [renderer]
 
 
-def chosen(scenes: list["Scene"], options: Values, tolerance: "AutoTolerance", quiet: bool) -> tuple[str, str]:
-    """Return the sheet and the antialiasing that --sheet auto chooses for scenes with prisms, and print why."""
+def chosen(
+    scenes: list["Scene"], options: Values, tolerance: "AutoTolerance", renderers: list[str], quiet: bool
+) -> tuple[str, str, str]:
+    """Return what --sheet auto chooses for scenes with prisms: sheet, antialiasing and renderer. Print why."""
     from povgen.rendering import auto
     from povgen.rendering.views import views
     from povgen.settings import Rendering
 
     rendering = Rendering(**options)
     shown = [view for scene in scenes for view in views(scene, rendering)]
-    choice, why = auto.choose(shown, rendering, tolerance, options.get("antialias"))
+    choice, why = auto.choose(shown, rendering, tolerance, options.get("antialias"), renderers)
     if not quiet:
         say(f"povgen: {why}")
-    return choice.sheet, choice.antialias
+    return choice.sheet, choice.antialias, choice.renderer

@@ -41,8 +41,10 @@ def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" 
 def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
     from povgen.sheets import SHEETS, USED_BY
+    from povgen.sheets.layered import Layered
 
-    used_by = {**USED_BY, "fresnel": tuple(kind.name for kind in SHEETS.values() if kind.layers)}
+    layered = tuple(name for name, kind in SHEETS.items() if issubclass(kind, Layered))
+    used_by = {**USED_BY, "fresnel": layered, "wavelength": USED_BY["glass"]}
     sheets = {sheet.name for scene in scenes for sheet in scene.sheets}
     for name, value in values.items():
         if sheets and name in used_by and value is not False and not sheets & {*used_by[name]}:
@@ -50,3 +52,11 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
             *others, last = used_by[name]
             allowed = " or ".join(filter(None, [", ".join(others), last]))
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
+
+
+def tell_if_long(scenes: list["Scene"], rendering: "Rendering") -> None:
+    """Say how long rendering takes, if that is more than a minute."""
+    from povgen.rendering.estimate import describe, is_long
+
+    if is_long(scenes, rendering):
+        say(f"povgen: {describe(scenes, rendering)}")

@@ -11,24 +11,29 @@ from typing import Any
 from povgen import limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
+from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
-from povgen.liveview.volumes import Volume, stored, volumes
+from povgen.optics import uncertainty
+from povgen.progress import say
 from povgen.rendering.parallel import worker_count
+from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.models import PEDESTAL_EDGE, Chess, Spheres, piece_files
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, Spheres, input_files
 from povgen.scene.models import pieces as pieces_of
 from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
-from povgen.sheets import OTHER, PARAMETERS, USED_BY
+from povgen.sheets import OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.sheet import Parameter, Sheet
-from povgen.video import build
+from povgen.video import build, fonts
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
-# the kinds of sheets that the page shows beyond the paper's
+# the kinds of sheets that the page shows beyond the paper's: ideal ones, and sheets of lenses
 KINDS = {name: kind for name, kind in OTHER.items() if name != "law"}
+ALL_KINDS = {**KINDS, "lenticular": SHEETS["lenticular"]}
+KEPT = {"index", "glass", "gap", "error"}  # parameters that have their defaults on the page
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -36,6 +41,8 @@ def demo(
     output: str | Path = "demo.html",
     *,
     pieces: Piece | Sequence[Piece] = (),
+    sky: str | Path | None = None,
+    floor: str | Path = "tiles",
     movies: bool = False,
     workers: int | None = None,
     progress: bool = True,
@@ -43,44 +50,57 @@ def demo(
 ) -> Path:
     """Write the page, an .html file, and return its path.
 
-    `pieces` are files of the user's own chess pieces, one or more. With `movies`, POV-Ray's movies are rendered as
-    well. Their names are the page's name and the movie's, as in demo-vary-alpha.mp4. `workers` pieces are measured at
-    once, and as many frames rendered; `progress=False` shows no progress bar. Options are the fields of `Rendering`:
-    `timeout` is also for each piece, the others are for the movies. Raises InputError for a request that is not
-    allowed, before anything is rendered, and for an empty piece. Raises PovrayError if POV-Ray fails.
+    `pieces` are files of the user's own chess pieces, one or more. `sky` and `floor` are those of `Chess`. With
+    `movies`, POV-Ray's movies are rendered as well. Their names are the page's name and the movie's, as in
+    demo-vary-alpha.mp4. `workers` pieces are measured at once, and as many frames rendered; `progress=False` shows no
+    progress bar. Options are the fields of `Rendering`: `timeout` is also for each piece, the others are for the
+    movies. Raises InputError for a request that is not allowed, before anything is rendered, and for an empty piece.
+    Raises PovrayError if POV-Ray fails.
     """
     own = pieces if isinstance(pieces, (list, tuple)) else [pieces]
     scenes = [Chess(piece=piece) for piece in (*PIECES, *own)]  # in one scene they would overlap
-    inputs = piece_files(scenes)
+    first = {"chess": Chess(sky=sky, floor=floor), "spheres": Spheres(sky=sky)}
+    inputs = input_files([*scenes, *first.values()])
     page, workers = checked_output(output, [".html"], inputs=inputs), worker_count(workers)
     given: dict[str, Any] = options
     check_options(movies, given)
-    specs = {name: MovieSpec.load(name) for name in MOVIES}
+    specs = {name: _for_page(MovieSpec.load(name)) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
     quality = Rendering(**given).quality
     for name, file in files.items():
         build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), inputs)
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
+    for name, piece in shown.items() if progress else ():
+        if isinstance(piece, PieceFile) and piece.is_mesh:
+            note = f"{piece.note}; " if piece.note else ""
+            say(f"povgen: piece = {name!r}: {note}the page shows it on a grid of {shapes[name].place[3]:.2g} tiles")
     for name, file in files.items():
-        build.movie(specs[name], file, workers=workers, progress=progress, **given)
+        build.movie(specs[name], file, workers=workers, progress=progress, **{"caption": "none", **given})
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
     laws = to_live()
-    text = to_html("demo/index", data(shown, shapes, presets), script("demo/main.js", laws=laws), laws)
+    made = data(shown, shapes, presets, first)
+    text = to_html("demo/index", made, script("demo/main.js", laws=laws), laws, fonts.encoded())
     save(text.encode(), page)
     return page
 
 
 def data(
-    shown: Mapping[str, str | PieceFile], shapes: Mapping[str, Volume] | None = None, presets: Sequence[object] = ()
+    shown: Mapping[str, str | PieceFile],
+    shapes: Mapping[str, Volume] | None = None,
+    presets: Sequence[object] = (),
+    scenes: Mapping[str, Scene] | None = None,
 ) -> dict[str, object]:
-    """Return what the page's scripts read: povgen's own values, the pieces by their names, and the presets."""
+    """Return what the page's scripts read: its scenes, the pieces by their names, and the presets."""
     return {
-        "scenes": {"chess": values(Chess()), "spheres": values(Spheres())},
+        "scenes": {name: values(scene) for name, scene in (scenes or {"chess": Chess(), "spheres": Spheres()}).items()},
         "faces": FACES,
-        "kinds": {name: _kind(kind) for name, kind in KINDS.items()},
+        "languages": languages.tables(ALL_KINDS),
+        "kinds": {name: _kind(kind) for name, kind in ALL_KINDS.items()},
         "parameters": {
-            name: _parameter(several[0]) for name, several in PARAMETERS.items() if {*USED_BY[name]} & {*KINDS}
+            name: _parameter(several[0])
+            for name, several in PARAMETERS.items()
+            if {*USED_BY[name]} & {*ALL_KINDS} and name not in KEPT
         },
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
@@ -90,20 +110,20 @@ def data(
         "limits": {
             "condition": limits.MAX_CONDITION,
             "error": limits.MAX_ERROR,
-            "radii": limits.RADII,
+            "radii": uncertainty.RADII,
             "prisms": limits.MAX_PRISMS,
+            "designed": limits.MIN_DESIGNED_FRACTION,
+            "moire": limits.MIN_ALPHA,
         },
     }
 
 
 def _kind(kind: type[Sheet]) -> dict[str, Any]:
-    """Return what the page says of a kind of sheets, the values with which it begins, and its parameters' labels."""
+    """Return the values with which a kind of sheets begins, those of its movies, and its parameters."""
     return {
-        **{name: getattr(kind, name) for name in ("does", "remark", "sweep")},
-        "choice": kind.choice or kind.title,
-        "sentence": kind.sentence or f"The sheet {kind.does}.",
-        "opening": {each.name: each.default for each in kind.parameters} | {**kind.opening},
-        "parameters": {each.name: each.label or each.about for each in kind.parameters},
+        "sweep": kind.sweep,
+        "opening": {each.name: each.default for each in kind.parameters if each.name not in KEPT} | {**kind.opening},
+        "parameters": [each.name for each in kind.parameters if each.name not in KEPT],
     }
 
 
@@ -111,7 +131,6 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
     """Return what the page needs to know of a parameter. One without limits has the page's."""
     return asdict(parameter) | {
         "symbol": parameter.symbol or parameter.name.replace("_", " "),
-        "label": parameter.label or parameter.about,
         "unit": parameter.unit.replace("degrees", "°").replace(" a ", "/"),
         "least": -100 if parameter.least is None else parameter.least,
         "most": 100 if parameter.most is None else parameter.most,
@@ -126,6 +145,12 @@ def check_options(movies: bool, options: dict[str, Any]) -> None:
     for name, value in options.items():
         if not movies and name != "timeout":
             raise InputError(f"{name} = {value}: only movies are rendered; allowed: with --movies")
+
+
+def _for_page(spec: MovieSpec) -> MovieSpec:
+    """Return the movie whose frames the page can seek by the parameter's value, with the view of the page."""
+    fixed = {name: value for name, value in spec.fixed.items() if name != "view"}
+    return spec.replace(ease=False, hold=0.0, fixed=fixed)
 
 
 def _preset(name: str, spec: MovieSpec, file: Path | None, quality: str) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """The modules of a page's script, joined to one script: a page is one file, which a browser opens without a server.
 
 Each module becomes a function that returns its exports. `povgen` in the page holds them, by the modules' names.
-An export is a constant, a function or a class: the functions return its value once.
+An export is a constant, a function or a class: the functions return its value once. Lines that are comments are
+left out.
 """
 
 import posixpath
@@ -12,7 +13,8 @@ from graphlib import TopologicalSorter
 from povgen.scene.laws import Text
 from povgen.scene.sdl import TEMPLATES, to_javascript
 
-IMPORT = re.compile(r'^import (?:\* as )?([^"]+) from "([^"]+)";\n', re.M)
+IMPORT = re.compile(r'^import (?:(?:\* as )?([^"]+) from )?"([^"]+)";\n', re.M)
+COMMENT = re.compile(r"^ *//.*\n", re.M)
 EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))", re.M)
 
 
@@ -38,8 +40,13 @@ def script(*mains: str, laws: Sequence[Text]) -> str:
 
 def _function(path: str, text: str) -> str:
     exports = ", ".join(found[1] for found in EXPORT.finditer(text))
-    body = IMPORT.sub(lambda found: f"const {found[1].replace(' as ', ': ')} = povgen.{_name(found[2])};\n", text)
+    body = COMMENT.sub("", IMPORT.sub(_names, text))
     return f"povgen.{_name(path)} = (() => {{\n{EXPORT.sub('', body)}return {{ {exports} }};\n}})();\n"
+
+
+def _names(found: re.Match[str]) -> str:
+    """Return the declaration of what is imported. An import without names only has its module run before."""
+    return f"const {found[1].replace(' as ', ': ')} = povgen.{_name(found[2])};\n" if found[1] else ""
 
 
 def _name(path: str) -> str:

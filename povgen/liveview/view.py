@@ -1,21 +1,25 @@
 """The live view of a scene: in Jupyter, or as a page of its own."""
 
 from collections.abc import Iterable
+from functools import cached_property
 from html import escape
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
-from povgen import files
+from povgen import files, remedies
 from povgen.errors import InputError, shown
+from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
-from povgen.liveview.volumes import stored, volumes
 from povgen.model import Model
+from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.models import SCENES, Scene, checked_scene, piece_files, pieces
-from povgen.scene.sdl import to_html
+from povgen.scene.models import SCENES, Scene, checked_scene, input_files, pieces
+from povgen.scene.sdl import TEMPLATES, to_html
+from povgen.scene.shader import surroundings
 
 Side = Annotated[int, Field(ge=32, le=7680)]
 
@@ -28,22 +32,83 @@ class _Size(Model):
 class Live:
     """A scene's live view. Jupyter shows it; `save` writes it to an HTML file. It needs no network.
 
-    The view is drawn by the browser, which needs WebGL 2.
+    The view is drawn by the browser, which needs WebGL 2. Dragging and the arrow keys move the eye; with Shift they
+    change alpha. `view.scene` is the scene that is shown. Another scene, or a value of a parameter as in
+    `view.alpha = 90`, changes the view. In Jupyter and its like this needs povgen[jupyter], which also lets
+    `view.scene` follow what the user moves. `view.widget` is the widget, of the package anywidget.
     """
 
-    def __init__(self, html: str, size: _Size, inputs: Iterable[str] = ()) -> None:
-        self.html, self.size = html, size
-        self._inputs = inputs  # the files that were read for it; `save` replaces none of them
+    scene: Scene
 
-    def _repr_html_(self) -> str:
+    def __init__(self, scene: Scene, size: _Size) -> None:
+        self.__dict__.update(scene=scene, size=size)
+
+    @property
+    def html(self) -> str:
+        """The page that shows the scene."""
+        return html(self.scene)
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401  (a parameter of a scene)
+        if name in type(self.scene).model_fields:
+            return getattr(self.scene, name)
+        raise AttributeError(name)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Change the scene, or one of its parameters. Raises InputError for what `live` and the scene do not allow."""
+        self._show(_checked(value) if name == "scene" else self.scene.replace(**{name: value}))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *type(self.scene).model_fields]
+
+    def _show(self, scene: Scene) -> None:
+        shown, before = values(scene), self.scene
+        self.__dict__["scene"] = scene
+        if widget := self.__dict__.get("widget"):
+            known = [(type(x), pieces(x), surroundings(x), to_live([x])) for x in (before, scene)]
+            if known[0] != known[1]:  # another page: this one does not know all that the scene shows
+                widget.html = self.html
+            shown.pop("pictures")  # the page has them
+            widget.scene = shown
+
+    @cached_property
+    def widget(self) -> Any:  # noqa: ANN401  (a class that is made when anywidget is there)
+        """The widget. Raises InputError if anywidget is not installed."""
+        if find_spec("anywidget") is None:
+            raise InputError(f"the widget needs anywidget, which is not installed: {remedies.extra('jupyter')}")
+        import anywidget
+        import traitlets
+
+        class Widget(anywidget.AnyWidget):
+            _esm = (TEMPLATES / "jupyter/widget.js").read_text("utf-8")
+            html = traitlets.Unicode().tag(sync=True)
+            size = traitlets.Tuple().tag(sync=True)
+            scene = traitlets.Dict().tag(sync=True)
+            moved = traitlets.Dict().tag(sync=True)
+
+        made = Widget(html=self.html, size=(self.size.width, self.size.height), scene=values(self.scene))
+        made.observe(lambda change: self._move(change["new"]), "moved")
+        return made
+
+    def _move(self, moved: dict[str, Any]) -> None:
+        """Follow what the user has moved. Where the scene does not allow that, the view goes back."""
+        try:
+            self._show(self.scene.replace(**moved))
+        except InputError:
+            self.widget.scene = {}
+            self.widget.scene = values(self.scene)
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:  # noqa: ANN401  (as Jupyter declares it)
+        if find_spec("anywidget"):
+            return self.widget._repr_mimebundle_(**options)
         size = f'width="{self.size.width}" height="{self.size.height}"'
-        return (
-            f'<iframe {size} style="border: 0" title="The live view of a scene" srcdoc="{escape(self.html)}"></iframe>'
-        )
+        return {
+            "text/html": f'<iframe {size} style="border: 0" title="The live view of a scene" '
+            f'srcdoc="{escape(self.html)}"></iframe>'
+        }
 
     def save(self, path: str | Path) -> Path:
         """Write the page to an .html file and return its path. Raises InputError if it cannot be written."""
-        output = files.checked_output(path, [".html"], inputs=self._inputs)
+        output = files.checked_output(path, [".html"], inputs=input_files([self.scene]))
         files.save(self.html.encode(), output)
         return output
 
@@ -53,9 +118,28 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
 
     Raises what `volumes` and `values` raise.
     """
-    data = {"scene": values(scene), "volumes": stored(volumes(pieces(scene)))}
+    failures = languages.tables({})["en"]["failures"]
+    shown = stored(volumes(pieces(scene)))
+    data = {"scene": values(scene), "volumes": shown, "label": _label(scene), "failures": failures}
     laws = to_live([scene, *others])
     return to_html("live/page", data, script("live/main.js", laws=laws), laws)
+
+
+def _label(scene: Scene) -> str:
+    """Return what a screen reader says of the view."""
+    objects = ", ".join(map(str, pieces(scene))) or scene.name
+    sheets = ", then ".join(window.sheet.title for window in scene.windows)
+    return f"{objects}, seen through: {sheets}"
+
+
+def _checked(scene: object) -> Scene:
+    """Return a scene that the live view can show. Raises InputError."""
+    found = checked_scene(scene)
+    if type(found) not in SCENES.values():
+        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
+        raise InputError(f"scene = {shown(scene)}: the live view does not know this class; allowed: {allowed}")
+    values(found)
+    return found
 
 
 def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
@@ -66,7 +150,6 @@ def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
     PovrayError if POV-Ray, which measures the shapes of pieces, fails.
     """
     size = _Size(width=width, height=height)
-    if type(checked_scene(scene)) not in SCENES.values():
-        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
-        raise InputError(f"scene = {shown(scene)}: the live view does not know this class; allowed: {allowed}")
-    return Live(html(scene), size, piece_files([scene]))
+    checked = _checked(scene)
+    volumes(pieces(checked))  # a piece that POV-Ray refuses is an error now
+    return Live(checked, size)

@@ -1,19 +1,36 @@
 """Charts of what was measured, and the same data as CSV."""
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from io import StringIO
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from povgen.errors import InputError
 from povgen.files import save
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import Axes, Axis, Bbox, Figure, FigureCanvasAgg, LogLocator, Text, drawn
+from povgen.measure.plotting import (
+    GREY,
+    IDEAL,
+    PRISMS,
+    Axes,
+    Bbox,
+    Figure,
+    FigureCanvasAgg,
+    Text,
+    drawn,
+    name_lines,
+    plain_ticks,
+    point_to_better,
+)
 from povgen.measure.speed import Point, pareto_front
-from povgen.measure.stability import RENDERED, StabilityMap
+from povgen.measure.stability_map import RENDERED, StabilityMap
+from povgen.measure.tolerance import Change, percentile
+from povgen.settings import QUALITIES, Rendering
+from povgen.sheets.prisms import ERRORS
 
 
 def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
@@ -29,8 +46,8 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
         finished.append(measured)
         for limit in measured.limits:
             done(limit)
-    columns, rows = 3, -(-len(finished) // 3)
-    with drawn(6 * columns, 4.4 * rows, folder / "stability.png") as figure:
+    columns, rows = 2, -(-len(finished) // 2)
+    with drawn(8 * columns, 4.6 * rows, folder / "stability.png") as figure:
         axes = figure.subplots(rows, columns, squeeze=False).ravel()
         for measured, ax in zip(sorted(finished, key=lambda measured: measured.title), axes, strict=False):
             _draw_map(ax, measured)
@@ -47,16 +64,41 @@ def save_frames(points: list[Point], folder: Path) -> None:
     _save_table(folder / "frames.csv", COLUMNS, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
     for size in dict.fromkeys(p.size for p in points):
         of_size = [p for p in points if p.size == size]
-        ideal = [p for p in of_size if p.method.endswith("ideal")]
-        detailed = [p for p in of_size if not p.method.endswith("ideal")]
         name = f"frames-{size[0]}x{size[1]}"
         with drawn(12, 10, folder / f"{name}.png", folder / f"{name}.svg") as figure:
-            axes, labelled = figure.subplots(2, 2), []
-            for row, shown, what in zip(axes, (detailed, ideal), ("2 x 100 prisms", "ideal sheet"), strict=True):
-                for ax, error, label in zip(row, ("rms", "flip"), ("RMS error (1: white)", "mean FLIP"), strict=True):
-                    labelled.append((ax, _scatter(ax, shown, error)))
-                    ax.set(xlabel="CPU seconds a frame", ylabel=label, title=f"{what}, {size[0]}x{size[1]}")
+            axes, labelled = figure.subplots(2, 2, sharex=True, sharey="col"), []
+            for row, sheet in zip(axes, ("detailed", "ideal"), strict=True):
+                shown = [p for p in of_size if p.method.endswith("ideal") == (sheet == "ideal")]
+                row[0].set_title(_finding(sheet, shown))
+                for ax, error in zip(row, ("rms", "flip"), strict=True):
+                    labelled.append((ax, _scatter(ax, shown, error, sheet)))
+            for ax, label in zip(axes[0], ("RMS error (1: white)", "mean FLIP"), strict=True):
+                ax.set(ylabel=label)
+            for ax, label in zip(axes[1], ("RMS error (1: white)", "mean FLIP"), strict=True):
+                ax.set(xlabel=f"CPU seconds for a frame of {size[0]}x{size[1]}", ylabel=label)
+            axes[0, 0].text(0.98, 0.02, "grey: other samplings", transform=axes[0, 0].transAxes, color=GREY, ha="right")
             _draw_labels(figure, labelled)
+
+
+def _finding(sheet: str, points: list[Point]) -> str:
+    """Return what a chart's row of these points shows."""
+    if sheet == "detailed":
+        return "Prisms: gl needs about a tenth of POV-Ray's CPU time for the same error"
+    ours, theirs = (min((p.rms for p in points if p.method == name), default=0) for name in ("gl ideal", "ideal"))
+    return "Ideal sheet: gl is cheaper, except for the least errors" if ours > theirs else "Ideal sheet: gl is cheaper"
+
+
+def read_frames(file: Path) -> list[Point]:
+    """Return the points of a table like frames.csv. Raises InputError if it is not one."""
+    points = []
+    try:
+        for row in csv.DictReader(StringIO(file.read_text("utf-8"))):
+            size = int(row["width"]), int(row["height"])
+            seconds, *errors = (float(row[name]) for name in COLUMNS[4:])
+            points.append(Point(row["method"], row["antialias"], size, None, [seconds], *errors))
+    except (KeyError, TypeError, ValueError, OSError):
+        raise InputError(f"table = {file.name!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
+    return points
 
 
 class Label(NamedTuple):
@@ -66,82 +108,106 @@ class Label(NamedTuple):
     y: float
     text: str
     colour: str
+    bold: bool = False
 
 
-def _scatter(ax: Axes, points: list[Point], error: str) -> list[Label]:
-    """Draw error against CPU seconds, a colour for each method, and the Pareto front. Return the points' labels."""
+def _scatter(ax: Axes, points: list[Point], error: str, sheet: str) -> list[Label]:
+    """Draw error against CPU seconds: povgen's qualities large, other samplings small. Return the points' labels.
+
+    The model's colour and the marker tell the renderer; what povgen does not render is grey.
+    """
     labels: list[Label] = []
+    qualities: dict[str, list[str]] = {}
+    for name in QUALITIES:
+        sampling = Rendering(quality=name).suited(sheet != "ideal").sampling
+        qualities.setdefault(sampling, []).append(name)
+    colour = IDEAL if sheet == "ideal" else PRISMS
     for method in dict.fromkeys(p.method for p in points):
         of_method = [p for p in points if p.method == method]
-        (line,) = ax.plot([p.cpu for p in of_method], [getattr(p, error) for p in of_method], "o", label=method)
-        labels += [Label(p.cpu, getattr(p, error), p.sampling, str(line.get_color())) for p in of_method]
-    best = pareto_front([p for p in points if not p.method.startswith("live")], error)
-    ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "k-", alpha=0.4, label="POV-Ray's Pareto front")
+        renderer = {sheet: "POV-Ray", f"gl {sheet}": "gl", f"live {sheet}": "live view"}.get(method)
+        marker = {"POV-Ray": "o", "gl": "D", "live view": "^"}.get(renderer or "", "x")
+        ax.plot([p.cpu for p in of_method], [getattr(p, error) for p in of_method], marker, color="#aaaaaa", ms=5)
+        best = pareto_front(of_method, error)
+        own = colour if renderer in ("POV-Ray", "gl") else GREY
+        ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "-", color=own, alpha=0.45, zorder=1)
+        if renderer:
+            labels.append(Label(best[-1].cpu, getattr(best[-1], error), renderer, own, bold=True))
+        else:
+            names = {"intersections": "prisms by hand"}
+            if method != "prisms":  # beside the points of intersections
+                labels.append(Label(best[-1].cpu, getattr(best[-1], error), names.get(method, method.split()[0]), GREY))
+        for p in of_method:
+            if renderer in ("POV-Ray", "gl") and p.sampling in qualities:
+                ax.plot(p.cpu, getattr(p, error), marker, color=own, markersize=11, markeredgecolor="white")
+                labels.append(Label(p.cpu, getattr(p, error), ", ".join(qualities[p.sampling]), own))
     ax.set(xscale="log", yscale="log")
-    _plain_ticks(ax.xaxis)
-    _plain_ticks(ax.yaxis)
-    ax.grid(alpha=0.25, which="both")
+    plain_ticks(ax.xaxis)
+    plain_ticks(ax.yaxis)
+    ax.grid(alpha=0.25)
     ax.margins(0.12)
-    ax.legend(loc="lower left")  # no picture is both cheap and accurate
+    point_to_better(ax)
     return labels
-
-
-def _plain_ticks(axis: Axis) -> None:
-    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1, which would overlap the next numbers."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter("")
 
 
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     _save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
     with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
-        labelled = []
-        prisms = [row[1] for row in rows if row[0] == "detailed"]
-        for ax, log, label, values in zip(
+        for ax, n, label, title, better in zip(
             figure.subplots(1, 2),
-            (True, False),
-            ("position error against eq. 7 (px)", "CPU seconds a frame"),
-            ([row[3] for row in rows], [row[2] for row in rows]),
+            (3, 2),
+            ("position error against eq. 7 (px of 1280x960)", "CPU seconds for a frame of 640x480"),
+            ("Twice as many prisms: half the error …", "… for little more CPU time"),
+            (-1, 0),
             strict=True,
         ):
-            detailed = [y for y, row in zip(values, rows, strict=True) if row[0] == "detailed"]
-            ax.plot(prisms, detailed, "o-", label="detailed")
-            for y, row in zip(values, rows, strict=True):
+            detailed = [(float(row[1]), float(row[n])) for row in rows if row[0] == "detailed"]
+            ax.plot(*np.transpose(detailed), "o-", color=PRISMS, label="2 × N prisms")
+            for row in rows:
                 if row[0] == "ideal":
-                    ax.axhline(y, color="#d1603d", label="ideal")
-            ax.set(xscale="log", xlabel="prisms N", ylabel=label, title=label.split(" (")[0])
-            if log:
+                    ends = [each[0] for each in detailed]
+                    shown = max(float(row[n]), 0.01) if better else row[n]  # far below the prisms' error
+                    name = "ideal sheet" if shown == row[n] else "ideal sheet: below 0.01"
+                    ax.plot([min(ends), max(ends)], [shown] * 2, color=IDEAL, label=name)
+            ax.set(xscale="log", xlabel="prisms N of a sheet", ylabel=label, title=title)
+            plain_ticks(ax.xaxis)
+            ax.grid(alpha=0.25)
+            if better:
                 ax.set_yscale("log")
+                plain_ticks(ax.yaxis, (1,))
             else:
                 ax.set_ylim(bottom=0)
-            labelled.append((ax, [Label(x, y, str(x), "black") for x, y in zip(prisms, detailed, strict=True)]))
-            ax.grid(alpha=0.25)
-            ax.legend()
-        _draw_labels(figure, labelled)
+            name_lines(ax)
 
 
 def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
-    """Write beyond.csv and a chart of error against CPU seconds, for windows in series and other ideal sheets."""
+    """Write beyond.csv and a chart of CPU seconds and error, for windows in series and other ideal sheets."""
     _save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
-    with drawn(8, 4.6, folder / "beyond.png", folder / "beyond.svg") as figure:
-        ax, labels = figure.subplots(), []
-        for kind in dict.fromkeys(row[0] for row in rows):
-            names, cpu, error = zip(*(row[1:] for row in rows if row[0] == kind), strict=True)
-            (line,) = ax.plot(cpu, error, "o" if "other" in kind else "o-", label=kind)
-            colour = str(line.get_color())
-            labels += [
-                Label(x, y, f"{name} windows" if name in "23" else "1 window" if name == "1" else name, colour)
-                for name, x, y in zip(names, cpu, error, strict=True)
-            ]
-        ax.set(xscale="log", yscale="log", xlabel="CPU seconds a frame", ylabel="position error (px)")
-        ax.set_title("windows in series, and other ideal sheets, 640x480")
-        _plain_ticks(ax.xaxis)
-        ax.margins(0.15)
-        ax.grid(alpha=0.25)
-        ax.legend(loc="lower right")  # empty: the costly sheets are not the accurate ones
-        _draw_labels(figure, [(ax, labels)])
+    with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
+        axes = figure.subplots(1, 2, sharey=True)
+        names, places, top = [], [], 0.0
+        # one to three windows, each of prisms and ideal, then the other sheets
+        rows = sorted(rows, key=lambda row: (row[0] == "other ideal sheets", row[1], row[0]))
+        for kind, name, _, _ in rows:
+            windows = "1 window" if name == "1" else f"{name} windows"
+            names.append({"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"{name}, ideal"))
+            top -= 1.5 if kind == "detailed" or name == "axis" else 1
+            places.append(top)
+        colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows]
+        for ax, column, title, form in (
+            (axes[0], 2, "A further window costs less than the first", "CPU seconds for a frame of 640x480"),
+            (axes[1], 3, "Only prisms displace what is seen", "position error (px of 1280x960)"),
+        ):
+            values = [float(row[column]) for row in rows]
+            bars = ax.barh(places, values, color=colours)
+            ax.bar_label(
+                bars, [f"{x:.1f}" if x >= 0.1 else f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values], padding=4
+            )
+            ax.set(xlabel=form, title=title)
+            ax.set_xlim(right=1.12 * max(values, default=1))
+            ax.spines["left"].set_visible(False)
+            ax.tick_params(left=False)
+        axes[0].set_yticks(places, names)
 
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
@@ -152,22 +218,113 @@ def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
 def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds, and of the cores' use, against workers."""
     _save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy"), rows)
-    with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
-        ax = figure.subplots()
+    with drawn(12, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
         workers, wall, busy = zip(*rows, strict=True)
-        ax.plot(workers, wall, "o-", label="wall seconds")
-        ax.set(xlabel="POV-Ray processes at once", ylabel="wall seconds", title="a movie of 61 frames, 320x240")
-        ax.set_ylim(bottom=0)
-        ax.set_xscale("log", base=2)
-        ax.xaxis.set_major_formatter("{x:g}")
-        other = ax.twinx()
-        other.plot(workers, [100 * share for share in busy], "s--", color="#d1603d", label="cores busy")
-        other.set(ylim=(0, 105), ylabel="cores busy (%)")
-        ax.legend(
-            *(a + b for a, b in zip(*(x.get_legend_handles_labels() for x in (ax, other)), strict=True)),
-            loc="center right",
-        )
-        ax.grid(alpha=0.25)
+        for ax, values, label, title, top in zip(
+            figure.subplots(1, 2),
+            (wall, [100 * share for share in busy]),
+            ("wall seconds for 61 frames of 320x240", "cores busy (%)"),
+            ("More processes at once make a movie sooner …", "… until the cores are busy"),
+            (None, 105),
+            strict=True,
+        ):
+            ax.plot(workers, values, "o-", color=PRISMS)
+            ax.set(xlabel="POV-Ray processes at once", ylabel=label, title=title)
+            ax.set_xscale("log", base=2)
+            ax.set_xticks(workers)
+            ax.xaxis.set_major_formatter("{x:g}")
+            ax.set_ylim(0, top)
+            ax.grid(alpha=0.25)
+
+
+class Tables(NamedTuple):
+    """What was measured: the arguments of `save_frames`, `save_prism_counts`, `save_beyond` and `save_workers`."""
+
+    frames: list[Point]
+    prism_counts: list[tuple[str, int, float, float]]
+    beyond: list[tuple[str, str, float, float]]
+    workers: list[tuple[int, float, float]]
+
+
+def read_tables(folder: Path) -> Tables:
+    """Return the tables of an earlier measurement. Raises InputError if one is not there."""
+    return Tables(
+        read_frames(folder / "frames.csv"),
+        _read(folder / "prisms.csv", str, int, float, float),
+        _read(folder / "beyond.csv", str, str, float, float),
+        _read(folder / "workers.csv", int, float, float),
+    )
+
+
+def redraw(tables: Tables, folder: Path) -> None:
+    """Draw the charts again, from the tables of an earlier measurement."""
+    save_frames(tables.frames, folder)
+    save_prism_counts(tables.prism_counts, folder)
+    save_beyond(tables.beyond, folder)
+    save_workers(tables.workers, folder)
+
+
+def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
+    """Return the rows of a table, with columns of these types. Raises InputError if it has no such columns."""
+    try:
+        rows = list(csv.reader(StringIO(file.read_text("utf-8"))))[1:]
+        return [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
+    except (ValueError, OSError):
+        raise InputError(f"table = {file.name!r}: allowed: one that povgen chart wrote") from None
+
+
+ERROR_WORDS = {
+    "turn": "near sheet turned",
+    "tilt_x": "near sheet tilted about x",
+    "tilt_y": "near sheet tilted about y",
+    "far_tilt_x": "far sheet tilted about x",
+    "far_tilt_y": "far sheet tilted about y",
+    "separation": "sheets too far apart",
+    "index": "near sheet's index",
+    "far_index": "far sheet's index",
+    "base_angle": "near prisms' base angle",
+    "far_base_angle": "far prisms' base angle",
+    "facets": "single facets' angle",
+}
+
+
+def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, path: Path) -> None:
+    """Write a chart of how far each error displaces and turns the object, and of how the builds are distributed.
+
+    Its values stand beside it, in a .csv file of the same name.
+    """
+    small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
+    units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
+    table: list[tuple[object, ...]] = []
+    with drawn(11, 8.4 if builds else 4.4, path) as figure:
+        rows = figure.subplots(2 if builds else 1, 2, squeeze=False)
+        for column, (field, unit) in enumerate((("displaced", "arcminutes"), ("turned", "degrees"))):
+            ax = rows[0, column]
+            values = {
+                name: abs(units[name][0] * float(getattr(change, field))) for name, change in sensitivities.items()
+            }
+            worst = max(values, key=lambda name: np.nan_to_num(values[name]))
+            names = [f"{ERROR_WORDS[name]}, {units[name][1].replace(' degree', '°')}" for name in values][::-1]
+            colours = [PRISMS if name == worst else "#a9cbe8" for name in values][::-1]
+            bars = ax.barh(names, list(values.values())[::-1], color=colours)
+            ax.bar_label(bars, [f"{value:.2g}" for value in list(values.values())[::-1]], padding=4)
+            ax.margins(x=0.12)
+            ax.tick_params(labelleft=column == 0)
+            ax.set(xlabel=f"{field}, {unit}", title=f"Most {field} by: {ERROR_WORDS[worst]}")
+            table += [
+                (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{value:.6g}") for name, value in values.items()
+            ]
+            if builds:
+                ax, most = rows[1, column], percentile(getattr(builds, field), 95)
+                ordered = np.sort(np.nan_to_num(getattr(builds, field), nan=np.inf))
+                ax.plot(ordered, 100 * np.arange(1, len(ordered) + 1) / len(ordered), color=PRISMS, linewidth=2)
+                ax.set(xlabel=f"{field} at most, {unit}", ylabel="of the builds, %", ylim=(0, 102), xlim=(0, None))
+                if np.isfinite(most):
+                    ax.plot([0, most, most], [95, 95, 0], ":", color=GREY)
+                    ax.plot(most, 95, "o", color=PRISMS, markersize=9)
+                ax.set_title(f"95 % of random builds: at most {most:.2g} {unit}")
+                table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in getattr(builds, field)]
+    _save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
@@ -176,9 +333,15 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
     for ax, labels in labelled:
-        points = [ax.transData.transform((label.x, label.y)) for label in labels]
-        taken = [Bbox.from_bounds(x - 4, y - 4, 8, 8) for x, y in points]
-        for x, y, text, colour in labels:
+        taken = []
+        for line in ax.lines:
+            half = line.get_markersize() * 0.9
+            taken += [
+                Bbox.from_bounds(x - half, y - half, 2 * half, 2 * half)
+                for x, y in ax.transData.transform(np.array(line.get_xydata()))
+                if line.get_marker() != "None"
+            ]
+        for x, y, text, colour, bold in labels:
             note = None
             for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):
                 if note:
@@ -189,7 +352,8 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
                     (x, y),
                     (distance * side, distance * np.sin(angle)),
                     textcoords="offset points",
-                    fontsize=8,
+                    fontsize=11,
+                    fontweight="bold" if bold else "normal",
                     color=colour,
                     ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
                     va="center",
@@ -204,29 +368,40 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
 
 
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series, the tolerance as a dashed line, and on this line a diamond at each limit that povgen uses."""
-    rendered = None
-    for series in dict.fromkeys(name for name, _, _ in measured.rows):
-        x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).T
-        if series.endswith(RENDERED):  # drawn over the exact ray trace's line
-            (rendered,) = ax.plot(x, y, "kx", markersize=6)
-        else:
-            ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, label=series)
-    if rendered:
-        rendered.set_label("the same, by POV-Ray")
-    if measured.limits:
-        ax.axhline(measured.tolerance, color="black", linestyle="--", linewidth=1, label="tolerance")
-        places = sorted({limit.bound for limit in measured.limits})
-        ax.plot(places, [measured.tolerance] * len(places), "D", color="black", markersize=7, label="limit used")
+    """Draw the series: up to four in colour and named, the others grey. Shade y above the tolerance.
+
+    A black diamond is at each limit that povgen uses: an x up to which, or from which, it does not warn.
+    """
+    found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name, _, _ in measured.rows}
+    series = [name for name in found if not name.endswith(RENDERED)]
+    worst = sorted(series, key=lambda name: -np.nanmean(found[name][1]))
+    named = worst[:: -(-len(worst) // 4) or 1]
+    for name in [name for name in series if name not in named] + named:
+        x, y = found[name]
+        look = {"label": name} if name in named else {"color": "#bbbbbb", "label": "_", "zorder": 1}
+        ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, **look)
+        if name + RENDERED in found:
+            ax.plot(*found[name + RENDERED], "kx", markersize=6, label="_")
     if "x" in measured.log_axes:
         ax.set_xscale("log")
     if "y" in measured.log_axes:
         ax.set_yscale("log")
+        plain_ticks(ax.yaxis, (1, 3))
     else:
         ax.set_ylim(bottom=0)
-    ax.set(title=measured.title, xlabel=measured.x, ylabel=measured.y)
+    if measured.limits:
+        places = sorted({limit.bound for limit in measured.limits})
+        ax.plot(places, [measured.tolerance] * len(places), "D", color="black", markersize=8, label="_")
+        top = max(ax.get_ylim()[1], 1.15 * measured.tolerance)
+        ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
+        look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
+        ax.text(0.5, 0.98, "not accurate enough", transform=ax.transAxes, **look)  # type: ignore[arg-type]
+    ax.margins(y=0)
+    marks = "diamonds: povgen's limits" * bool(measured.limits)
+    marks += (", " * bool(marks) + "crosses: POV-Ray") * any(name.endswith(RENDERED) for name in found)
+    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=f"{measured.x}\n{marks}", ylabel=measured.y)
     ax.grid(alpha=0.25)
-    ax.legend()
+    name_lines(ax, 9)
 
 
 def _save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:

@@ -1,13 +1,18 @@
 """Drawing with matplotlib: the style of povgen's charts and figures, and how they become files."""
 
+import csv
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from io import BytesIO
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from povgen import remedies
 from povgen.errors import InputError
 from povgen.files import save
+from povgen.video import fonts
 
 try:
     import matplotlib
@@ -16,18 +21,27 @@ try:
     from matplotlib.axis import Axis
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.font_manager import fontManager
+    from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
     from matplotlib.ticker import LogLocator
     from matplotlib.transforms import Bbox
 except ImportError:
     raise InputError(
-        "charts and figures are drawn with matplotlib, which is not installed: pip install 'povgen[charts]'"
+        f"charts and figures are drawn with matplotlib, which is not installed: {remedies.extra('charts')}"
     ) from None
 
 # for the modules that draw
-__all__ = ["Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "LogLocator", "Text", "drawn", "save_drawing", "style"]
-COLOURS = ["#0b5fa5", "#d1603d", "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
+__all__ = [
+    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "Text", "drawn",
+    "name_lines", "plain_ticks", "point_to_better", "save_drawing", "save_lines", "style", "withStroke",
+]  # fmt: skip
+PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
+GREY = "#777777"
+COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
+    # DejaVu Sans, which is matplotlib's own, has the arrows and other signs that Noto Sans lacks
+    "font.family": ["Noto Sans", "DejaVu Sans"],
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlelocation": "left",
@@ -37,8 +51,12 @@ STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists e
     "legend.frameon": False,
     "legend.fontsize": 9,
     "axes.prop_cycle": cycler(color=COLOURS),
+    "mathtext.fontset": "stix",  # its italic nu is no v
+    "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "povgen",  # the same figure always gives the same file
 }
+for font in (fonts.TEXT, fonts.BOLD):
+    fontManager.addfont(font)
 
 
 def style(**other: object) -> AbstractContextManager[None]:
@@ -53,6 +71,70 @@ def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
         save_drawing(figure, *paths)
+
+
+def name_lines(ax: Axes, size: float = 10) -> None:
+    """Write the name of each labelled line of `ax` at the right of the axes, at the height of its end.
+
+    Names that would overlap are moved apart. Call this when the limits of the axes are final.
+    """
+    figure = ax.figure
+    figure.draw_without_rendering()  # type: ignore[union-attr]  # fixes the height of the axes
+    room = 1.3 * size / 72 * figure.dpi / ax.get_window_extent().height
+    named = []
+    for line in ax.lines:
+        x, y = np.array(line.get_xydata(), float).T
+        shown = np.isfinite(y) & (x >= ax.get_xlim()[0]) & (x <= ax.get_xlim()[1])
+        if not str(line.get_label()).startswith("_") and shown.any():
+            last = x[shown].argmax()
+            end = ax.transLimits.transform(ax.transScale.transform((x[shown][last], y[shown][last])))[1]
+            named.append((min(max(end, 0), 1), line))
+    named.sort(key=lambda each: each[0])
+    heights = [end for end, _ in named]
+    for _ in range(200):  # a pair that is too near moves apart by equal steps
+        for n in range(len(heights) - 1):
+            short = room - (heights[n + 1] - heights[n])
+            if short > 0:
+                heights[n], heights[n + 1] = heights[n] - short / 2, heights[n + 1] + short / 2
+    for height, (_, line) in zip(heights, named, strict=True):
+        look = {"color": line.get_color(), "fontsize": size, "va": "center"}
+        ax.text(1.015, height, str(line.get_label()), transform=ax.transAxes, **look)  # type: ignore[arg-type]
+
+
+def point_to_better(ax: Axes) -> None:
+    """Draw an arrow 'better' to the lower left of `ax`."""
+    ax.annotate(
+        "better",
+        (0.03, 0.03),
+        (0.14, 0.14),
+        xycoords="axes fraction",
+        textcoords="axes fraction",
+        arrowprops={"arrowstyle": "-|>", "color": "#3a7d44", "linewidth": 2},
+        color="#3a7d44",
+        fontweight="bold",
+        ha="center",
+        va="center",
+    )
+
+
+def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
+    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1."""
+    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter("")
+
+
+def save_lines(path: Path, *panels: Axes) -> None:
+    """Write the points of all labelled lines to a .csv file: line, and the labels and values of both axes."""
+    table = StringIO()
+    rows = csv.writer(table, lineterminator="\n")
+    rows.writerow(("line", "quantity along x", "x", "quantity along y", "y"))
+    for ax in panels:
+        for line in ax.lines:
+            if not str(line.get_label()).startswith("_"):
+                for x, y in np.array(line.get_xydata()):
+                    rows.writerow((line.get_label(), ax.get_xlabel(), f"{x:.6g}", ax.get_ylabel(), f"{y:.6g}"))
+    save(table.getvalue().encode(), path)
 
 
 def save_drawing(figure: Figure, *paths: Path) -> None:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,16 @@ from pydantic import Field
 
 from povgen.errors import PovrayError
 from povgen.files import temporary_folder
-from povgen.optics import trace
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene import survey
 from povgen.scene.models import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
+Numbers = NDArray[Any]  # real or complex
 Mask = NDArray[np.bool_]
 Size = tuple[int, int]  # width and height, pixels
 
@@ -35,8 +34,13 @@ APERTURE, VIEW = 2.4, 3.85  # side of the probes' window, and height of their pi
 class LinearRendering(Rendering):
     """A rendering with 16-bit colours that are proportional to POV-Ray's own. Each pixel is one ray."""
 
-    file: ClassVar[str] = "frame.ppm"
-    format: ClassVar[tuple[str, ...]] = ("+FP16", "File_Gamma=1.0")
+    @property
+    def file(self) -> str:
+        return "frame.ppm"
+
+    @property
+    def format(self) -> tuple[str, ...]:
+        return "+FP16", "File_Gamma=1.0"
 
     def __init__(self, size: Size) -> None:
         super().__init__(size=size, antialias="off")
@@ -82,7 +86,7 @@ class Positions(_Probe):
     subject: ClassVar[str] = "a square whose colours encode positions on it"
     z1: float
     L: complex = 0j
-    extent: float = Field(0.3, description="half the square's side, tiles")
+    extent: float = Field(default=0.3, description="half the square's side, tiles")
 
     @property
     def objects(self) -> tuple[tuple[complex, float], ...]:
@@ -120,7 +124,7 @@ class PiecePositions(Chess):
 def brightness(scene: Light | White, size: Size) -> Floats:
     """Render a probe, and return how bright its pixels are, (height, width): 1 for white."""
     with temporary_folder() as folder:
-        colours = _read(povray.Runner().run(to_pov(scene), LinearRendering(size), folder))
+        colours = _read(povray.run(to_pov(scene), LinearRendering(size), folder))
     return np.asarray(colours[..., 0])
 
 
@@ -150,24 +154,6 @@ def _read(path: Path) -> Floats:
         raise PovrayError("POV-Ray's picture is not whole (is the disk full?)")
     width, height = int(header[1]), int(header[2])
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
-
-
-def traced(
-    scene: Scene,
-    direction: Floats,
-    max_faces: int = 60,
-    origin: Floats | None = None,
-    partial: np.random.Generator | None = None,
-) -> trace.Rays:
-    """Trace rays exactly through a scene of prisms, each through at most `max_faces` faces.
-
-    `direction` has shape (n, 3). The rays start at the scene's eye, or at `origin`, (n, 3). A ray that meets a window
-    frame behind the sheets ends there. `partial` as for `trace.trace`.
-    """
-    if origin is None:
-        origin = np.array([[scene.E.real, scene.E.imag, -scene.z2]])
-    sheets = survey.prism_sheets(scene.windows, scene.prism)
-    return trace.trace(origin, direction, sheets, scene.aperture, scene.prism, max_faces, scene.depth, partial)
 
 
 @dataclass(frozen=True)
@@ -205,15 +191,9 @@ def locate(position: Complexes, on_object: Complexes, radius: float) -> Apparent
         if inside.sum() < 12:
             return None
         x, y = (position[inside] - centre) / reach, on_object[inside]
-        basis = np.column_stack((np.ones(len(x)), x, x.conj()))
-        kept = np.ones(len(x), bool)
-        for _ in range(5):
-            fit = basis[kept]
-            c, _, rank, _ = np.linalg.lstsq(fit, y[kept], rcond=None)
-            if rank < 3:  # the pixels lie on a line
-                return None
-            off = abs(y - basis @ c)
-            kept = off <= 4 * np.median(off[kept]) + 1e-12
+        c, rank = fitted(np.column_stack((np.ones(len(x)), x, x.conj())), y)
+        if rank < 3:  # the pixels lie on a line
+            return None
         c /= (1, reach, reach)
         # the fitted function maps positions in the picture to positions on the object: invert it
         size = abs(c[1]) ** 2 - abs(c[2]) ** 2
@@ -225,6 +205,19 @@ def locate(position: Complexes, on_object: Complexes, radius: float) -> Apparent
         if abs(step) < 1e-6 * reach:
             break
     return ApparentObject(complex(centre), complex(a), complex(b))
+
+
+def fitted(basis: Numbers, values: Numbers, rounds: int = 5) -> tuple[Numbers, int]:
+    """Fit values (n,) by a linear combination of basis (n, k). Drop pixels with large errors, such as stray light.
+
+    Return the coefficients (k,), and the basis's rank for the pixels that are kept.
+    """
+    kept = np.ones(len(values), bool)
+    for _ in range(rounds):
+        found, _, rank, _ = np.linalg.lstsq(basis[kept], values[kept], rcond=None)
+        off = abs(values - basis @ found)
+        kept = off <= 4 * np.median(off[kept]) + 1e-12
+    return found, int(rank)
 
 
 def _densest(position: Complexes) -> tuple[complex, float]:

@@ -5,9 +5,9 @@ from math import pi
 
 import numpy as np
 
-from povgen.measure import probes
 from povgen.measure.probes import Directions, Floats, Mask
-from povgen.scene import survey
+from povgen.optics.rays import Bundle
+from povgen.scene import camera, survey
 
 # Tiles. POV-Ray ignores a face that is nearer than this to the face that the ray met last.
 MIN_DISTANCE = 1e-6
@@ -23,11 +23,10 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
     ray reaches the sheets at a distance of MIN_DISTANCE and is turned by TILT_PER_PRISM times N. A ray also counts if
     two faces that it meets are within MIN_DISTANCE of each other, as at an edge.
     """
-    max_faces = survey.max_trace_level(scene)
-    path = probes.traced(scene, direction, max_faces)
+    max_faces, rays = survey.max_trace_level(scene), camera.along(scene, direction)
+    path = scene.trace(rays, max_faces)
     sensitive = np.zeros(len(direction), bool)
-    eye = np.array([scene.E.real, scene.E.imag, -scene.z2])
-    front = eye + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
+    front = rays.position + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
     across = np.cross(direction, (0, 1, 0))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     other = np.cross(direction, across)
@@ -37,11 +36,11 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
         turn = scene.prisms * TILT_PER_PRISM * np.exp(5j * angle)
         turned = direction + turn.real * across + turn.imag * other
         displaced = front + MIN_DISTANCE * np.array([np.cos(angle), np.sin(angle), 0])
-        neighbour = probes.traced(scene, turned, max_faces, displaced)
+        neighbour = scene.trace(Bundle(displaced, turned), max_faces)
         sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
         sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
     # for the first face, the second, ...: where each ray meets it. A ray that has left stays at its last face.
-    positions = [probes.traced(scene, direction, met).position for met in range(1, path.count.max(initial=0) + 1)]
+    positions = [scene.trace(rays, met).position for met in range(1, path.count.max(initial=0) + 1)]
     for met, (position, after) in enumerate(pairwise(positions), 1):
         sensitive |= (np.linalg.norm(after - position, axis=1) < MIN_DISTANCE) & (path.count > met)
     return sensitive

@@ -2,8 +2,9 @@
 
 A sampling is the choice of rays for a pixel, `Rendering.antialias`. CPU seconds are what the operating system reports
 of POV-Ray and of povgen, which reduces larger pictures. The POV-Ray processes run one at a time. They are measured in
-several rounds, in the same order, and the median of the rounds counts. The live view is measured in the same rounds, in
-a Chromium that draws without a GPU, if there is one: CPU seconds are what all its processes use for a picture.
+several rounds, in the same order, and the median of the rounds counts. The renderer gl is measured in the same rounds,
+if this system has OpenGL: CPU seconds are those of drawing, on all cores, and of writing the picture. So is the live
+view, in a Chromium that draws without a GPU, if there is one: CPU seconds are what all its processes use for a picture.
 A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
 the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
 0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
@@ -13,7 +14,7 @@ import os
 import platform
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import partial
@@ -30,8 +31,9 @@ from numpy.typing import NDArray
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure.browser import View, chromium
+from povgen.measure.drawn import Drawn
 from povgen.measure.measured import SMALL, px, rms
-from povgen.measure.probes import Positions
+from povgen.measure.probes import Positions, Size
 from povgen.measure.targets import located, other_targets, series_targets, targets
 from povgen.rendering import parallel, povray
 from povgen.rendering.flip import CONVERGED, flip
@@ -47,7 +49,6 @@ from povgen.video.build import movie
 
 # A hand-written macro: it must leave the scene's names as they are.
 BASELINE = re.compile(r"(?:\s|//[^\n]*\n)*#macro Sheet\b(?:(?!#\s*(?:declare|macro)\b).)*#end\s*", re.DOTALL)
-Size = tuple[int, int]  # width and height, pixels
 
 SIZES = ((160, 120), (320, 240), (640, 480))
 MAIN_SIZE = SIZES[1]
@@ -57,6 +58,8 @@ SAMPLINGS = (
 )
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
+# the renderer gl draws as many rays in every pixel, whatever the method and the threshold
+GL_SAMPLINGS = ("off", "2x", "3x", "4x", "1,0.1,2", "1,0.1,3", "1,0.1,4", "1,0.1,8")
 LIVE_RAYS = (1, 4, 16, 64)  # a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
@@ -71,10 +74,11 @@ ROUNDS = 5
 class Point:
     """A point of the chart: a way to make a picture, its CPU seconds, and the picture's error."""
 
-    method: str  # 'detailed', 'ideal', 'live detailed', 'live ideal', or a baseline's name
+    method: str  # 'detailed', 'ideal', these after 'gl' or 'live', or a baseline's name
     sampling: str
     size: Size
-    make: Callable[[], tuple[float, Picture]] = field(repr=False)  # returns CPU seconds and the picture
+    # returns CPU seconds and the picture; None: measured elsewhere
+    make: Callable[[], tuple[float, Picture]] | None = field(repr=False)
     seconds: list[float] = field(default_factory=list, repr=False)
     picture: Picture = field(init=False, repr=False)
     rms: float = np.nan
@@ -111,21 +115,35 @@ def baselines(folder: Path) -> dict[str, str]:
     return found
 
 
-def cpu_seconds(text: str, rendering: Rendering) -> tuple[float, Picture]:
-    """Render a scene's text; return the CPU seconds of POV-Ray and of povgen, and the picture.
+def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
+    """Render a scene's text with a sampling; return the CPU seconds of POV-Ray and of povgen, and the picture.
 
     No other child process is allowed to end during the call, and no other thread to work: their CPU seconds would be
     counted too.
     """
     with temporary_folder() as folder:
         before = _cpu()
-        path = povray.run(text, rendering, folder)
+        path = povray.run(text, Rendering(size=size, antialias=sampling), folder)
         return _cpu() - before, read_png(path)
 
 
-def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with a sampling, as text; return CPU seconds and the picture."""
-    return cpu_seconds(text, Rendering(size=size, antialias=sampling))
+def drawn_sample(view: Drawn, sampling: str, size: Size) -> tuple[float, Picture]:
+    """Return the same of the renderer gl: the CPU seconds of drawing, of all threads, and the picture.
+
+    Those of starting a process and of compiling the shaders do not count, if the scene has been drawn before.
+    """
+    with temporary_folder() as folder:
+        before = _cpu()
+        view.save(folder / "frame.png", Rendering(renderer="gl", size=size, antialias=sampling))
+        picture = read_png(folder / "frame.png")
+        return _cpu() - before, picture
+
+
+def median_seconds(scenes: Iterable[Scene]) -> list[float]:
+    """Return the median CPU seconds of each scene, of 640x480 pixels without antialiasing."""
+    texts = [to_pov(scene) for scene in scenes]
+    rounds = [[sample(text, "off", SMALL)[0] for text in texts] for _ in range(ROUNDS)]
+    return [median(seconds) for seconds in zip(*rounds, strict=True)]
 
 
 def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:
@@ -139,8 +157,8 @@ def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[f
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
     """Measure every method with every sampling. `sheet_macros` are the macros that `baselines` returns.
 
-    A method is a model of the sheets, the live view of one, or a baseline. Calls `done` with the name of each finished
-    step. Without a Chromium it says so, and does not measure the live view.
+    A method is a model of the sheets, by POV-Ray, by the renderer gl or by the live view, or a baseline. Calls `done`
+    with the name of each finished step. Without OpenGL or a Chromium it says so, and does not measure what needs them.
     """
     scenes = {"detailed": Chess(), "ideal": Chess(sheet="ideal")}
     texts = {method: to_pov(scene) for method, scene in scenes.items()}
@@ -152,14 +170,15 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
         for sampling in (SAMPLINGS if method in scenes else BASELINE_SAMPLINGS)
     ]
     with ExitStack() as opened:
-        try:
-            points += live_points(scenes, opened)
-        except InputError as error:
-            done(f"without the live view: {error}")
+        for name, further in (("the renderer gl", gl_points), ("the live view", live_points)):
+            try:
+                points += further(scenes, opened)
+            except InputError as error:
+                done(f"without {name}: {error}")
         for number in range(ROUNDS):
             for point in points:
                 # only one round for the largest size: its frames take long, and their times vary little
-                if number == 0 or point.size != SIZES[-1]:
+                if point.make and (number == 0 or point.size != SIZES[-1]):
                     seconds, point.picture = point.make()
                     point.seconds.append(seconds)
             done(f"frames, round {number + 1} of {ROUNDS}")
@@ -171,6 +190,19 @@ def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], obj
                 point.rms, point.flip = picture_error(point.picture, own, scenes["detailed"])
                 point.flip_detailed = picture_error(point.picture, right["detailed"], scenes["detailed"])[1]
         done(f"converged pictures of {size[0]}x{size[1]}")
+    return points
+
+
+def gl_points(scenes: Mapping[str, Scene], _: ExitStack) -> list[Point]:
+    """Return the points of the renderer gl. Raises InputError without OpenGL."""
+    points = []
+    for method, scene in scenes.items():
+        view = Drawn(scene)
+        view.picture(SIZES[0], 1)  # the first picture compiles the shaders
+        points += [
+            Point(f"gl {method}", sampling, size, partial(drawn_sample, view, sampling, size))
+            for size, sampling in product(SIZES, GL_SAMPLINGS)
+        ]
     return points
 
 
@@ -222,12 +254,10 @@ def measure_prism_counts(done: Callable[[str], object]) -> Iterator[tuple[str, i
 
     The CPU seconds are for 640x480 pixels without antialiasing.
     """
-    rendering = Rendering(size=SMALL, antialias="off")
     cases = [("ideal", 100), *(("detailed", count) for count in PRISM_COUNTS)]
-    texts = [to_pov(Chess(sheet=sheet, prisms=count)) for sheet, count in cases]
-    seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
-    for (sheet, count), times in zip(cases, zip(*seconds, strict=True), strict=True):
-        yield sheet, count, median(times), position_error(targets(sheet, 6, seed=3, E=0j, prisms=count))
+    seconds = median_seconds(Chess(sheet=sheet, prisms=count) for sheet, count in cases)
+    for (sheet, count), cpu in zip(cases, seconds, strict=True):
+        yield sheet, count, cpu, position_error(targets(sheet, 6, seed=3, E=0j, prisms=count))
         done(f"{sheet}, {count} prisms")
 
 
@@ -237,17 +267,15 @@ def measure_beyond(done: Callable[[str], object]) -> Iterator[tuple[str, str, fl
     These are one to three windows in series, and the other ideal sheets. The CPU seconds are for 640x480 pixels without
     antialiasing. The error is the distance from the formula for infinitely fine sheets.
     """
-    rendering = Rendering(size=SMALL, antialias="off")
     cases: list[tuple[str, str, Scene, list[Positions]]] = []
     for sheet, count in product(("ideal", "detailed"), range(1, 4)):
         shown = Chess(sheet=sheet, alpha=120, window=FURTHER_WINDOWS[: count - 1], z2=8)
         cases.append((sheet, str(count), shown, series_targets(sheet, count, 6, seed=3, E=0j)))
     for sheet, measured in other_targets().items():
         cases.append(("other ideal sheets", sheet, Chess(sheet=sheet, z2=5, **OTHER[sheet].examples[0]), measured))
-    texts = [to_pov(shown) for _, _, shown, _ in cases]
-    seconds = [[cpu_seconds(text, rendering)[0] for text in texts] for _ in range(ROUNDS)]
-    for (kind, name, _, measured), times in zip(cases, zip(*seconds, strict=True), strict=True):
-        yield kind, name, median(times), position_error(measured)
+    seconds = median_seconds(shown for _, _, shown, _ in cases)
+    for (kind, name, _, measured), cpu in zip(cases, seconds, strict=True):
+        yield kind, name, cpu, position_error(measured)
         done(f"{kind}: {name}")
 
 

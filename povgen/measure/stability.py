@@ -1,26 +1,19 @@
-"""Where methods fail: stability maps and limits. `povgen verify --stability` measures them.
+"""Where methods fail: `povgen verify --stability` measures eight stability maps, (a) to (h), and their limits."""
 
-A stability map is a series of measurements: an error or loss y against one quantity x, such as the number of prisms.
-`charts` draws it. A limit is the x up to which (or above which) y is within a tolerance. Each measured limit is
-compared with the limit that povgen uses (povgen/limits.py).
-"""
-
-import dataclasses
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from math import ceil, degrees, radians, sqrt
 
 import numpy as np
 
 from povgen import limits
 from povgen.measure import probes
-from povgen.measure.measured import SMALL, Measured, px, rms
+from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, Floats, Positions, Size
+from povgen.measure.stability_map import RENDERED, StabilityMap
 from povgen.measure.targets import located, transverse
 from povgen.measure.verify_prisms import fractions
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.optics.trace import End
 from povgen.scene import camera
 from povgen.scene.cells import camera_cells, grid_error
@@ -30,56 +23,13 @@ from povgen.scene.warnings import possible_error, warnings
 
 TINY = (320, 240)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
-RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
-
-
-@dataclass
-class StabilityMap:
-    """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
-
-    The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
-    `tolerance` is the greatest allowed y.
-    """
-
-    name: str
-    title: str
-    x: str
-    y: str
-    tolerance: float
-    log_axes: str
-    rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
-    limits: list[Measured] = dataclasses.field(default_factory=list)
-
-    def add(self, series: str, x: float, y: float) -> None:
-        """Append a row."""
-        self.rows.append((series, float(x), float(y)))
-
-    def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
-        """Measure the limit of a series, and compare it with the limit that povgen uses, `in_force`.
-
-        If y is rising with x, the limit is the greatest x up to which y is within the tolerance. Otherwise the limit is
-        the least x above which y is within the tolerance. Between two rows the limit is interpolated linearly, or in
-        the logarithm of x if the x axis is logarithmic. If y exceeds the tolerance already at the least x (or, if y is
-        not rising, at the greatest x), the limit is NaN, which fails.
-        """
-        points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
-        found = points[0][0] if points[0][1] <= self.tolerance else np.nan
-        for (x0, y0), (x1, y1) in pairwise(points):
-            if not y0 <= self.tolerance:
-                break
-            if y1 <= self.tolerance:
-                found = x1
-            elif y1 > self.tolerance and "x" in self.log_axes:
-                found = x0 * (x1 / x0) ** ((self.tolerance - y0) / (y1 - y0))
-            elif y1 > self.tolerance:
-                found = x0 + (x1 - x0) * (self.tolerance - y0) / (y1 - y0)
-        self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
 
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
     x, y = "condition number |1 − P|", "error of position (px)"
-    result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
+    finding = "Near the pole, equation 7 amplifies rounding"
+    result = StabilityMap("pole", "(a) near the pole, ideal sheet", finding, x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
             for M, _, place, thin in _near_pole(toward, conditions, size, "ideal", E=E):
@@ -91,7 +41,8 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "error that is possible (px)", "error of the paraxial prediction (px)"
-    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, limits.MAX_ERROR, "xy")
+    finding = "Near the pole, prisms displace the image by many pixels"
+    result = StabilityMap("prediction", "(a) prisms' size and the pole", finding, x, y, limits.MAX_ERROR, "xy")
     for toward in ("α → 180°", "z1 → z2"):
         for series, prisms, z2, P in (
             (f"{toward}", 100, 6.0, 0.3 + 0.1j),
@@ -124,19 +75,19 @@ def _near_pole(
         # near the pole |1 - P| is 1/|alpha - pi|, or z2/|z2 - z1|
         angle = 180 - degrees(2 * np.arcsin(0.5 / M))
         alpha, z1 = (angle, z2) if toward[0] == "α" else (180.0, z2 - z2 / (M + 1))
-        L = rotation.object_position(P, E, z1, z2, radians(alpha))
-        extent = 0.3 / rotation.M(z2 / z1, radians(alpha))
+        L = equations.object_position(P, E, z1, z2, radians(alpha))
+        extent = 0.3 / equations.M(z2 / z1, radians(alpha))
         scenes.append(Positions(sheet=sheet, prisms=prisms, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=extent))
     for scene, seen in located(scenes, size):
-        thin = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
-        yield rotation.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.position, thin
+        thin = equations.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha))
+        yield equations.condition(scene.z2 / scene.z1, radians(scene.alpha)), scene, seen.position, thin
 
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
     """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
-    result = StabilityMap(
-        "prisms", "(b) prism count", "prisms N", "pixels on the designed path that are wrong (%)", 0.01, "xy"
-    )
+    finding = "Very many prisms: POV-Ray's rounding"
+    y = "pixels on the designed path that are wrong (%)"
+    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N", y, 0.01, "xy")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
@@ -148,10 +99,10 @@ def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
     """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
-    narrow = StabilityMap("gap", "(c) air gap, narrow", "gap / pitch", "stray pixels that are wrong (%)", 0.5, "x")
-    wide = StabilityMap(
-        "gap-wide", "(c) air gap, wide", "gap / pitch", "pixels on the designed path lost to the gap (%)", 3, "x"
-    )
+    finding, y = "Too narrow an air gap sends stray light the wrong way", "stray pixels that are wrong (%)"
+    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, "gap / pitch", y, 0.5, "x")
+    finding, y = "Too wide an air gap loses light", "pixels on the designed path lost to the gap (%)"
+    wide = StabilityMap("gap-wide", "(c) air gap, wide", finding, "gap / pitch", y, 3, "x")
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -169,7 +120,7 @@ def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
     Designed pixels show light on the designed path. Stray pixels show other light.
     """
     inside, direction = camera.rays(scene, size)
-    found = probes.traced(scene, direction, max_trace_level(scene))
+    found = scene.trace(camera.along(scene, direction), max_trace_level(scene))
     (decoded,) = probes.decoded([scene], size)
     wrong = ~(np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3)
     stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.designed
@@ -181,9 +132,9 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
 
     The limit that povgen uses is the trace level that it sets for the scene.
     """
-    result = StabilityMap(
-        "trace-level", "(d) max_trace_level", "max_trace_level", "lost pixels (%)", 100 * limits.MAX_LOST_FRACTION, ""
-    )
+    most = 100 * limits.MAX_LOST_FRACTION
+    finding = "A low max_trace_level leaves pixels black"
+    result = StabilityMap("trace-level", "(d) max_trace_level", finding, "max_trace_level", "lost pixels (%)", most, "")
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
@@ -198,7 +149,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
         inside, direction = camera.rays(scene, size)
-        found = probes.traced(scene, direction, 255)
+        found = scene.trace(camera.along(scene, direction), 255)
         leaves = found.end != End.FRAME  # rays that the trace does not finish count as leaving
         for level in levels:
             result.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
@@ -217,12 +168,14 @@ def field_angle(
     y = "pixels without rotated light (%)"
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
-    angles = StabilityMap("field", "(e) field angle", "field angle (degrees)", y, most, "")
+    finding = "Light at large field angles is mostly not rotated"
+    angles = StabilityMap("field", "(e) field angle", finding, "field angle (degrees)", y, most, "")
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
-    distance = StabilityMap("distance", "(e) distance of the eye", "z2 (tiles)", y, most, "x")
+    finding = "A near eye sees little rotated light"
+    distance = StabilityMap("distance", "(e) distance of the eye", finding, "z2 (tiles)", y, most, "x")
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -264,6 +217,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     result = StabilityMap(
         "grid",
         "(f) cells of the ideal camera",
+        "The ideal camera is as exact as its bound says",
         x,
         "worst error of position (px)",
         limits.MAX_CAMERA_ERROR + 0.011,
@@ -271,9 +225,9 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     )
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
-        seen = rotation.one_minus_P(1 / ratio, radians(alpha))
+        seen = equations.one_minus_P(1 / ratio, radians(alpha))
         # the square fills the whole window
-        L = rotation.object_position(0, E, z1, z2, radians(alpha))
+        L = equations.object_position(0, E, z1, z2, radians(alpha))
         own = Positions(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=E, L=L, extent=2 / abs(seen))
         enough = ceil(sqrt(grid_error(own, 1) / limits.MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
@@ -296,9 +250,8 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     """
     from povgen.video.still import render
 
-    result = StabilityMap(
-        "aliasing", "(g) aliasing", "pixels per prism", "RMS error of the picture (1: white)", 0.21, "x"
-    )
+    finding, y = "Prisms as narrow as pixels are noise", "RMS error of the picture (1: white)"
+    result = StabilityMap("aliasing", "(g) aliasing", finding, "pixels per prism", y, 0.21, "x")
     width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3, view=VIEW)
@@ -319,14 +272,15 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
     For each block of pixels, the fraction of rays on the designed path is found. The contrast is the RMS difference of
     this fraction between neighbouring blocks.
     """
-    result = StabilityMap("moire", "(h) sheets nearly parallel", "α (degrees)", "contrast / contrast at 30°", 1.35, "")
+    finding, y = "Sheets that are nearly parallel show moiré", "contrast / contrast at 30°"
+    result = StabilityMap("moire", "(h) sheets nearly parallel", finding, "α (degrees)", y, 1.35, "")
     for count in (50, 100, 400):
         contrast = []
         for alpha in alphas:
             scene = Directions(sheet="detailed", alpha=alpha, prisms=count)
             inside, direction = camera.rays(scene, size)
             designed = np.zeros(inside.shape)
-            designed[inside] = probes.traced(scene, direction).designed
+            designed[inside] = scene.trace(camera.along(scene, direction)).designed
             blocks = _blocks(designed[camera.window(scene, size)][6:-6, 6:-6], 24)
             # only neighbours are compared, because the slow decrease towards the window's edges is not moire
             contrast.append(rms(np.diff(blocks, axis=0)))

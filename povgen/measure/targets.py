@@ -2,21 +2,24 @@
 
 from collections.abc import Iterator
 from math import radians
+from typing import Any
 
 import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
-from povgen.optics import aim, rotation, series
+from povgen.optics import aim, equations, series
 from povgen.scene import camera
 from povgen.scene.windows import Window
 from povgen.sheets import OTHER
 
-Series = tuple[float, dict[str, float]]  # alpha of the first window, and a second window
+Series = tuple[float, dict[str, Any]]  # alpha of the first window, and a second window
 SERIES: tuple[Series, ...] = (
     (120, {"alpha": 120, "z": 2}),
     (50, {"alpha": 75, "z": 1}),
     (40, {"alpha": -100, "z": 0.6}),
+    # prisms of another shape behind the first
+    (60, {"alpha": 75, "z": 1.2, "prisms": 40, "index": 1.7, "base_angle": 40, "gap": 0.05}),
 )
 
 
@@ -36,9 +39,9 @@ def targets(
         alpha, z1, z2 = random.uniform(-180, 180), np.exp(random.uniform(np.log(1), np.log(30))), random.uniform(3, 8)
         alpha = np.copysign(alphas[0] + abs(alpha) / 180 * (alphas[1] - alphas[0]), alpha)
         position = complex(*random.uniform(-0.8, 0.8, 2))
-        M = rotation.M(z2 / z1, radians(alpha))
+        M = equations.M(z2 / z1, radians(alpha))
         if M < 10:
-            L = rotation.object_position(position, E, z1, z2, radians(alpha))
+            L = equations.object_position(position, E, z1, z2, radians(alpha))
             scene = Positions(sheet=sheet, alpha=alpha, z1=z1, z2=z2, L=L, eye=E, extent=0.3 / M, **values)
             scenes.append(scene)
     return scenes
@@ -54,9 +57,9 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
         window = tuple(Window(alpha=alpha, z=z) for alpha, z in zip(angles[1:], places, strict=True))
         z1, z2, P = random.uniform(1, 6), random.uniform(4, 8), complex(*random.uniform(-0.5, 0.5, 2))
         scene = Positions(sheet=sheet, alpha=angles[0], window=window, z1=z1, z2=z2, eye=E, **values)
-        L = rotation.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
+        L = equations.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
         crossed = series.crossings(P, E, z2, radians(scene.alpha), scene.behind)
-        M = z2 / abs(rotation.depth(z1, z2, radians(scene.alpha), scene.behind))
+        M = z2 / abs(equations.depth(z1, z2, radians(scene.alpha), scene.behind))
         if M < 4 and np.maximum(abs(crossed.real), abs(crossed.imag)).max() < 0.7:
             scenes.append(scene.replace(L=L, extent=0.25 / M))
     return scenes

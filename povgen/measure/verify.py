@@ -6,7 +6,7 @@ bound. Random scenes have fixed seeds.
 
 from collections.abc import Iterator
 
-from povgen.measure import verify_ideal, verify_light, verify_prisms, verify_series
+from povgen.measure import verify_ideal, verify_light, verify_prisms, verify_profiles, verify_series
 from povgen.measure.measured import Measured
 
 
@@ -28,6 +28,9 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
         yield from verify_prisms.finite_prisms()
         yield from verify_prisms.paraxial_prediction()
         yield from verify_prisms.other_prisms()
+        yield from verify_prisms.errors_of_building()
+        yield from verify_profiles.every_pixel()
+        yield from verify_profiles.ghosts()
         yield from verify_series.series_pixels()
         yield from verify_series.series_prediction()
         yield from verify_light.black_tops()

@@ -9,7 +9,7 @@ from povgen.measure import probes
 from povgen.measure.measured import HD, SMALL, Measured, px
 from povgen.measure.probes import Directions, Floats, PiecePositions, Positions, Size
 from povgen.measure.targets import located, other_targets, targets, transverse, unit
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.scene import camera
 
 
@@ -24,8 +24,8 @@ def ideal_positions(count: int = 60, size: Size = HD) -> Iterator[Measured]:
     for scene, seen in located(scenes, size):
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         off.append(px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))))
-        turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * rotation.nu(r, alpha))))))
-        scale.append(100 * abs(abs(seen.a) / rotation.M(r, alpha) - 1))
+        turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * equations.nu(r, alpha))))))
+        scale.append(100 * abs(abs(seen.a) / equations.M(r, alpha) - 1))
     # numpy's max keeps NaN
     yield Measured("ideal", f"apparent position against eq. 7, {count} scenes, worst", np.max(off), 0.05, "px")
     yield Measured("ideal", "nu of these objects against eq. 8 corrected, worst", np.max(turn), 0.1, "deg")
@@ -39,7 +39,7 @@ def ideal_directions(size: Size = HD) -> Iterator[Measured]:
         worst = 0.0
         for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
             inside, direction = camera.rays(scene, size)
-            turned = rotation.rotate(direction, radians(scene.alpha))
+            turned = equations.rotate(direction, radians(scene.alpha))
             # rays that leave the sheet but miss the window frame's rear opening end at the frame: leave them out
             leaves = direction[:, :2] * scene.z2 / direction[:, 2:] + turned[:, :2] / turned[:, 2:] * scene.depth / 2
             leaves += (E.real, E.imag)
@@ -65,8 +65,8 @@ def chess_pieces(size: Size = HD) -> Iterator[Measured]:
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         a = about_eye(scene, decoded, size)
         r = scene.z2 / scene.z1
-        turn = max(turn, abs(np.angle(a * np.exp(-1j * rotation.nu(r, radians(scene.alpha))))))
-        scale = max(scale, abs(abs(a) / rotation.M(r, radians(scene.alpha)) - 1))
+        turn = max(turn, abs(np.angle(a * np.exp(-1j * equations.nu(r, radians(scene.alpha))))))
+        scale = max(scale, abs(abs(a) / equations.M(r, radians(scene.alpha)) - 1))
     yield Measured(
         "ideal", f"nu of {len(scenes)} chess pieces against eq. 8 corrected, worst", degrees(turn), 0.1, "deg"
     )
@@ -81,19 +81,14 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     """
     inside, direction = camera.rays(scene, size)
     if scene.sheet == "detailed":  # stray light shows other places of the piece
-        inside[inside] = probes.traced(scene, direction).designed
+        inside[inside] = scene.trace(camera.along(scene, direction)).designed
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
     from_eye = scene.L + x + 1j * y - scene.E
     powers = [power for power in range(4) if (0.5 / scene.z1) ** power > 1e-3]  # far away, depth matters less
     basis = from_eye[:, None] * depth[:, None] ** powers
     target = camera.pixels(scene, size)[inside] - scene.E
-    kept = np.ones(len(x), bool)
-    for _ in range(5):
-        a = np.linalg.lstsq(basis[kept], target[kept], rcond=None)[0]
-        off = abs(basis @ a - target)
-        kept = off < 4 * np.median(off[kept])
-    return complex(a[0])
+    return complex(probes.fitted(basis, target)[0][0])
 
 
 def horizon(size: Size = HD) -> Iterator[Measured]:
@@ -111,13 +106,8 @@ def horizon_angle(scene: Directions, size: Size) -> float:
     inside &= ~np.isnan(decoded[..., 0])
     slope = decoded[inside][:, 1] / decoded[inside][:, 2]
     position = camera.pixels(scene, size)[inside]
-    x, y = position.real, position.imag
-    kept = np.ones(len(x), bool)
-    for _ in range(8):
-        gradient = np.linalg.lstsq(np.column_stack((x, y))[kept], slope[kept], rcond=None)[0]
-        off = abs(slope - gradient[0] * x - gradient[1] * y)
-        kept = off <= 4 * np.median(off[kept]) + 1e-12
-    return float(np.arctan2(gradient[1], gradient[0]) - pi / 2)  # the horizon is perpendicular to the gradient
+    (x, y), _ = probes.fitted(np.column_stack((position.real, position.imag)), slope, rounds=8)
+    return float(np.arctan2(y, x) - pi / 2)  # the horizon is perpendicular to the slope's gradient
 
 
 def real_image(size: Size = HD) -> Iterator[Measured]:
@@ -125,17 +115,16 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
 
     The image is as far in front of the sheets as the object is behind them.
     """
-    off = []
-    for z1 in (1.0, 2.0, 4.0):
-        eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
-        scenes = [Positions(sheet="ideal", alpha=180, z1=z1, L=0.1 + 0.1j, eye=E, extent=0.05) for E in eyes]
-        off.append(100 * abs(image_distance([seen.position for _, seen in located(scenes, size)], scenes) + z1) / z1)
+    off = [100 * abs(image_distance(size, alpha=180, z1=z1) + z1) / z1 for z1 in (1.0, 2.0, 4.0)]
     yield Measured("ideal", "alpha = 180 deg: image distance -z1 by parallax, worst of 3", np.max(off), 0.2, "%")
 
 
-def image_distance(positions: list[complex], scenes: list[Positions]) -> complex:
-    """Return how far behind the plane z = 0 the lines of sight of two eyes to an object cross."""
-    z2_over_distance = 1 - (positions[0] - positions[1]) / (scenes[0].E - scenes[1].E)
+def image_distance(size: Size, **values: object) -> complex:
+    """Measure how far behind the plane z = 0 the lines of sight of two eyes to an object cross: a scene with values."""
+    eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
+    scenes = [Positions(sheet="ideal", L=0.1 + 0.1j, eye=E, extent=0.05, **values) for E in eyes]
+    left, right = (seen.position for _, seen in located(scenes, size))
+    z2_over_distance = 1 - (left - right) / (eyes[0] - eyes[1])
     return scenes[0].z2 / z2_over_distance - scenes[0].z2
 
 

@@ -9,9 +9,10 @@ from povgen import limits
 from povgen.measure import probes
 from povgen.measure.measured import SMALL, Measured
 from povgen.measure.probes import Directions, Light, Size, White
-from povgen.optics import rotation
+from povgen.optics import equations
+from povgen.optics.faces import Face
 from povgen.optics.polarisation import jones, mean_transmission, transmission
-from povgen.optics.trace import End, Face
+from povgen.optics.trace import End
 from povgen.scene import camera, survey
 from povgen.scene.models import APERTURE, VIEW
 
@@ -21,7 +22,7 @@ def black_tops(size: Size = SMALL) -> Iterator[Measured]:
     scene = Directions(sheet="detailed", tops="black", aperture=APERTURE, view=VIEW)
     (decoded,) = probes.decoded([scene], size)
     inside, direction = camera.rays(scene, size)
-    found = probes.traced(scene, direction, survey.max_trace_level(scene))
+    found = scene.trace(camera.along(scene, direction), survey.max_trace_level(scene))
     seen = (found.end <= End.BACK) & (found.count < survey.max_trace_level(scene))
     black = (found.faces == Face.TOP).any(1)
     agree = np.isnan(decoded[inside][seen][:, 0]) == black[seen]
@@ -34,9 +35,9 @@ def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
     scene = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
     inside, direction = camera.rays(scene, size)
     angles, prism = [0, radians(scene.alpha) / 2], scene.prism
-    light = -rotation.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
+    light = -equations.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
     clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
-    clear &= probes.traced(scene, direction).designed
+    clear &= scene.trace(camera.along(scene, direction)).designed
     seen = probes.brightness(scene, size)[inside][clear]
     expected = mean_transmission(light[clear], angles, prism)
     off = np.quantile(abs(seen - expected), 0.99)
@@ -56,7 +57,9 @@ def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
     inside, direction = camera.rays(scene, size)
     seen = probes.brightness(scene, size)[inside].mean()
     directions = np.tile(direction, (200_000 // len(direction) + 1, 1))
-    found = probes.traced(scene, directions, survey.max_trace_level(scene), partial=np.random.default_rng(1))
+    found = scene.trace(
+        camera.along(scene, directions), survey.max_trace_level(scene), partial=np.random.default_rng(1)
+    )
     followed = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
     share = 100 * found.reflected[followed].mean()
     what = f"--fresnel: brightness of the window ({seen:.3f}, {share:.1f} % of it by reflections) against the ray trace"

@@ -1,16 +1,17 @@
 """Sheets of prisms, compared with the exact ray trace and with predictions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import radians
+from typing import Any
 
 import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.measured import SMALL, Measured, px, rms
-from povgen.measure.probes import Directions, Positions, Size
+from povgen.measure.probes import Directions, Floats, Positions, Size
 from povgen.measure.rounding import decided_by_rounding
 from povgen.measure.targets import located, targets
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.optics.trace import End
 from povgen.scene import camera, survey
 
@@ -45,26 +46,37 @@ def any_window(count: int, seed: int) -> list[Directions]:
     return scenes
 
 
-def pixel_checks(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
+def pixel_shares(scenes: list[Directions], size: Size) -> tuple[float, float, Floats]:
+    """Return the shares of pixels that show the direction of the ray trace within 1e-3 rad.
+
+    They are of the rays on the designed path, and of all rays that leave. The third result says of each ray that leaves
+    and differs whether rounding decides its path.
+    """
     designed, agree, by_rounding = [], [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = camera.rays(scene, size)
         trace_level = survey.max_trace_level(scene)
-        found = probes.traced(scene, direction, trace_level)
+        found = scene.trace(camera.along(scene, direction), trace_level)
         off = np.nan_to_num(np.linalg.norm(decoded[inside] - found.direction, axis=1), nan=np.inf)
         seen = (found.end <= End.BACK) & (found.count < trace_level)
         designed.append((off < 1e-3)[seen & found.designed])
         agree.append((off < 1e-3)[seen])
         by_rounding.append(decided_by_rounding(scene, direction[seen & (off >= 1e-3)]))
-    yield Measured(
-        "detailed", f"{kind}: pixels on the designed path within 1e-3 rad of the ray trace",
-        100 * np.concatenate(designed).mean(), 99.99, "%", least=True,
-    )  # fmt: skip
-    yield Measured(
-        "detailed", f"{kind}: all pixels whose ray leaves, within 1e-3 rad of the ray trace",
-        100 * np.concatenate(agree).mean(), 99.5, "%", least=True,
-    )  # fmt: skip
-    differing = np.concatenate(by_rounding)
+    return np.concatenate(designed).mean(), np.concatenate(agree).mean(), np.concatenate(by_rounding)
+
+
+def within_the_trace(kind: str, shares: Sequence[float], bounds: tuple[float, float]) -> Iterator[Measured]:
+    """Return the first two results of `pixel_shares` with their bounds, percent."""
+    texts = "pixels on the designed path", "all pixels whose ray leaves,"
+    for text, share, bound in zip(texts, shares, bounds, strict=True):
+        yield Measured(
+            "detailed", f"{kind}: {text} within 1e-3 rad of the ray trace", 100 * share, bound, "%", least=True
+        )
+
+
+def pixel_checks(kind: str, scenes: list[Directions], size: Size) -> Iterator[Measured]:
+    *shares, differing = pixel_shares(scenes, size)
+    yield from within_the_trace(kind, shares, (99.99, 99.5))
     yield Measured(
         "detailed", f"{kind}: of the {len(differing)} pixels that differ, not decided by rounding",
         100 * (1 - differing).mean() if len(differing) else 0, 1, "%",
@@ -116,6 +128,22 @@ def other_prisms(
         )
 
 
+# Errors of building, as of `sheets.prisms.ERRORS`, and values of other parameters
+BUILDS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("index and base angle", {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3}}),
+    ("turn, tilts and separation", {"error": {"turn": 2, "tilt_x": 3, "far_tilt_y": 2, "separation": 0.1}}),
+    ("single facets", {"prisms": 30, "error": {"facets": 1, "seed": 5}}),
+)
+
+
+def errors_of_building(
+    builds: tuple[tuple[str, dict[str, Any]], ...] = BUILDS, size: Size = SMALL
+) -> Iterator[Measured]:
+    """Compare every pixel of sheets that are built with errors with the exact ray trace."""
+    for kind, values in builds:
+        yield from pixel_checks(f"errors: {kind}", [Directions(sheet="detailed", alpha=66, **values)], size)
+
+
 def _prediction_error(
     kind: str, scenes: list[Positions], between: tuple[float, float], most: float, size: Size
 ) -> Measured:
@@ -131,7 +159,7 @@ def errors(scenes: list[Positions], size: Size) -> tuple[float, float]:
     """
     thin, thick = [], []
     for scene, seen in located(scenes, size):
-        ideal = rotation.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha), scene.behind)
+        ideal = equations.apparent_position(scene.L, scene.E, scene.z1, scene.z2, radians(scene.alpha), scene.behind)
         thin.append(abs(seen.position - ideal))
         thick.append(abs(seen.position - scene.apparent_position(scene.L, scene.z1)))
     return rms(thin), rms(thick)
@@ -177,8 +205,8 @@ def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterato
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, direction = camera.rays(scene, size)
-        turned = rotation.rotate(direction, radians(scene.alpha))
-        found = probes.traced(scene, direction, survey.max_trace_level(scene))
+        turned = equations.rotate(direction, radians(scene.alpha))
+        found = scene.trace(camera.along(scene, direction), survey.max_trace_level(scene))
         rendered = np.linalg.norm(decoded[inside] - turned, axis=1) < 1e-3
         exact = (np.linalg.norm(found.direction - turned, axis=1) < 1e-3) & (found.end == End.THROUGH)
         exact &= found.count < survey.max_trace_level(scene)

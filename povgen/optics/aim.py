@@ -1,28 +1,46 @@
 """Where the eye sees a point through any list of windows, on numpy arrays.
 
-Signs and units are as in `rotation`. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first
-window, a distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
+Points are complex numbers x + iy: x points right and y up, as the eye sees them. z points away from the eye. Lengths
+are in any one unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window, a distance
+z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
 A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
 and slope before the window, to the same behind it. The windows' matrices and those of the distances between them are
-multiplied. For other windows only the slope behind them is known for each ray. Newton's method, from many starts, finds
-the ray to L.
+multiplied. For other windows only `Element.slope` is known: the slope behind the window, for each ray. Newton's method,
+from many starts, then finds the ray to L.
+
+Prisms of finite size have a matrix for small angles. Across the ridges (the prisms' long edges) a sheet reverses the
+slope of light, as if in the sheet's middle plane. Along the ridges it acts as a slab of glass: it shifts light sideways
+by -g times the component of the slope along the ridges (`Prism.slab_shift`). Other shifts depend on the point at which
+a ray enters a prism, and are zero on average. docs/sheets.md has the derivation.
+
+The matrix of another profile, such as an array of lenses, is fitted to rays on its designed path: `small_angles`.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import product
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
-from povgen.optics.rotation import Complexes, Floats
+from povgen.optics.profile import Profile
+from povgen.optics.trace import End, trace
 
-Matrix = NDArray[np.float64]  # (5, 5)
+Matrix = NDArray[np.float64]  # (..., 5, 5)
 Indices = NDArray[np.intp]
-# Start rays of the search: the angles to the normal of their projections onto the planes x-z and y-z.
+# The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
+# The rays to which the matrix of a profile is fitted have slopes across the ridges within FAN of a middle one.
+FAN, FAN_SIDE = 0.1, 41
+_SLOPES = np.linspace(-0.6, 0.6, 31)  # at one of these, most light makes a ghost
+_WIDTH = 61.0  # periods of a sheet of which this is found: odd, so that a cell is in the middle
+_ROUNDS = 3  # until the matrix of a ghost is that for its own slopes
 _PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
 
 
@@ -37,36 +55,200 @@ class Element(Protocol):
     def transfer(self) -> Matrix | None:
         """The ray-transfer matrix, or None if there is none."""
 
+    def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
+        """Return the sheets of prisms of a window at z, the near one first."""
+
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
         """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
 
 
-# nearest to the eye first, each with its distance from the window before or the eye
+# The nearest to the eye comes first. Each has its distance from the window before it; the first, from the eye.
 Windows = Sequence[tuple[float, Element]]
 
 
-def pair(alpha: float, prism: Prism) -> Matrix:
-    """Return the matrix of two sheets of prisms that rotate light by alpha (radians), in paraxial approximation.
+def free(distance: float) -> Matrix:
+    """Return the matrix of free propagation over a distance."""
+    total = np.eye(5)
+    total[[0, 1], [2, 3]] = distance
+    return total
 
-    The matrix refers to the plane midway between them. As in `paraxial.depths`, the pair shortens the distances on both
-    sides by h, and adds (separation - slab_shift) exp(i alpha) conj(s) to the place.
+
+class SmallAngles(NamedTuple):
+    """What a sheet does at small angles to light on its designed path, on average over a period.
+
+    The place of a ray before and behind the sheet is where it, continued straight, crosses the sheet's middle plane.
     """
-    h, turn = (prism.separation + prism.slab_shift) / 2, np.exp(-1j * alpha)
-    b = (prism.separation - prism.slab_shift) / turn
-    matrix = np.eye(5)
-    matrix[:2, 2:4] = _real(-h * (1 + turn), b)
-    matrix[2:4, 2:4] = _real(turn, 0)
-    return matrix
+
+    slab_shift: float  # along the ridges, light is displaced by -slab_shift times its slope
+    shift: float = 0.0  # across the ridges, by this times its slope,
+    offset: float = 0.0  # and by this
+    factor: float = -1.0  # its slope across the ridges is multiplied by this,
+    deviation: float = 0.0  # and this is added
+    reach: float = 0.0  # the farthest that light is displaced across the ridges, beside that
+    blur: float = 0.0  # RMS of what the slope differs by
+    bend: float = 0.0  # of arrays of different pitch: what is added to the slope, for each distance from the middle
+
+    def scaled(self, pitch: float) -> "SmallAngles":
+        """Return the same for a sheet whose pitch is so many times as large."""
+        lengths = ("slab_shift", "shift", "offset", "reach")
+        return self._replace(**{name: pitch * getattr(self, name) for name in lengths}, bend=self.bend / pitch)
 
 
-def single(prism: Prism) -> Matrix:
-    """Return the matrix of one sheet of prisms with ridges along x: it reverses the slope's y.
+def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) -> SmallAngles:
+    """Return what a sheet of this shape does to light on its designed path.
 
-    For the slope along the ridges, the sheet acts as a slab of glass.
+    For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines fitted
+    to their slopes and places behind the sheet. So spherical aberration counts as for these rays. With an `order` other
+    than 0, these are the rays that leave the glass so many cells above the cell in which they enter it: a ghost. NaN if
+    there are none.
     """
-    matrix = np.diag([1.0, 1, 1, -1, 1])
-    matrix[0, 2] = -prism.slab_shift
-    return matrix
+    if isinstance(shape, Prism):
+        return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
+    found = _fitted(shape.scaled(1.0), order, round(middle, 2))
+    if shape.is_mismatched:
+        beside = _fitted(shape.scaled(1.0), order, round(middle, 2), 1)
+        found = found._replace(bend=beside.deviation - found.deviation)
+    return found.scaled(shape.pitch)
+
+
+@lru_cache(10_000)
+def shares(profile: Profile, slope: float) -> dict[int, float]:
+    """Return for each order the share of the light with this slope across the ridges that takes the path with it.
+
+    The order is as for `small_angles`: 0 is the designed path. Light on other paths is left out. The light fills a
+    period, and has no slope along the ridges.
+    """
+    count, z = 200, -profile.half * profile.pitch
+    place = ((np.arange(count) + 0.5) / count - 0.5) * profile.pitch + z * slope
+    origin = np.column_stack((np.zeros(count), place, np.full(count, z)))
+    rays = trace(origin, [[0, slope, 1]], (Sheet(0.0, 0.0, profile),), _WIDTH * profile.pitch, len(profile.path) + 1)
+    taken = (rays.end == End.THROUGH) & (rays.count == len(profile.path))
+    taken &= (rays.faces[:, : len(profile.path)] == profile.path).all(1)
+    orders, counts = np.unique(rays.orders[taken, 0], return_counts=True)
+    return {int(order): number / count for order, number in zip(orders, counts, strict=True)}
+
+
+def field(profile: Profile) -> float:
+    """Return the slope up to which more light takes the designed path than the path of any ghost.
+
+    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p.
+    """
+    for slope in np.arange(0, 1, 0.002):
+        found = shares(profile.scaled(1.0), float(slope))
+        if found and max(found.values()) > found.get(0, 0.0):
+            break
+    return float(slope)
+
+
+class Ghost(NamedTuple):
+    """An image by light that leaves the glass through other lenses than those opposite."""
+
+    orders: tuple[int, ...]  # for each sheet: how many cells above that where light from the eye would enter
+    position: complex  # where the eye sees the point, in the plane of the window
+    share: float  # of the light there, by `shares` in each sheet
+
+
+def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
+    """Return the ghosts of a point behind one window with these sheets, the brightest first.
+
+    L, E and the distances z1 and z2 are as for `position`. The orders are from -most to most. Sheets of prisms have no
+    ghosts.
+    """
+    found: list[Ghost] = []
+    profiles = [sheet.shape.scaled(1.0) for sheet in sheets if isinstance(sheet.shape, Profile)]
+    if len(profiles) < len(sheets):
+        return found
+    for orders in product(range(-most, most + 1), repeat=len(sheets)):
+        if not any(orders):
+            continue
+        middles = [_usual_slope(*each) for each in zip(profiles, orders, strict=True)]
+        s, share = complex(np.nan), 0.0
+        for _ in range(_ROUNDS):
+            total = transfer(sheets, orders, middles) @ free(z2)
+            if not np.isfinite(total).all():  # no light takes this path
+                s = complex(np.nan)
+                break
+            x, y, sx, sy, _ = total @ (E.real, E.imag, 0, 0, 1)
+            to = np.array(L - (x + 1j * y) - z1 * (sx + 1j * sy))
+            s = complex(_solved(total[:2, 2:4], z1 * total[2:4, 2:4], to))
+            if not np.isfinite(s):
+                break
+            share, ray = 1.0, np.array([0, 0, s.real, s.imag, 1])
+            for k, sheet in enumerate(sheets):
+                across = float(-np.sin(sheet.angle) * ray[2] + np.cos(sheet.angle) * ray[3])
+                share *= shares(profiles[k], round(across, 2)).get(orders[k], 0.0)
+                ray, middles[k] = layer(sheet, orders[k], middles[k]) @ ray, across
+        if np.isfinite(s) and share > 0:
+            found.append(Ghost(orders, E + z2 * s, share))
+    return sorted(found, key=lambda ghost: -ghost.share)
+
+
+@lru_cache(100)
+def _usual_slope(profile: Profile, order: int) -> float:
+    """Return the slope across the ridges at which the greatest share of light takes the path with this order."""
+    return float(max(_SLOPES, key=lambda slope: shares(profile, round(float(slope), 2)).get(order, 0.0)))
+
+
+def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
+    """Return the matrix of a sheet in paraxial approximation. Prisms mirror the slope about the ridges.
+
+    With an `order` and a `middle`, it is that for a ghost of lenses: `small_angles`.
+    """
+    does = small_angles(sheet.shape, order, middle)
+    ridges, g = np.exp(2j * np.asarray(sheet.angle)), does.slab_shift
+    across = 1j * np.exp(1j * np.asarray(sheet.angle))  # the unit vector
+    found = np.broadcast_to(np.eye(5), (*ridges.shape, 5, 5)).copy()
+    found[..., :2, 2:4] = _real((does.shift - g) / 2, -(does.shift + g) / 2 * ridges)
+    found[..., 2:4, :2] = _real(does.bend / 2, -does.bend / 2 * ridges)
+    found[..., 2:4, 2:4] = _real((1 + does.factor) / 2, (1 - does.factor) / 2 * ridges)
+    for row, part in enumerate((does.offset * across, does.deviation * across)):
+        found[..., 2 * row, 4], found[..., 2 * row + 1, 4] = part.real, part.imag
+    if any(sheet.tilt):  # slopes are measured from the sheet's normal
+        normal = sheet.axes[2]
+        from_normal = np.eye(5)
+        from_normal[2:4, 4] = -normal[:2] / normal[2]
+        found = np.linalg.inv(from_normal) @ found @ from_normal
+    return found
+
+
+def transfer(sheets: Iterable[Sheet], orders: Sequence[int] = (0, 0), middles: Sequence[float] = (0.0, 0.0)) -> Matrix:
+    """Return the matrix of sheets, the nearest to the eye first.
+
+    It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
+    crosses the plane z = 0. With `orders` and `middles` it is the matrix for a ghost, with one of each for every sheet:
+    `small_angles`.
+    """
+    total, z = np.eye(5), 0.0
+    for sheet, order, middle in zip(sheets, orders, middles, strict=False):
+        total, z = layer(sheet, order, middle) @ free(sheet.centre - z) @ total, sheet.centre
+    return free(-z) @ total
+
+
+@lru_cache(1000)
+def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> SmallAngles:
+    """Return what `small_angles` does, for a profile with the pitch 1, so many cells from the middle."""
+    # across the ridges many slopes, and along them one; at each slope, rays at many places within a period
+    slope = np.repeat(np.linspace(middle - FAN, middle + FAN, FAN_SIDE), FAN_SIDE)
+    place = np.tile((np.arange(FAN_SIDE) + 0.5) / FAN_SIDE - 0.5 + cell, FAN_SIDE)
+    along = np.full(slope.shape, FAN / 4)
+    z = np.full(slope.shape, -profile.half)
+    origin = np.column_stack((z * along, place + z * slope, z))
+    direction = np.column_stack((along, slope, np.ones(slope.shape)))
+    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, len(profile.path) + 1)
+    taken = (rays.end == End.THROUGH) & (rays.count == len(profile.path)) & (rays.orders[:, 0] == order)
+    taken &= (rays.faces[:, : len(profile.path)] == profile.path).all(1) & ~rays.reflected
+    if taken.sum() < 2 or np.ptp(slope[taken]) == 0:
+        return SmallAngles(*[np.nan] * 7)
+    behind = rays.direction[taken] / rays.direction[taken, 2:]
+    place_behind = rays.position[taken] - rays.position[taken, 2:] * behind
+    basis = np.column_stack((slope[taken], np.ones(taken.sum())))
+    (factor, deviation), *_ = np.linalg.lstsq(basis, behind[:, 1], rcond=None)
+    moved = place_behind[:, 1] - place[taken]
+    (shift, offset), *_ = np.linalg.lstsq(basis, moved, rcond=None)
+    slab = -(place_behind[:, 0] / along[taken]).mean()
+    reach = abs(moved - basis @ (shift, offset)).max()
+    blur = np.sqrt(np.mean((behind[:, 1] - basis @ (factor, deviation)) ** 2))
+    return SmallAngles(*map(float, (slab, shift, offset, factor, deviation, reach, blur)))
 
 
 def matrix(windows: Windows) -> Matrix | None:
@@ -75,7 +257,7 @@ def matrix(windows: Windows) -> Matrix | None:
     for distance, window in windows:
         if window.transfer is None:
             return None
-        total = window.transfer @ _free(distance) @ total
+        total = window.transfer @ free(distance) @ total
     return total
 
 
@@ -88,7 +270,7 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
         before = P, s
         if window.transfer is not None:
             ray = np.stack(np.broadcast_arrays(P.real, P.imag, s.real, s.imag, 1.0))
-            X, Y, sx, sy, _ = np.tensordot(window.transfer, ray, 1)
+            X, Y, sx, sy, _ = np.moveaxis(np.einsum("...ij,j...->...i", window.transfer, ray), -1, 0)
             P, s = X + 1j * Y, sx + 1j * sy
         else:
             s = window.slope(s, P)
@@ -100,11 +282,11 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths. The result is the position with
-    the least max(|x|, |y|). So a square window round 0 that shows any of these positions shows the result. It is NaN if
-    there is no path, and infinite if L appears at infinity.
+    the least max(|x|, |y|). A square window round 0 that shows any of these positions shows this one. The result is NaN
+    if there is no path, and infinite if L appears at infinity.
 
-    At a caustic two paths become one. Beyond it, both are gone. A path that misses L by up to `near`, less than its
-    neighbours do, counts too: a large object can be seen although its middle is not.
+    At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
+    middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
     distance, total = windows[0][0], matrix(windows)
@@ -112,39 +294,79 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
         if total is None:
             s = _search(place.ravel(), E, after.ravel(), windows, near.ravel()).reshape(place.shape)
         else:
-            start = total @ (E.real, E.imag, 0, 0, 1)
-            to = place - complex(*start[:2]) - after * complex(*start[2:4])
-            s = _solved(total[:2, 2:4], after[..., None, None] * total[2:4, 2:4], to)
+            x, y, sx, sy, _ = np.moveaxis(total @ (E.real, E.imag, 0, 0, 1), -1, 0)
+            to = place - (x + 1j * y) - after * (sx + 1j * sy)
+            s = _solved(total[..., :2, 2:4], after[..., None, None] * total[..., 2:4, 2:4], to)
         return (E + distance * s)[()]
 
 
+def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
+    """Return A and B: if the slope at the eye changes by a small step s, L moves by A s + B conj(s).
+
+    For windows that rotate light, and an eye at E, L - E = A s + B conj(s) for every ray. Without thickness B = 0, and
+    A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the eye's plane in a line, or
+    not at all. NaN if a window has no matrix.
+    """
+    z1, total = np.asarray(z1, float), matrix(windows)
+    if total is None:
+        return (nothing := np.full(z1.shape, np.nan)[()]), nothing
+    near, far = total[..., :2, 2:4], z1[..., None, None] * total[..., 2:4, 2:4]
+    size = (abs(near) + abs(far)).max((-2, -1), keepdims=True)
+    (a, b), (c, d) = np.moveaxis(np.where(abs(near + far) <= 1e-14 * size, 0, near + far), (-2, -1), (0, 1))
+    return ((a + d + 1j * (c - b)) / 2)[()], ((a - d + 1j * (c + b)) / 2)[()]
+
+
+def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
+    """Return the angle nu, radians, through which an object appears turned, and its magnification M.
+
+    With A and B of `depths`, a short step d on the object appears as a d + b conj(d) in the plane of the first window:
+    a = z2 conj(A)/(|A|^2 - |B|^2) and b = -z2 B/(|A|^2 - |B|^2). Then nu = arg(a). The magnification depends on the
+    direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For sheets without thickness that
+    rotate light, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is
+    |b|. If |A| = |B|, nu is NaN and M is infinite.
+    """
+    A, B = depths(z1, windows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        M = windows[0][0] * np.maximum(abs(A), abs(B)) / abs(abs(A) ** 2 - abs(B) ** 2)
+    M = np.where(abs(abs(A) - abs(B)) <= 1e-14 * (abs(A) + abs(B)), np.inf, M)
+    return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
+
+
 def infinite_z1(windows: Windows) -> Floats:
-    """Return the positive distances z1 at which objects can appear at infinity; none if a window has no matrix."""
+    """Return the distances z1 > 0 at which objects appear at infinity; none if a window has no matrix.
+
+    A z1 at which an object comes closest to infinity, without reaching it, is a result too.
+    """
     total = matrix(windows)
     if total is None:
         return np.empty(0)
     (a, b), (c, d) = total[:2, 2:4]
     (p, q), (r, t) = total[2:4, 2:4]
     roots = np.roots([p * t - q * r, a * t + d * p - b * r - c * q, a * d - b * c])
-    return roots.real[(roots.real > 0) & (abs(roots.imag) < 1e-6 * abs(roots))]
+    return roots.real[roots.real > 0]
 
 
-def _free(distance: float) -> Matrix:
-    total = np.eye(5)
-    total[[0, 1], [2, 3]] = distance
-    return total
+def infinite_alpha(z1: ArrayLike, z2: ArrayLike, shape: Prism | Profile) -> Complexes:
+    """Return the alpha from 0 to pi, radians, at which two sheets that mirror show an object at infinity (|A| = |B|).
+
+    It is complex if there is no real one. At -alpha, the object is at infinity too.
+    """
+    g, apart = small_angles(shape).slab_shift, shape.separation
+    near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
+    return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
-def _real(a: complex, b: complex) -> Matrix:
-    """Return the real matrix (2, 2) of the map a s + b conj(s)."""
-    a, b = complex(a), complex(b)
-    return np.array([[a.real + b.real, b.imag - a.imag], [a.imag + b.imag, a.real - b.real]])
+def _real(a: ArrayLike, b: ArrayLike) -> Matrix:
+    """Return the real matrices (..., 2, 2) of the maps a s + b conj(s)."""
+    a, b = np.broadcast_arrays(np.asarray(a, complex), np.asarray(b, complex))
+    rows = np.array([[a.real + b.real, b.imag - a.imag], [a.imag + b.imag, a.real - b.real]])
+    return np.moveaxis(rows, (0, 1), (-2, -1))
 
 
 def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     """Return the slopes s (...) with (first + second) s = `to` (...), for maps (..., 2, 2).
 
-    If the map has rank 1, a `to` outside its range gives infinity. If the map is 0, `to` = 0 gives NaN, and any other
+    A map of rank 1 gives infinity for a `to` outside its range. A map that is 0 gives NaN for `to` = 0, and otherwise
     infinity. Entries as small as rounding errors count as 0.
     """
     size = abs(first) + abs(second)
@@ -188,9 +410,9 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
             starts.append(s)
             targets.append(target)
     s, target = np.concatenate(starts), np.concatenate(targets)
-    s, off = _newton(s, target, miss)
-    scale = abs(L - E) + z1 + windows[0][0]
-    found = off <= np.maximum(_PRECISION * scale, near)[target]
+    enough = np.maximum(_PRECISION * (abs(L - E) + z1 + windows[0][0]), near)[target]
+    s, off = newton(s, target, miss, enough)
+    found = off <= enough
     far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
     # of all found paths the nearest to the window's middle
     best = np.full(len(L), complex(np.nan, np.nan))
@@ -201,7 +423,7 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
 
 
 def _net(x: Floats, y: Floats) -> Complexes:
-    """Return the slopes of rays at these angles, radians, in the planes of x and of y."""
+    """Return slopes of rays. x and y are the angles of their projections, onto x-z and y-z, to the normal."""
     return np.tan(np.clip(x, -1.55, 1.55)) + 1j * np.tan(np.clip(y, -1.55, 1.55))[:, None]
 
 
@@ -210,33 +432,42 @@ def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indic
 
     `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
     """
-    # for targets in or near a triangle of the net's image: the slope, interpolated from the corners
+    # for targets in a triangle of three neighbouring rays, or a little outside: the slope, interpolated in the triangle
     for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
         a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
-        s0, s1, s2 = (np.broadcast_to(net[rows, columns], a.shape) for rows, columns in ((i, i), (j, i), (i, j)))
         u, v = b - a, c - a
-        size = (u.conj() * v).imag
-        p, q = -(a.conj() * v).imag / size, -(u.conj() * a).imag / size
-        inside = (p > -0.3) & (q > -0.3) & (p + q < 1.3)
-        yield (s0 + p * (s1 - s0) + q * (s2 - s0))[inside], np.nonzero(inside)[0]
+        size = _cross(u, v)
+        p, q = _cross(v, a) / size, _cross(a, u) / size
+        inside = np.nonzero((p > -0.3) & (q > -0.3) & (p + q < 1.3))
+        s0, s1, s2 = (net[rows, columns][inside[1:]] for rows, columns in ((i, i), (j, i), (i, j)))
+        yield s0 + p[inside] * (s1 - s0) + q[inside] * (s2 - s0), inside[0]
     # rays that pass the target more closely than their neighbours
     off = np.nan_to_num(abs(image), nan=np.inf)
     _, n, m = off.shape
     framed = np.pad(off, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    around = [framed[:, i : i + n, j : j + m] for i in range(3) for j in range(3)]
-    lowest = np.isfinite(off) & (off == np.min(around, axis=0))
-    yield np.broadcast_to(net, off.shape)[lowest], np.nonzero(lowest)[0]
+    rows = np.minimum(np.minimum(framed[:, :n], framed[:, 1 : n + 1]), framed[:, 2:])
+    least = np.minimum(np.minimum(rows[..., :m], rows[..., 1 : m + 1]), rows[..., 2:])  # of the ray and its neighbours
+    lowest = np.nonzero(np.isfinite(off) & (off == least))
+    yield net[lowest[1:]], lowest[0]
 
 
-def _newton(s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes]) -> tuple[Complexes, Floats]:
+def _cross(a: Complexes, b: Complexes) -> Floats:
+    """Return the cross products of vectors that complex numbers stand for."""
+    return np.asarray(a.real * b.imag - a.imag * b.real)
+
+
+def newton(
+    s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes], enough: Floats
+) -> tuple[Complexes, Floats]:
     """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
 
     Levenberg's and Marquardt's method: where no ray near it meets the target, the result is a ray that misses it least.
+    But a ray is given up if ten steps have not halved its distance, and this is not yet `enough`.
     """
     s, f = s.copy(), miss(s, target)
-    damping = np.full(len(s), 1e-3)
+    damping, earlier = np.full(len(s), 1e-3), abs(f)
     active = np.flatnonzero(np.isfinite(f))
-    for _ in range(_STEPS):
+    for number in range(1, _STEPS + 1):
         if not len(active):
             break
         at, value, aim = s[active], f[active], target[active]
@@ -256,4 +487,8 @@ def _newton(s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], 
         size = abs(step) / (1 + abs(at))
         going = (size > np.where(better, 1e-15, 1e-10)) & (damping[active] < 1e8) & (f[active] != 0)
         active = active[going]
+        if number % 10 == 0:
+            distance = abs(f[active])
+            closer = (distance < earlier[active] / 2) | (distance <= enough[active])
+            earlier[active], active = distance, active[closer]
     return s, np.nan_to_num(abs(f), nan=np.inf)

@@ -12,7 +12,7 @@ Gaussian with the same full width at half maximum, 0.886 lambda/h: 0.376 lambda/
 change the width. At an object at the distance z1 the width is 0.532 z1 lambda/h.
 
 Both are displacements at the object, independent of each other, so that their squares add. A displacement D at the
-object is seen as |D|/|Z| radians, with the complex depth Z of `rotation.depth`. A wider pitch shifts more and spreads
+object is seen as |D|/|Z| radians, with the complex depth Z of `equations.depth`. A wider pitch shifts more and spreads
 less. The sum is least where both are equal. The gap is neglected: h is the pitch.
 
 The formulas are for small angles, an aspect of 1 and a single window. An eye or a camera adds its own blur.
@@ -23,8 +23,9 @@ from math import log, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.rotation import Floats, depth, real
+from povgen.optics.equations import Floats, depth, real
 
+LONGEST = 1e-3  # wavelength, metres
 SINC = 0.8858929414  # full width at half maximum of sinc^2(x) = (sin(pi x)/(pi x))^2
 SHIFT = sqrt(2 / 3)  # RMS displacement of rays by two sheets, in pitches
 SPREAD = sqrt(2) * SINC / (2 * sqrt(2 * log(2)))  # RMS angle of the diffraction at two sheets, in lambda/pitch: 0.532
@@ -33,19 +34,27 @@ SPREAD = sqrt(2) * SINC / (2 * sqrt(2 * log(2)))  # RMS angle of the diffraction
 def blur(pitch: ArrayLike, wavelength: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return the RMS blur, radians, in which an eye sees a point at the distance z1 behind a window.
 
-    All lengths are in metres, or in any other one unit, and alpha is in radians. At the pole, Z = 0, the blur is
-    infinite, and so it is for a pitch of 0. Raises ValueError for a negative length.
+    All lengths are in metres, and alpha is in radians. At the pole, Z = 0, the blur is infinite, and so it is for a
+    pitch of 0. Raises ValueError for a negative length, and for a wavelength above a millimetre.
     """
-    pitch, wavelength = real("pitch", pitch, 0), real("wavelength", wavelength, 0)
+    pitch, waves = real("pitch", pitch, 0), _metres(wavelength)
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     with np.errstate(divide="ignore"):
-        return np.hypot(SHIFT * pitch, SPREAD * wavelength * z1 / pitch) / np.abs(depth(z1, z2, alpha))
+        return np.hypot(SHIFT * pitch, SPREAD * waves * z1 / pitch) / np.abs(depth(z1, z2, alpha))
 
 
 def best_pitch(wavelength: ArrayLike, z1: ArrayLike) -> Floats:
     """Return the pitch of least blur, 0.81 sqrt(lambda z1), for objects at the distance z1 behind the window.
 
-    All lengths are in metres, or in any other one unit. The place of the eye and alpha do not matter: they scale both
-    kinds of blur equally. Raises ValueError for a negative length.
+    All lengths are in metres. The place of the eye and alpha do not matter: they scale both kinds of blur equally.
+    Raises ValueError for a negative length, and for a wavelength above a millimetre.
     """
-    return np.sqrt(SPREAD / SHIFT * real("wavelength", wavelength, 0) * real("z1", z1, 0))
+    return np.sqrt(SPREAD / SHIFT * _metres(wavelength) * real("z1", z1, 0))
+
+
+def _metres(wavelength: ArrayLike) -> Floats:
+    """Return wavelengths as floats. Raises ValueError for those that are probably in micrometres or nanometres."""
+    waves = real("wavelength", wavelength, 0)
+    if (waves > LONGEST).any():
+        raise ValueError(f"wavelength = {np.nanmax(waves):g}; allowed: 0 to {LONGEST:g}, metres")
+    return waves

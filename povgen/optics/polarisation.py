@@ -16,8 +16,8 @@ from math import cos, radians, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from povgen.optics.equations import Complexes, Floats
 from povgen.optics.prism import Prism
-from povgen.optics.rotation import Complexes, Floats
 
 Vectors = NDArray[np.float64]
 

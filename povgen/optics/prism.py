@@ -6,6 +6,8 @@ The paper states neither the base angle nor the refractive index. povgen's defau
 from dataclasses import dataclass
 from math import asin, cos, inf, radians, tan
 
+MOST_DEVIATION = 4  # standard deviations: no single facet's angle differs by more
+
 
 @dataclass(frozen=True)
 class Prism:
@@ -67,6 +69,11 @@ class Prism:
         1 - 1/(n cos(slope)). This product depends on the base angle, but not on the index (docs/sheets.md).
         """
         return self.height * self.aspect * tan(radians(self.base_angle))
+
+    @property
+    def reach(self) -> float:
+        """The farthest that light on the designed path is displaced across the ridges."""
+        return self.height * min(self.aspect, 2 - self.aspect)
 
     @property
     def separation(self) -> float:

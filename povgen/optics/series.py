@@ -1,9 +1,9 @@
 """Windows in series: the images that parallel ray-rotating windows form (Hamilton and Courtial 2008), on numpy arrays.
 
-Signs and units are as in `rotation`, and `behind` are the windows behind the first one, as in `rotation.depth`. Windows
-have no thickness. `rotation.apparent_position` says where light crosses the first window.
+Signs and units are as in `equations`. `behind` are the windows behind the first one, as in `equations.depth`. Windows
+have no thickness. `equations.apparent_position` says where light crosses the first window.
 
-Light from L that reaches the eye E with the slope s obeys L - E = Z s, with the complex depth Z of `rotation.depth`.
+Light from L that reaches the eye E with the slope s obeys L - E = Z s, with the complex depth Z of `equations.depth`.
 Without windows, L - E = (z2 + w) s for a point L at the distance w behind the plane of the first window. So if W = Z -
 z2 is real, the light of L runs as if it came from the point with L's x and y at w = W, whatever its slope: an image. W
 does not depend on the eye. All points of a plane have the same W, so the image is upright and as large as the object.
@@ -12,7 +12,7 @@ does not depend on the eye. All points of a plane have the same W, so the image 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.rotation import ROUNDING, Complexes, Floats, Windows, depth
+from povgen.optics.equations import ROUNDING, Complexes, Floats, Windows, depth
 
 
 def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
@@ -41,19 +41,19 @@ def image_distance(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Flo
 def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats]:
     """Return z1 of the plane that has an image, and the distance of the image behind the first window.
 
-    Let A be the sum of all angles, and c the depth of the last window (`image_depth` at z1 = 0 without its alpha). Then
-    W = c + z1 exp(-iA), and Im W = 0 at z1 = Im(c)/sin A. For two windows, d apart, this is the law of sines:
-    z1 = -d sin(alpha_1)/sin(alpha_1 + alpha_2), and W = d sin(alpha_2)/sin(alpha_1 + alpha_2).
+    Let phi be the sum of all angles, and c the depth of the last window (`image_depth` at z1 = 0 without its alpha).
+    Then W = c + z1 exp(-i phi), and Im W = 0 at z1 = Im(c)/sin(phi). For two windows, d apart, this is the law of
+    sines: z1 = -d sin(alpha_1)/sin(alpha_1 + alpha_2), and W = d sin(alpha_2)/sin(alpha_1 + alpha_2).
 
     z1 < 0 is a plane before the last window: no object can stand there, but an image made by other optics can. If
-    sin A = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `image_distance`.
+    sin(phi) = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `image_distance`.
     """
     behind = tuple(behind)
     c = image_depth(0, alpha, behind)
-    A = np.asarray(alpha) + sum(np.asarray(turn) for _, turn in behind)
-    flat = np.abs(np.sin(A)) <= ROUNDING * (1 + np.abs(A))
-    z1 = np.where(flat, np.nan, c.imag / np.where(flat, 1, np.sin(A)))[()]
-    return z1, c.real + z1 * np.cos(A)
+    phi = np.asarray(alpha) + sum(np.asarray(turn) for _, turn in behind)
+    flat = np.abs(np.sin(phi)) <= ROUNDING * (1 + np.abs(phi))
+    z1 = np.where(flat, np.nan, c.imag / np.where(flat, 1, np.sin(phi)))[()]
+    return z1, c.real + z1 * np.cos(phi)
 
 
 def crossings(P: ArrayLike, E: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from povgen.optics.trace import End, Face, Rays
+from povgen.optics.faces import Face
+from povgen.optics.trace import End, Rays
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,7 @@ class Shares:
     absorbed: float  # meet a black top
     beside: float  # miss a later window
     unfinished: float  # have met the greatest allowed number of faces
+    blocked: float  # meet an ideal sheet through which no light of their direction passes
 
 
 def shares(rays: Rays, black_tops: bool = False) -> Shares:
@@ -27,7 +29,7 @@ def shares(rays: Rays, black_tops: bool = False) -> Shares:
     run through the gap between two prisms to the top of the lower one. No ray on the designed path meets a top. Behind
     a top nothing else changes, so that the trace is the same.
     """
-    absorbed = (rays.faces == Face.TOP).any(1) & black_tops
+    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops
     through = rays.end == End.THROUGH
     kinds = {
         "designed": rays.designed,
@@ -36,6 +38,7 @@ def shares(rays: Rays, black_tops: bool = False) -> Shares:
         "frame": rays.end == End.FRAME,
         "beside": rays.end == End.BESIDE,
         "unfinished": rays.end == End.UNFINISHED,
+        "blocked": rays.end == End.BLOCKED,
     }
     counted = {name: float(np.mean(kind & ~absorbed)) for name, kind in kinds.items()}
     return Shares(**counted, absorbed=float(absorbed.mean()))

@@ -1,5 +1,7 @@
 """The choice that `--sheet auto` makes: the cheapest model of the sheets and the cheapest sampling within a tolerance.
 
+With `--renderer auto` it is also the choice of the renderer.
+
 A sampling is `Rendering.antialias`, as text. Errors of position are predicted, by eq. 7 and the paraxial prediction.
 Errors of the picture are measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1:
 small blocks of the window are rendered with each candidate. They are compared with the same blocks of the converged
@@ -10,23 +12,26 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen import limits
-from povgen.errors import InputError
+from povgen.errors import InputError, TransientError
 from povgen.files import temporary_folder
-from povgen.optics import rotation
-from povgen.rendering import povray
+from povgen.optics import equations
+from povgen.rendering import gl_runner, gl_scene, povray, surveys
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture, reduced
 from povgen.rendering.parallel import thread_pool
+from povgen.rendering.views import check_gl, views
+from povgen.rendering.volumes import volumes
 from povgen.scene import camera
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, checked_scene, pieces
 from povgen.scene.sdl import Mosaic, to_pov
-from povgen.settings import Rendering
+from povgen.settings import Options, Rendering
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
@@ -35,6 +40,9 @@ FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the
 # beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
+# Through prisms, the renderer gl needs its filter of 2x to 4x: with as many rays, METHOD,THRESHOLD,DEPTH is worse.
+GL_PRISM_SAMPLINGS = ("off", "2x", "3x", "4x")
+RENDERERS = ("gl", "povray")  # the cheapest first: of the same sheets, gl's picture costs a tenth to a third
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
 MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic contains
 BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
@@ -66,7 +74,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model of the sheets and a sampling, with the errors of a picture that they make.
+    """A renderer, a model of the sheets and a sampling, with the errors of a picture that they make.
 
     `flip` is estimated from blocks, with the uncertainty `margin`. Both are NaN if the candidate was not tried.
     """
@@ -76,10 +84,12 @@ class Candidate:
     px: float
     flip: float = nan
     margin: float = nan
+    renderer: str = "povray"
 
     def __str__(self) -> str:
         flip = "" if isnan(self.flip) else f", {self.flip:.2g}±{self.margin:.1g} FLIP"
-        return f"sheet {self.sheet}, antialias {self.antialias} ({self.px:.2g} px{flip})"
+        renderer = "" if self.renderer == "povray" else f"renderer {self.renderer}, "
+        return f"{renderer}sheet {self.sheet}, antialias {self.antialias} ({self.px:.2g} px{flip})"
 
 
 class _MosaicRendering(Rendering):
@@ -88,13 +98,34 @@ class _MosaicRendering(Rendering):
     size: tuple[int, int]
 
 
+def cheapest(scene: Scene, tolerance: str, **options: Unpack[Options]) -> tuple[Scene, Options]:
+    """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
+
+    This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings:
+    `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, then `render(scene, **options)`. The
+    tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
+    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError for a tolerance
+    or an option that is not allowed, if no choice meets the tolerance, and PovrayError if POV-Ray fails.
+    """
+    limit, rendering = Tolerance.parse(tolerance), Rendering(**options)
+    prisms = checked_scene(scene).replace(sheet="detailed")
+    antialias = rendering.sampling if "antialias" in options else None
+    choice, _ = choose(views(prisms, rendering), rendering, limit, antialias, (rendering.renderer,))
+    return prisms.replace(sheet=choice.sheet), {**options, "antialias": choice.antialias}
+
+
 def choose(
-    scenes: Sequence[Scene], rendering: Rendering, tolerance: Tolerance, antialias: str | None = None
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    tolerance: Tolerance,
+    antialias: str | None = None,
+    renderers: Sequence[str] = ("povray",),
 ) -> tuple[Candidate, str]:
     """Return the cheapest candidate that meets the tolerance in all scenes, and one line with the reason.
 
     The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
-    scenes. If `antialias` is given, no other sampling is tried.
+    scenes. If `antialias` is given, no other sampling is tried. Of several renderers, gl is left out if it cannot show
+    the scenes or cannot be used here.
     Raises InputError for windows in series, if no candidate meets the tolerance, and if flip-evaluator is missing.
     Raises PovrayError if POV-Ray fails.
     """
@@ -108,27 +139,59 @@ def choose(
         for sheet in (substitute, "detailed")
     }
     ladders = [
-        [Candidate(sheet, sampling, position_errors[sheet]) for sampling in ([antialias] if antialias else samplings)]
-        for sheet, samplings in ((substitute, IDEAL_SAMPLINGS), ("detailed", PRISM_SAMPLINGS))
+        [
+            Candidate(sheet, sampling, position_errors[sheet], renderer=renderer)
+            for sampling in ([antialias] if antialias else samplings)
+        ]
+        for renderer in renderers
+        if len(renderers) == 1 or renderer == "povray" or _gl_can_draw(scenes)
+        for sheet, samplings in (
+            (substitute, IDEAL_SAMPLINGS),
+            ("detailed", prism_samplings(renderer)),
+        )
     ]
     kept = [ladder for ladder in ladders if ladder[0].px <= tolerance.px]
     reason = f"; {ladders[0][0]} exceeds it" if len(kept) < len(ladders) else ""
     if tolerance.flip == inf:
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
-    trial = _Trial(scenes, rendering.size)
-    for ladder in kept:
+    with _Trial(scenes, rendering.size) as trial:
+        return _cheapest(kept, trial, tolerance.flip, reason)
+
+
+def _cheapest(ladders: Sequence[list[Candidate]], trial: "_Trial", most: float, reason: str) -> tuple[Candidate, str]:
+    """Return the first candidate with at most so much FLIP, by bisection in each ladder, and one line with the reason.
+
+    Raises InputError if there is none.
+    """
+    for ladder in ladders:
         low, high = 0, len(ladder)  # candidates below `low` exceed the tolerance, candidates from `high` up meet it
         while low < high:
             middle = (low + high) // 2
             tried = ladder[middle] = trial.of(ladder[middle])
-            if tried.flip + tried.margin <= tolerance.flip:
+            if tried.flip + tried.margin <= most:
                 high = middle
             else:
                 low, reason = middle + 1, f"; the next cheaper, {tried}, exceeds it"
         if low < len(ladder):
             return ladder[low], f"{ladder[low]}: the cheapest within tolerance{reason}"
-    best = min((c for ladder in kept for c in ladder if not isnan(c.flip)), key=lambda c: c.flip + c.margin)
+    best = min((c for ladder in ladders for c in ladder if not isnan(c.flip)), key=lambda c: c.flip + c.margin)
     raise InputError(f"tolerance: no choice meets it; the nearest is {best}; allowed: that error or more")
+
+
+def prism_samplings(renderer: str) -> Sequence[str]:
+    """Return the samplings that are tried through prisms, the cheapest first."""
+    return PRISM_SAMPLINGS if renderer == "povray" else GL_PRISM_SAMPLINGS
+
+
+def _gl_can_draw(scenes: Sequence[Scene]) -> bool:
+    """Whether the renderer gl shows these scenes on this machine."""
+    try:
+        for scene in scenes:
+            check_gl(scene)
+        gl_runner.device()
+    except (InputError, TransientError):
+        return False
+    return True
 
 
 class _Trial:
@@ -138,11 +201,21 @@ class _Trial:
         flip_evaluator()  # raises before anything is rendered
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
+        self.size = size
         self.right = self._pictures("detailed", CONVERGED)
+        self._drawing: gl_runner.Runner | None = None  # one for all candidates: a process takes long to start
+
+    def __enter__(self) -> "_Trial":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._drawing:
+            self._drawing.stop()
 
     def of(self, candidate: Candidate) -> Candidate:
         """Return the candidate with its mean FLIP and its margin, from the scene where their sum is greatest."""
-        pictures = self._pictures(candidate.sheet, candidate.antialias)
+        make = self._pictures if candidate.renderer == "povray" else self._cut
+        pictures = make(candidate.sheet, candidate.antialias)
         worst = (0.0, 0.0)  # the result if no window is visible
         for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
             blocks = _flip(picture, right, part.side)
@@ -176,6 +249,20 @@ class _Trial:
             # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
             return list(pool.map(render, texts, [part for _, part in self.mosaics]))
+
+    def _cut(self, sheet: str, antialias: str) -> list[Picture]:
+        """Return the mosaics, cut out of whole pictures that the renderer gl draws."""
+        self._drawing = self._drawing or gl_runner.Runner()
+        rendering = Rendering(renderer="gl", size=self.size, antialias=antialias)
+        mosaics = []
+        for scene, part in self.mosaics:
+            shown = scene.model_copy(update={"sheet": sheet})
+            source = gl_scene.to_text(shown, volumes(pieces(shown)), surveys.found(shown))
+            with temporary_folder() as folder:
+                whole = read_png(self._drawing.run(source, rendering, folder))
+            rows = [[whole[y : y + part.side, x : x + part.side] for x, y in row] for row in part.blocks]
+            mosaics.append(np.vstack([np.hstack(row) for row in rows]))
+        return mosaics
 
 
 def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
@@ -227,10 +314,10 @@ def _position_error(scene: Scene, sheet: str) -> float:
     positions = (side + 1j * side[:, None]).ravel()
     worst = 0.0
     for z1 in (*scene.distances, FAR_DISTANCE):
-        L = rotation.object_position(positions, scene.E, z1, scene.z2, alpha)
+        L = equations.object_position(positions, scene.E, z1, scene.z2, alpha)
         prisms = scene.apparent_position(L, z1)
-        if rotation.condition(scene.z2 / z1, alpha) > limits.MAX_CONDITION:
+        if equations.condition(scene.z2 / z1, alpha) > limits.MAX_CONDITION:
             return inf
-        shown = positions if sheet == "ideal" else rotation.apparent_position(L, scene.E, z1, scene.z2, 0.0)
+        shown = positions if sheet == "ideal" else equations.apparent_position(L, scene.E, z1, scene.z2, 0.0)
         worst = max(worst, float(abs(shown - prisms).max()))
     return worst

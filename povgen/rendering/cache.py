@@ -40,14 +40,20 @@ HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 def frame_path(source: str, rendering: Rendering) -> Path:
     """Return the file of a frame.
 
-    Its key is POV-Ray's version, POV-Ray's command line, the scene's text and the size to which povgen reduces it.
+    Its key is POV-Ray's version, POV-Ray's command line, the scene's text and the size to which povgen reduces it. The
+    number of threads does not matter: the command line is that for one thread. Of the renderer gl the key is the
+    device, the code that draws, the antialiasing, the size and the scene's text.
     """
-    size = "{}x{}".format(*rendering.size)
-    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), size, source]), ".png")
+    size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
+    if rendering.renderer == "gl":
+        from povgen.rendering import gl_runner
+
+        return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
+    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), size, source]), suffix)
 
 
 def path_for(key: str, suffix: str) -> Path:
-    """Return the file named after a key's checksum. The suffix is .png for a frame, otherwise .values."""
+    """Return the file named after a key's checksum. The suffix is .png or .light for a frame, otherwise .values."""
     name = sha256(key.encode()).hexdigest()
     return folder() / name[:2] / f"{name}{suffix}"
 
@@ -213,7 +219,7 @@ def _stored() -> Iterator[tuple[float, int, Path]]:
     for subfolder in _entries(folder()):
         if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
             for entry in _entries(subfolder):
-                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|values)", entry.name)
+                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|light|values)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
                     if named and stat.S_ISREG(status.st_mode):

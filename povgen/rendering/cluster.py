@@ -1,28 +1,30 @@
 """Rendering on other machines, by the workers of a Dask scheduler. No other module uses Dask.
 
-A worker gets a scene's text and returns a PNG file's bytes. It needs povgen and POV-Ray, and no shared files.
+A worker gets a scene's text and returns a PNG file's bytes. It needs povgen and no shared files, and what renders:
+POV-Ray, or for the renderer gl the same drawing device as this machine.
 """
 
 import asyncio
 import concurrent.futures
 import logging
 import warnings
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from pathlib import Path
-from threading import Thread
 from typing import Any, TypeVar
 
+from povgen import remedies
 from povgen.errors import InputError, PovrayError, TransientError
 from povgen.files import temporary_folder
-from povgen.rendering import povray
+from povgen.rendering import gl_runner, povray
+from povgen.scene import pictures
 from povgen.settings import Rendering
 from povgen.version import __version__
 
 try:
     import distributed
 except ImportError:
-    raise InputError("--scheduler needs Dask, which is not installed: pip install 'povgen[cluster]'") from None
+    raise InputError(f"--scheduler needs Dask, which is not installed: {remedies.extra('cluster')}") from None
 
 Result = TypeVar("Result")
 
@@ -33,19 +35,20 @@ AHEAD = 2  # frames sent out for each thread of the workers: one is rendered whi
 
 
 class Cluster:
-    """The workers of a scheduler, as a context manager. Each worker runs one POV-Ray in each of its threads.
+    """The workers of a scheduler, as a context manager. Each worker renders one frame in each of its threads.
 
     A worker from which the scheduler hears nothing is removed. Other workers render its frames.
 
-    The address is as `checked_scheduler` returns it. Raises PovrayError if no scheduler answers, if it has no
-    workers, or if a worker has another version of povgen, POV-Ray or Dask than this machine. The message names that
-    worker.
+    The address is as `checked_scheduler` returns it. `renderer` is what they need: povray, gl, or None. Raises
+    PovrayError if no scheduler answers, if it has no workers, or if a worker has another version of povgen, of the
+    renderer or of Dask than this machine. The message names that worker.
     """
 
-    def __init__(self, scheduler: str) -> None:
+    def __init__(self, scheduler: str, renderer: str | None = "povray") -> None:
+        self._renderer = renderer
         self._scheduler = scheduler
         self._no_workers = f"scheduler {scheduler}: it has no workers"
-        self._versions = versions()
+        self._versions = versions(renderer)
         # done when this client waits for no more results; its result says why
         self._ended: concurrent.futures.Future[str] = concurrent.futures.Future()
         self._dismissed: set[str] = set()
@@ -70,14 +73,25 @@ class Cluster:
             self._client.close(timeout=1)
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """Do what povray.Runner.run does, on a worker. If that worker is lost, another renders the frame.
+        """Do what a renderer's Runner.run does, on a worker. If that worker is lost, another renders the frame.
 
         Raises PovrayError, which names the worker if POV-Ray failed there, and TransientError if several workers were
         lost.
         """
-        future = self._client.submit(render, self._versions, source, rendering, pure=False)
+        png: bytes = self.call(render, source, rendering, pictures.used(source))
+        picture = folder / rendering.file
+        picture.write_bytes(png)
+        return picture
+
+    def call(self, function: Callable[..., Result], *arguments: object) -> Result:
+        """Return what a function of povgen returns on a worker.
+
+        If that worker is lost, another one calls it. Raises as `run`.
+        """
+        future = self._client.submit(call, self._versions, self._renderer, function, *arguments, pure=False)
         try:
-            png = self._result(self._client.gather(future, asynchronous=True))
+            found: Result = self._result(self._client.gather(future, asynchronous=True))
+            return found
         except PovrayError:
             raise
         except distributed.scheduler.KilledWorker as lost:
@@ -87,9 +101,6 @@ class Cluster:
             raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
             future.release()
-        picture = folder / rendering.file
-        picture.write_bytes(png)
-        return picture
 
     def stop(self) -> None:
         """Wait for no more frames. A POV-Ray that runs on a worker finishes its frame."""
@@ -166,7 +177,9 @@ class Cluster:
 
     def _check(self) -> None:
         """Raise PovrayError if a worker has other versions than this machine."""
-        answers = self._result(self._client.run(check, self._versions, on_error="return", asynchronous=True))
+        answers = self._result(
+            self._client.run(check, self._versions, self._renderer, on_error="return", asynchronous=True)
+        )
         faults = [(name, fault) for name, fault in sorted(answers.items()) if fault and name not in self._dismissed]
         if faults:
             worker, fault = faults[0]
@@ -174,25 +187,34 @@ class Cluster:
             raise PovrayError(f"worker {worker}: {_first_line(fault)}{others}")
 
 
-def versions() -> str:
-    """Return the versions that all machines must have in common."""
-    return f"povgen {__version__}, POV-Ray {povray.version()}, Dask {distributed.__version__}"
+def versions(renderer: str | None) -> str:
+    """Return the versions that all machines must have in common; for the renderer gl, the drawing device."""
+    drawn_by = {"povray": lambda: f"POV-Ray {povray.version()}, ", "gl": lambda: f"{gl_runner.device()}, "}
+    return f"povgen {__version__}, {drawn_by[renderer]() if renderer else ''}Dask {distributed.__version__}"
 
 
-def check(wanted: str) -> None:
+def check(wanted: str, renderer: str | None) -> None:
     """Check a worker, on that worker. Raises PovrayError if it has other versions than wanted."""
-    own = versions()
+    own = versions(renderer)
     if own != wanted:
         raise PovrayError(f"it has {own}; wanted, as on this machine: {wanted}")
 
 
-def render(wanted: str, source: str, rendering: Rendering) -> bytes:
-    """Render a scene's text, on a worker, and return the PNG file. Raises PovrayError, which names the worker."""
+def render(source: str, rendering: Rendering, shown: dict[str, bytes]) -> bytes:
+    """Render a scene's text, on a worker, and return the PNG file. `shown` are the pictures that the text names."""
+    pictures.know(shown)
+    with temporary_folder() as folder:
+        run = gl_runner.shared().run if rendering.renderer == "gl" else povray.run
+        return run(source, rendering, folder).read_bytes()
+
+
+def call(wanted: str, renderer: str | None, function: Callable[..., Result], *arguments: object) -> Result:
+    """Call a function, on a worker, and return what it returns. Raises PovrayError, which names the worker."""
     try:
-        check(wanted)  # this worker may have joined after the others were checked
-        with temporary_folder() as folder:
-            return povray.run(source, rendering, folder).read_bytes()
-    except (PovrayError, OSError) as error:
+        # this worker may have joined after the others were checked
+        check(wanted, renderer)
+        return function(*arguments)
+    except (InputError, PovrayError, OSError) as error:
         kind = type(error) if isinstance(error, PovrayError) else PovrayError
         named = kind(f"worker {distributed.get_worker().address}: {error}")
         named.line = getattr(error, "line", None)
@@ -203,31 +225,21 @@ def _connected(scheduler: str) -> distributed.Client:
     """Return a client of the scheduler. Raises PovrayError if no scheduler with this Dask's version answers."""
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # povgen says what went wrong
-    answers: list[object] = []
 
     async def ask() -> str:
         arguments = distributed.Security().get_connection_args("client")
         async with distributed.rpc(scheduler, timeout=PATIENCE, connection_args=arguments) as there:
             return str((await there.versions())["packages"]["distributed"])
 
-    def asked() -> None:
-        try:
-            answers.append(asyncio.run(asyncio.wait_for(ask(), PATIENCE)))
-        except Exception as error:
-            answers.append(error)
-
     # Ask first: Dask's client would wait for ever if a server accepts the connection and does not answer. Ask in a
     # thread: in a notebook, this thread's event loop runs already.
-    thread = Thread(target=asked, daemon=True)
-    thread.start()
-    thread.join()
-    (answer,) = answers
-    if isinstance(answer, Exception):
-        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_first_line(answer)})")
-    if answer != distributed.__version__:
-        raise PovrayError(
-            f"scheduler {scheduler}: it has Dask {answer}; wanted, as on this machine: {distributed.__version__}"
-        )
+    try:
+        with concurrent.futures.ThreadPoolExecutor(1) as thread:
+            there = thread.submit(asyncio.run, asyncio.wait_for(ask(), PATIENCE)).result()
+    except Exception as error:
+        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_first_line(error)})") from None
+    if there != (here := distributed.__version__):
+        raise PovrayError(f"scheduler {scheduler}: it has Dask {there}; wanted, as on this machine: {here}")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about other versions of other packages
         try:

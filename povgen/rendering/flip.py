@@ -5,6 +5,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen import remedies
 from povgen.errors import InputError
 from povgen.rendering.light import Picture
 
@@ -22,7 +23,7 @@ def flip_evaluator() -> ModuleType:
     try:
         import flip_evaluator
     except ImportError:
-        text = "FLIP is measured with flip-evaluator, which is not installed: pip install 'povgen[charts]'"
+        text = f"FLIP is measured with flip-evaluator, which is not installed: {remedies.extra('charts')}"
         raise InputError(f"{text}; a tolerance in px needs no FLIP") from None
     evaluator: ModuleType = flip_evaluator
     return evaluator

@@ -15,14 +15,16 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import unless_removed
-from povgen.rendering import cache, povray, surveys
-from povgen.rendering.parallel import Runner, default_workers, thread_pool
+from povgen.record import PNG, png_parts
+from povgen.rendering import cache, light, povray, surveys
+from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
 from povgen.scene.models import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
+BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
 SHOWN_FAILURES = 3  # of the failed frames, how many are described
 
 
@@ -33,7 +35,7 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
     """
     path = cache.frame_path(source, rendering)
     png = _read(path, rendering)
-    if png and is_whole(png, rendering.size):
+    if png and is_whole(png, rendering.size, rendering.is_light):
         return path
     png, stored = _rendered(scene, rendering, source, runner)
     return path if stored else png
@@ -42,7 +44,8 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 def _read(path: Path, rendering: Rendering) -> bytes | None:
     """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    return cache.read(path, most=2**20 + 6 * width * height)  # no frame is larger: twice the raw pixels and 1 MiB
+    # no frame is larger: of a PNG file, twice the raw pixels and 1 MiB
+    return cache.read(path, most=2**20 + (13 if rendering.is_light else 6) * width * height)
 
 
 def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
@@ -50,52 +53,59 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
 
     If the cache is removed meanwhile, the scene is rendered again.
     """
-    return unless_removed(lambda: _rendered_once(scene, rendering, source, runner))
 
-
-def _rendered_once(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
-    """Do what `_rendered` does. Raises Removed if the cache is removed meanwhile."""
-    with cache.work_folder() as folder:
-        try:
+    def render() -> tuple[bytes, bool]:
+        with cache.work_folder() as folder:
             picture = runner.run(source, rendering, folder)
             png = picture.read_bytes()  # read now: once the file is in the cache, another process can remove it
-            if not is_whole(png, rendering.size):
+            if not is_whole(png, rendering.size, rendering.is_light):
                 raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
-        except PovrayError as error:
-            given = scene.model_dump(exclude_unset=True).items()
-            values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
-            message, origin = povray.message_and_origin(error, source, pieces(scene).values())
-            origin = f"{origin}, in" if origin else "in"
-            raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
+
+    try:
+        return unless_removed(render)
+    except PovrayError as error:
+        given = scene.model_dump(exclude_unset=True).items()
+        values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
+        message, origin = povray.message_and_origin(error, source, pieces(scene).values())
+        origin = f"{origin}, in" if origin else "in"
+        raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
 
 
-def is_whole(png: bytes, size: tuple[int, int]) -> bool:
-    """Return whether this is a complete PNG file of 8-bit RGB and this size, whose pixels can be decoded."""
+def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
+    """Return whether this is a complete PNG file of 8-bit RGB and this size, whose pixels can be decoded.
+
+    Or whether it is a complete frame of light of this size.
+    """
+    if is_light:
+        try:
+            return light.unpacked(png, size).size > 0
+        except ValueError:
+            return False
     width, height = size
     row = 1 + 3 * width  # bytes: the number of a filter, and three for each pixel
     try:
-        parts = list(_parts(png))
+        parts = list(png_parts(png))
         packed = b"".join(data for name, data in parts if name == b"IDAT")
-        # without a limit, a damaged file could unpack to more than memory holds
-        pixels = zlib.decompressobj().decompress(packed, height * row + 1)
+        count, highest_filter = _unpacked(packed, row, height * row)
     except (struct.error, ValueError, zlib.error):
         return False
     header = b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    framed = png.startswith(b"\x89PNG\r\n\x1a\n") and (parts[0], parts[-1]) == (header, (b"IEND", b""))
-    return framed and len(pixels) == height * row and max(pixels[::row]) <= 4  # the last filter
+    framed = png.startswith(PNG) and (parts[0], parts[-1]) == (header, (b"IEND", b""))
+    return framed and count == height * row and highest_filter <= 4
 
 
-def _parts(png: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Yield the name and the data of each part of a PNG file. Raises ValueError or struct.error for a damaged file."""
-    start = 8
-    while start < len(png) or start == 8:
-        (length,) = struct.unpack_from(">I", png, start)
-        name, data = png[start + 4 : start + 8], png[start + 8 : start + 8 + length]
-        start += 12 + length
-        if struct.unpack_from(">I", png, start - 4) != (zlib.crc32(name + data),):
-            raise ValueError("a wrong checksum")
-        yield name, data
+def _unpacked(packed: bytes, row: int, most: int) -> tuple[int, int]:
+    """Return the number of unpacked bytes, and the greatest first byte of a row of so many bytes.
+
+    A damaged file may unpack to more than memory holds: few bytes are unpacked at once, and little more than `most`.
+    """
+    unpacker, count, highest = zlib.decompressobj(), 0, 0
+    while count <= most and (block := unpacker.decompress(packed, BLOCK)):
+        highest = max(highest, *block[-count % row :: row], 0)
+        count += len(block)
+        packed = unpacker.unconsumed_tail
+    return count, highest
 
 
 def render_all(
@@ -104,11 +114,12 @@ def render_all(
     workers: int | None = None,
     done: Callable[[], object] = lambda: None,
     runner: Runner | None = None,
+    part: Callable[[float], None] | None = None,
 ) -> Generator[list[bytes], None, None]:
     """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background. Keep the order.
 
-    Call `done` after each scene. `workers` frames are rendered at once by `runner`. The default runner is POV-Ray on
-    this machine. The runner is stopped at the end.
+    Call `done` after each scene, and `part` with each further part of a frame. `workers` frames are rendered at once by
+    `runner`. The default runner is the renderer on this machine. The runner is stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
     many frames failed, and why the first SHOWN_FAILURES failed. Any other error ends the rendering at once. Finished
@@ -117,13 +128,13 @@ def render_all(
     cache.check()
     most = cache.max_bytes()
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
-    runner = runner or povray.Runner()
-    workers = workers or default_workers()
     failures = []
     shown = [views(scene, rendering) for scene in scenes]
+    every = list(chain(*shown))
+    to_text, runner, workers = _renderer(every, rendering, runner, workers, part)
     try:
         with thread_pool(runner, workers) as pool:
-            finished = _finished(list(chain(*shown)), rendering, runner, pool, AHEAD * workers)
+            finished = _finished(every, rendering, runner, pool, AHEAD * workers, to_text)
             for group in shown:
                 pngs, faults = [], []
                 for scene, (source, frame) in zip(group, finished, strict=False):
@@ -150,8 +161,44 @@ def render_all(
         cache.trim(most)
 
 
+def _renderer(
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    runner: Runner | None,
+    workers: int | None,
+    part: Callable[[float], None] | None = None,
+) -> tuple[Callable[[Scene], str], Runner, int]:
+    """Return what makes the text that is rendered of a scene, what renders it, and how many frames at once."""
+    if rendering.renderer == "povray":
+        if rendering.is_light and runner is None:
+            light.exr()  # raises an error before anything is rendered
+        threads = cores() // max(1, len(scenes))  # cores that no other frame uses
+        return _to_pov, runner or povray.Runner(threads, part), workers or default_workers()
+    from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
+    from povgen.rendering.volumes import volumes
+
+    workers = workers or max(1, min(cores(), len(scenes)))  # a shard can have no frames
+    runner = runner or gl_runner.Runner(workers, part)
+    shown = {name: piece for scene in scenes for name, piece in pieces(scene).items()}
+    shapes = volumes(shown, timeout=rendering.timeout)
+
+    def to_text(scene: Scene) -> str:
+        return gl_scene.to_text(scene, shapes, surveys.found(scene, store=True), clipped=not rendering.is_light)
+
+    return to_text, runner, workers
+
+
+def _to_pov(scene: Scene) -> str:
+    return to_pov(scene, found=surveys.found(scene, store=True))
+
+
 def _finished(
-    scenes: Sequence[Scene], rendering: Rendering, runner: Runner, pool: ThreadPoolExecutor, at_once: int
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    runner: Runner,
+    pool: ThreadPoolExecutor,
+    at_once: int,
+    to_text: Callable[[Scene], str] = _to_pov,
 ) -> Iterator[tuple[str, Future[Path | bytes]]]:
     """Yield each scene's text and its frame, in the scenes' order, as soon as that frame is finished.
 
@@ -163,9 +210,9 @@ def _finished(
     for _ in scenes:
         while True:
             running = {frame for frame in running if not frame.done()}
-            # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
+            # to_text traces rays in Python: it runs in this thread, the only one that a signal interrupts
             for scene in islice(todo, at_once - len(running)):
-                source = to_pov(scene, found=surveys.found(scene, store=True))
+                source = to_text(scene)
                 frames.append((source, pool.submit(_cached_or_rendered, scene, rendering, source, runner)))
                 running.add(frames[-1][1])
             if frames[0][1].done():
@@ -184,7 +231,7 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
 
 def read_png(frame: Path | bytes) -> NDArray[np.uint8]:
     """Read a PNG file or its bytes. Return the picture: (height, width, 3) bytes of red, green and blue, read-only."""
-    from PIL import Image
+    from PIL.PngImagePlugin import PngImageFile  # Image.open would refuse large pictures, which are known to be whole
 
-    with Image.open(BytesIO(frame) if isinstance(frame, bytes) else frame, formats=["PNG"]) as image:
+    with PngImageFile(BytesIO(frame) if isinstance(frame, bytes) else frame) as image:
         return np.asarray(image)[..., :3]  # no copy: it would take a third of the time that decoding takes

@@ -1,9 +1,14 @@
-"""From sRGB bytes to light and back, and pictures reduced in size by averaging light."""
+"""Light as numbers: from sRGB bytes and back, reduced in size by averaging, and as the bytes of a frame."""
 
+import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from povgen import remedies
+from povgen.errors import InputError
 
 Picture = NDArray[np.uint8]
 Light = NDArray[np.float32]
@@ -27,13 +32,17 @@ def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
     Each new pixel is the weighted mean of the light around its middle. The weight falls linearly to 0 one new pixel
     away (a triangle filter). Compared with the mean over the pixel alone (a box filter) this leaves less moire.
     """
-    from PIL import Image
-
     made = np.empty((size[1], size[0], 3), np.uint8)
     for colour in range(3):  # one after the other, so that large pictures need less memory
-        light = Image.fromarray(linear(picture[..., colour])).resize(size, Image.Resampling.BILINEAR)
-        made[..., colour] = encoded(np.asarray(light)) + 0.5
+        made[..., colour] = encoded(_reduced(linear(picture[..., colour]), size)) + 0.5
     return made
+
+
+def _reduced(light: Light, size: tuple[int, int]) -> Light:
+    """Return one colour's light, (height, width), reduced in size as by `reduced`."""
+    from PIL import Image
+
+    return np.asarray(Image.fromarray(light).resize(size, Image.Resampling.BILINEAR))
 
 
 def reduce_file(path: Path, size: tuple[int, int]) -> None:
@@ -46,3 +55,59 @@ def reduce_file(path: Path, size: tuple[int, int]) -> None:
     except (OSError, SyntaxError, ValueError):  # what Pillow raises
         return
     Image.fromarray(reduced(picture, size)).save(path, format="PNG")
+
+
+# ---- Frames of light: compressed numbers of 32 bits, red, green and blue of each pixel, whose checksum zlib stores
+
+
+def packed(light: Light) -> bytes:
+    """Return light, (height, width, 3), as the bytes of a frame."""
+    return zlib.compress(np.ascontiguousarray(light, "<f4").tobytes(), 1)
+
+
+def unpacked(frame: bytes, size: tuple[int, int]) -> Light:
+    """Return the light, (height, width, 3), of a frame of this width and height. Raises ValueError if it is damaged."""
+    width, height = size
+    unpacker, count = zlib.decompressobj(), 12 * width * height
+    try:
+        numbers = unpacker.decompress(frame, count + 1)
+    except zlib.error as error:
+        raise ValueError(str(error)) from None
+    if len(numbers) != count or not unpacker.eof or unpacker.unused_data:
+        raise ValueError(f"{len(numbers)} bytes of light, of {count}")
+    return np.frombuffer(numbers, "<f4").reshape(height, width, 3)
+
+
+def exr() -> Any:  # noqa: ANN401  (a library without types)
+    """Return the library that reads and writes EXR files. Raises InputError if it is not installed."""
+    try:
+        import OpenEXR
+    except ImportError:
+        raise InputError(
+            f"bits: EXR files need OpenEXR, which is not installed: {remedies.extra('exr')}; allowed: bits = 8, with "
+            "renderer = 'gl' also a PNG file with bits = 16"
+        ) from None
+    return OpenEXR
+
+
+def from_exr(path: Path, size: tuple[int, int]) -> Path:
+    """Return the path of the frame of light that is in POV-Ray's EXR file, reduced to this size.
+
+    The light is not clipped before. If the file is damaged, this is its own path, for its reader to find.
+    """
+    library = exr()
+    try:
+        with library.File(str(path)) as file:
+            light = np.asarray(file.channels()["RGB"].pixels, np.float32)
+    except (KeyError, OSError, RuntimeError, ValueError):  # what OpenEXR raises
+        return path
+    if light.shape[:2] != size[::-1]:
+        light = np.stack([_reduced(light[..., colour], size) for colour in range(3)], axis=-1)
+    frame = path.with_suffix(".light")
+    frame.write_bytes(packed(light))
+    return frame
+
+
+def as_16_bits(light: Light) -> NDArray[np.uint16]:
+    """Return light in the encoding of sRGB, 0 to 65535. What is brighter than white is white."""
+    return np.asarray(encoded(light.clip(0, 1)) * np.float32(65535 / 255) + np.float32(0.5), np.uint16)

@@ -1,13 +1,16 @@
-"""How many POV-Rays run at once, and the threads that wait for them."""
+"""How many POV-Rays run at once, the threads that wait for them, and processes with Pythons of their own."""
 
 import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
 
+from povgen import stopping
 from povgen.errors import InputError, shown
 from povgen.settings import Rendering
 
@@ -51,6 +54,35 @@ def checked_scheduler(value: object) -> str | None:
 def default_workers() -> int:
     """Return how many POV-Rays run at once if --workers does not say."""
     return POVRAYS_PER_CORE * cores()
+
+
+def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
+    """Start a Python that runs a module of povgen, and talks through its standard files. A signal to povgen ends it.
+
+    Raises KeyboardInterrupt if povgen was asked to stop.
+    """
+    folder = str(Path(__file__).parents[2])
+    path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")]))
+    with stopping.lock:
+        stopping.check()
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", module],
+            cwd="/",
+            env={**os.environ, "PYTHONPATH": path, **environment},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        stopping.processes.add(process)
+    return process
+
+
+def end(process: "subprocess.Popen[bytes]") -> None:
+    """End a process that `python` started."""
+    process.kill()
+    process.wait()
+    with stopping.lock:
+        stopping.processes.discard(process)
 
 
 @contextmanager

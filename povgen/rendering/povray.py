@@ -12,16 +12,18 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
+from itertools import count
 from math import ceil
 from pathlib import Path
 from threading import Thread
 from typing import IO
 
-from povgen import files, stopping
+from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line
 from povgen.rendering import light, sandbox
+from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import origin_of
 from povgen.settings import Rendering
@@ -45,11 +47,16 @@ TRIES = 2
 POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
+THREAD_MEMORY = 1 << 27  # bytes of address space for each thread: its stack, and what malloc reserves for it
 MAX_FILE = 1 << 30  # bytes in each file that it writes
 MAX_MESSAGES = 1 << 16  # bytes of its messages that are read
 # Messages of POV-Ray and its libraries when memory is exhausted, and messages that probably have this cause.
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
+# A piece from a user's file can use these. Then a pixel depends on the pixels that its thread rendered before: crand
+# and media take random numbers, and evaluate (also in Supertorus of shapes.inc) changes an isosurface's gradient.
+ORDER_MATTERS = re.compile(r"\b(crand|evaluate|media|Supertorus)\b")
+RENDERED = re.compile(rb"\rRendered (\d+) of ([1-9]\d*) pixels \(\d+%\)")  # what it says with +V
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
 # What POV-Ray is allowed to read and run, where it exists, besides its work folder and its own program.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
@@ -57,12 +64,12 @@ READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.ca
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
 
 
-def command(binary: str, rendering: Rendering) -> list[str]:
-    """Return POV-Ray's command line for the scene in its work folder: one thread, no display, errors in a file."""
+def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:
+    """Return POV-Ray's command line for the scene in its work folder: no display, errors in a file."""
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
         # +MI: a large picture stays in memory; otherwise POV-Ray would write it to a file outside the sandbox
-        *("+WT1", f"+MI{MAX_MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
+        *(f"+WT{threads}", f"+MI{MAX_MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
     ]
 
 
@@ -72,7 +79,7 @@ def binary(name: str = "povray") -> str:
     found = shutil.which(name)
     if found is None:
         what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
-        remedy = ". On Debian: apt-get install povray. On macOS: brew install povray" if name == "povray" else ""
+        remedy = f"; {remedies.system('povray')}; without it only --renderer gl draws" if name == "povray" else ""
         raise PovrayError(f"{what}: no {name!r} on the PATH{remedy}")
     return str(Path(found).absolute())  # absolute, because the program is started in other folders
 
@@ -110,14 +117,14 @@ def missing_protection() -> list[str]:
     """Return what povgen cannot do on this machine to limit POV-Ray and to end it, one phrase for each."""
     if has_util_linux():
         return []
-    missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout"]
+    missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout on each core"]
     trial = [binary("sh"), "-c", f"ulimit -v {max_memory() >> 10}"]
     if subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode:
         missing.append("POV-Ray's memory is not limited")
     return missing
 
 
-def _starter(timeout: float) -> tuple[list[str], list[str]]:
+def _starter(timeout: float, threads: int) -> tuple[list[str], list[str]]:
     """Return the start of a command line that sets limits, and the programs that it runs.
 
     setpriv also kills the command if its thread in povgen ends. Without util-linux a shell sets the limits. It cannot
@@ -127,8 +134,8 @@ def _starter(timeout: float) -> tuple[list[str], list[str]]:
         programs = [binary("setpriv"), binary("prlimit")]
         limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
         return [programs[0], "--pdeathsig", "KILL", programs[1], *limits, "--"], programs
-    # in KiB, blocks of 512 bytes and seconds
-    values = {"v": max_memory() >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout), "c": 0}
+    # in KiB, blocks of 512 bytes and seconds of CPU time, the sum of all threads
+    values = {"v": max_memory() >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout * threads), "c": 0}
     script = "".join(f"ulimit -{name} {value} 2>/dev/null; " for name, value in values.items())
     return [binary("sh"), "-c", f'{script}exec "$@"', "sh"], [binary("sh")]
 
@@ -163,7 +170,13 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
 class Runner:
     """The POV-Ray processes of one render, which can be stopped together."""
 
-    def __init__(self) -> None:
+    def __init__(self, threads: int = 1, part: Callable[[float], None] | None = None) -> None:
+        """Prepare for POV-Rays with so many threads each, fewer if their memory would exceed POV-Ray's limit.
+
+        `part` is called with each further part of a picture, while it is rendered.
+        """
+        self._part = part
+        self._threads = max(1, min(threads, max_memory() // THREAD_MEMORY))
         self._running: set[subprocess.Popen[bytes]] = set()
         self._stopped = False
 
@@ -173,17 +186,18 @@ class Runner:
         If POV-Ray is killed or hangs, it is tried once more, because the scene is not always the reason. Raises
         PovrayError if POV-Ray is missing, refuses the scene or was stopped, and TransientError if both tries fail.
         """
-        for attempt in range(1, TRIES + 1):
+        for attempt in count(1):
             try:
                 path = self._run(source, rendering, folder.resolve() / str(attempt))
+                break
             except TransientError as fault:
                 if attempt == TRIES:
                     raise TransientError(f"{fault}, {TRIES} times") from None
-            else:
-                if rendering.supersampling > 1:
-                    light.reduce_file(path, rendering.size)
-                return path
-        raise AssertionError("no tries")
+        if rendering.is_light:
+            return light.from_exr(path, rendering.size)
+        if rendering.supersampling > 1:
+            light.reduce_file(path, rendering.size)
+        return path
 
     def stop(self) -> None:
         """Kill every POV-Ray process of this runner, and start no more."""
@@ -198,6 +212,8 @@ class Runner:
             part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source, "utf-8")
+        for name, png in pictures.used(source).items():
+            (folder / name).write_bytes(png)
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
         state = (folder / rendering.file).with_suffix(".pov-state")
         state.unlink(missing_ok=True)
@@ -205,10 +221,13 @@ class Runner:
         written = [folder / name for name in (rendering.file, FATAL, DATA)]
         for file in written:
             file.write_bytes(b"")
-        start, starters = _starter(rendering.timeout)
+        threads = 1 if ORDER_MATTERS.search(source) else self._threads
+        start, starters = _starter(rendering.timeout, threads)
         programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
-            lambda: self._process([*start, *command(binary(), rendering)], folder, rendering.timeout),
+            lambda: self._process(
+                [*start, *command(binary(), rendering, threads), *["+V"] * bool(self._part)], folder, rendering.timeout
+            ),
             read=[*READ, folder],
             run=[*programs, *RUN],
             write=[*written, Path(os.devnull)],
@@ -234,7 +253,7 @@ class Runner:
             self._running.add(process)
             stopping.processes.add(process)
         messages = bytearray()
-        reader = Thread(target=_read_last, args=(process.stderr, messages))
+        reader = Thread(target=_read_last, args=(process.stderr, messages, self._part))
         end = time.monotonic() + timeout
         try:
             reader.start()
@@ -260,11 +279,20 @@ class Runner:
             raise PovrayError("POV-Ray was stopped")
 
 
-def _read_last(pipe: IO[bytes], last: bytearray) -> None:
-    """Read a pipe to its end, close it, and add the last MAX_MESSAGES bytes to `last`."""
+def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] | None = None) -> None:
+    """Read a pipe to its end, close it, and add the last MAX_MESSAGES bytes to `last`.
+
+    Call `part` with each further part of the picture that POV-Ray says is there.
+    """
+    known = 0.0
     with pipe:
         while block := os.read(pipe.fileno(), MAX_MESSAGES):
             last += block
+            if part and (found := RENDERED.findall(last)):
+                pixels, all_ = map(int, found[-1])
+                part(pixels / all_ - known)
+                known = pixels / all_
+                last[:] = RENDERED.sub(b"", last)
             del last[:-MAX_MESSAGES]
 
 
@@ -273,6 +301,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
     first, last = _ends(folder / FATAL)
     place = re.match(r"File: (.*?)  Line: (\d+)\n", first)
     said = one_line(" ".join(last.rpartition("Error:")[2].split())) if "Error:" in last else ""
+    said = said.removeprefix("Parse halted by #error directive: ")
     out_of_memory = f"out of memory: its limit is {_mebibytes(max_memory())}"
 
     def refused(message: str) -> PovrayError:

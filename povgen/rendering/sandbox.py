@@ -8,6 +8,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from functools import cache
 from pathlib import Path
 from threading import Thread
@@ -19,12 +20,7 @@ Result = TypeVar("Result")
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
 # All rights on files, by the version of Landlock that first knew them.
-RIGHTS = {
-    1: (1 << 13) - 1,
-    2: (1 << 14) - 1,
-    3: (1 << 15) - 1,
-    5: (1 << 16) - 1,
-}
+RIGHTS = {1: (1 << 13) - 1, 2: (1 << 14) - 1, 3: (1 << 15) - 1, 5: (1 << 16) - 1}
 ABSTRACT_SOCKETS_AND_SIGNALS, NETWORK = 3, 3
 PR_SET_NO_NEW_PRIVS = 38
 
@@ -59,22 +55,17 @@ def within(
     read. A file that may be written may also be read and removed, but not run. Landlock 4 and later also block TCP.
     Without Landlock there is no sandbox. Raises what `work` raises, and OSError if the kernel refuses.
     """
-    results: list[Result] = []
-    errors: list[BaseException] = []
+    done: Future[Result] = Future()
 
     def confined() -> None:
         try:
             _confine(read, run, write)
-            results.append(work())
+            done.set_result(work())
         except BaseException as error:
-            errors.append(error)
+            done.set_exception(error)
 
-    thread = Thread(target=confined)
-    thread.start()
-    thread.join()
-    for error in errors:
-        raise error
-    return results[0]
+    Thread(target=confined).start()
+    return done.result()
 
 
 def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -> None:

@@ -1,21 +1,31 @@
 """A picture that is composed of several frames: two eyes' views, or a transparent background."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from povgen.errors import InputError
+from povgen.errors import InputError, shown
 from povgen.rendering.light import Picture, encoded, linear
-from povgen.scene.models import Scene
+from povgen.scene.models import SCENES, Scene
 from povgen.settings import Rendering
+from povgen.sheets.lenticular import Lenticular
 
 
 def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     """Return the scenes of the frames that the scene's picture is composed of, in the order that `composed` takes.
 
     The left eye comes first. A transparent background takes two frames of each eye: black behind the scene, then white.
-    Raises InputError if an eye's place is not allowed.
+    Raises InputError if an eye's place is not allowed, for what the renderer gl cannot show, and for a predicted
+    image on light.
     """
+    if rendering.renderer == "gl":
+        check_gl(scene)
+    if rendering.is_light and scene.background == "transparent":
+        raise InputError(f"background = 'transparent': not with bits = {rendering.bits}; allowed: bits = 8, or another")
+    if rendering.is_light and getattr(scene, "predicted_image", False):
+        raise InputError(f"predicted_image = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8")
     x, y = scene.eye
     half = rendering.eye_distance / 2
     eyes = [(x, y)] if rendering.stereo == "none" else [(x - half, y), (x + half, y)]
@@ -28,27 +38,36 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
         raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
 
 
-def composed(pictures: Sequence[Picture], scene: Scene, rendering: Rendering) -> Picture:
+def check_gl(scene: Scene) -> None:
+    """Raise InputError for what the live view's shaders do not show."""
+    if scene.fresnel:
+        raise InputError("fresnel = true: the renderer gl splits no rays; allowed: with --renderer povray")
+    if any(isinstance(sheet, Lenticular) and not sheet.is_exact for sheet in scene.sheets):
+        raise InputError("error: the renderer gl draws lenses of one pitch; allowed: with --renderer povray")
+    if any(getattr(sheet, "facets", 0) for each in scene.sheets for sheet in each.layers_at(0.0, 0)):
+        raise InputError("error: facets: the renderer gl draws equal prisms; allowed: with --renderer povray")
+    if type(scene) not in SCENES.values():
+        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
+        raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
+
+
+def composed(pictures: Sequence[NDArray[Any]], scene: Scene, rendering: Rendering) -> NDArray[Any]:
     """Return the scene's picture from the pictures of its `views`.
 
-    Pictures are (height, width, 3) bytes. With a transparent background the result is (height, width, 4) bytes: red,
-    green, blue and alpha. A stereo pair is twice as wide.
+    Pictures are (height, width, 3) bytes, or light. With a transparent background, which light does not have, the
+    result is (height, width, 4) bytes: red, green, blue and alpha. A stereo pair is twice as wide.
     """
-    transparent = scene.background == "transparent"
-    if not transparent:
-        eyes = list(pictures)
-    elif rendering.stereo == "anaglyph":
-        eyes = [_transparent(_anaglyph(pictures[0], pictures[2]), _anaglyph(pictures[1], pictures[3]))]
-    else:
-        eyes = [_transparent(black, white) for black, white in zip(pictures[::2], pictures[1::2], strict=True)]
-    if len(eyes) == 1:
-        return eyes[0]
-    return _anaglyph(*eyes) if rendering.stereo == "anaglyph" else np.concatenate(eyes, axis=1)
+    if scene.background == "transparent":
+        return _transparent(_joined(pictures[::2], rendering), _joined(pictures[1::2], rendering))
+    return _joined(pictures, rendering)
 
 
-def _anaglyph(left: Picture, right: Picture) -> Picture:
-    """Return a picture with the left eye's red, and the right eye's green and blue."""
-    return np.concatenate((left[..., :1], right[..., 1:]), axis=2)
+def _joined(eyes: Sequence[NDArray[Any]], rendering: Rendering) -> NDArray[Any]:
+    """Return one picture from that of each eye. An anaglyph has the left eye's red, the right eye's green and blue."""
+    if rendering.stereo == "anaglyph":
+        left, right = eyes
+        return np.concatenate((left[..., :1], right[..., 1:]), axis=2)
+    return eyes[0] if len(eyes) == 1 else np.concatenate(eyes, axis=1)
 
 
 def _transparent(black: Picture, white: Picture) -> Picture:

@@ -3,12 +3,28 @@
 A position is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
 """
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Protocol
 
-from povgen.scene.models import Scene
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from povgen.optics.rays import Bundle
 
 Size = tuple[int, int]  # width and height, pixels
+
+
+class Scene(Protocol):
+    """What the camera needs of a scene. `scene.models` describes these numbers."""
+
+    z2: float
+    view: float
+    aperture: float
+
+    @property
+    def E(self) -> complex: ...
+
+    @property
+    def depth(self) -> float: ...
 
 
 def pixels(scene: Scene, size: Size) -> NDArray[np.complex128]:
@@ -17,6 +33,22 @@ def pixels(scene: Scene, size: Size) -> NDArray[np.complex128]:
     pixels_per_tile = height / scene.view
     x, y = np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5
     return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
+
+
+def bundle(scene: Scene, size: Size) -> Bundle:
+    """Return a ray from the eye for each pixel: (height, width) rays. The first row is the top one."""
+    return through(scene, pixels(scene, size))
+
+
+def through(scene: Scene, position: ArrayLike) -> Bundle:
+    """Return rays from the eye through positions in the plane z = 0."""
+    offset = np.asarray(position) - scene.E
+    return along(scene, np.stack((offset.real, offset.imag, np.full(offset.shape, float(scene.z2))), -1))
+
+
+def along(scene: Scene, direction: ArrayLike) -> Bundle:
+    """Return rays from the eye with these directions (..., 3)."""
+    return Bundle(np.array([scene.E.real, scene.E.imag, -scene.z2]), np.asarray(direction))
 
 
 def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
@@ -28,9 +60,7 @@ def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float6
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.aperture / 2
     inside = (_reach(position) < half) & (_reach(front) < half)
-    offset = position[inside] - scene.E
-    direction = np.column_stack((offset.real, offset.imag, np.full(len(offset), float(scene.z2))))
-    return inside, direction / np.linalg.norm(direction, axis=1, keepdims=True)
+    return inside, bundle(scene, size).direction[inside]
 
 
 def window(scene: Scene, size: Size) -> tuple[slice, slice]:

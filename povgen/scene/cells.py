@@ -8,7 +8,7 @@ from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
 from povgen.scene.models import Scene
 
 if TYPE_CHECKING:
-    from povgen.optics.rotation import Complexes, Floats
+    from povgen.optics.equations import Complexes, Floats
 
 _CELLS = 16  # across the window, for the first estimate of the error
 _SERIES_CELLS = 24  # the least number in series: with fewer, a single cell could contain a further window
@@ -63,7 +63,7 @@ def grid_error(scene: Scene, cells: int) -> float:
 
 
 def _P(scene: Scene, z1: float) -> float:
-    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `rotation` it does not need numpy, slow to load."""
+    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `equations` it does not need numpy, slow to load."""
     Z, turn = complex(scene.z2), 1 + 0j
     for distance, alpha in ((0, radians(scene.alphas[0])), *scene.behind):
         Z, turn = Z + distance * turn, turn * rect(1, -alpha)

@@ -13,6 +13,7 @@ COLOUR_MAPS = {
     "LightTile": {"0.00": "0.58, 0.50, 0.40", "0.06": "0.76, 0.71, 0.61", "1.00": "0.82, 0.78, 0.69"},
     "DarkTile": {"0.00": "0.20, 0.25, 0.23", "0.06": "0.085, 0.125, 0.115", "1.00": "0.055, 0.085, 0.078"},
     "Frame": {"0": "0.080, 0.032, 0.015", "1": "0.160, 0.066, 0.028"},
+    "FurtherFrame": {"0": "0.020, 0.050, 0.085", "1": "0.040, 0.100, 0.165"},  # of the windows behind the first
     "Plinth": {"0": "0.70, 0.70, 0.68", "0.08": "0.40, 0.42, 0.43", "1": "0.33, 0.35, 0.37"},
     "SphereColor": {
         "0.00": "1.00, 0.74, 0.00",
@@ -27,10 +28,15 @@ COLOUR_MAPS = {
         "0.33": "0.16, 0.36, 0.70",
         "0.71": "0.05, 0.16, 0.44",
     },
-    "RockPigment": {"0": "0.10, 0.15, 0.26", "1": "0.27, 0.29, 0.34"},
-    "SnowPigment": {"0": "0.42, 0.54, 0.74", "1": "1.00, 0.98, 0.95"},
-    "FoothillPigment": {"0": "0.66, 0.72, 0.68", "1": "0.19, 0.33, 0.25"},
-    "PlainPigment": {"0": "0.20, 0.17, 0.11", "0.15": "0.12, 0.11, 0.08", "1": "0.05, 0.05, 0.04"},
+    "RockPigment": {"0": "0.23, 0.31, 0.45", "1": "0.42, 0.44, 0.48"},
+    "SnowPigment": {"0": "0.55, 0.66, 0.83", "1": "1.00, 0.96, 0.90"},
+    "FoothillPigment": {"0": "0.66, 0.74, 0.80", "1": "0.27, 0.40, 0.38"},
+    "PlainPigment": {
+        "0": "0.66, 0.74, 0.80",
+        "0.06": "0.36, 0.42, 0.42",
+        "0.2": "0.18, 0.21, 0.19",
+        "1": "0.08, 0.09, 0.08",
+    },
 }
 LIP = "0.85, 0.58, 0.22"  # the metal at the frame's opening
 WOOD = {"0": "0.78, 0.70, 0.62", "0.4": "0.95, 0.92, 0.89", "1": "1"}  # factors of the piece's colour, sRGB
@@ -49,7 +55,7 @@ FINISHES = {
 FORMULAS = {
     "StoneVein(x, y, z)": "abs(sin(1.3*x + 0.9*z + 1.9*sin(0.9*z - 0.5*x) + 0.9*sin(2.3*x + 1.7*z)"
     " + 0.35*sin(5.3*z - 4.1*x) + 0.15*sin(13*x + 9*z)))",
-    "Fibres(x, y, z)": "0.5 + 0.5*sin(60*y + 40*z + 1.5*sin(2.1*x + 3*y) + 0.7*sin(5.3*x))",
+    "Fibres(x, y, z)": "0.5 + 0.5*sin(90*y + 60*z + 1.5*sin(2.1*x + 3*y) + 0.7*sin(5.3*x))",
     "PlinthVein(x, y, z)": "abs(sin(1.9*x + 2.3*y + 1.7*z + 1.9*sin(1.3*y - 1.9*x) + 0.7*sin(4*x + 3*z - 3*y)"
     " + 0.2*sin(17*x + 13*y)))",
     "PlinthBase(Pedestal)": "min(0.10, 0.4*Pedestal)",
@@ -57,7 +63,7 @@ FORMULAS = {
     "PlinthShaft(H)": "0.88*H",
     "TrunkX(x, y, z)": "x - 1.45 + 0.16*sin(1.3*y) + 0.03*sin(5.1*y + 4*z)",
     "TrunkZ(y, z)": "z - 0.9 - 0.12*sin(1.9*y + 1)",
-    "Rings(x, y, z)": "0.5 + 0.36*sin(2*pi*13*Trunk(x, y, z) + 1.6*sin(2*pi*2.7*Trunk(x, y, z)))"
+    "Rings(x, y, z)": "0.5 + 0.36*sin(2*pi*21*Trunk(x, y, z) + 1.6*sin(2*pi*2.7*Trunk(x, y, z)))"
     " + 0.14*sin(150*x + 5*sin(1.3*y))*sin(130*z + 4*sin(1.7*y))",
     "Rise(x, y, z)": "y/sqrt(x*x + z*z + 1e-6)",
     "Zigzag(T)": "1 - 2*abs(T - floor(T + 0.5))",
@@ -67,14 +73,16 @@ FORMULAS = {
     "Foothill(A)": "0.016 + 0.010*sin(7*pi*A + 2.5) + 0.005*sin(17*pi*A + 1) + 0.002*sin(43*pi*A)",
     "Above(D)": "min(1, max(0, 0.5 + D/0.002))",
     "Fold(A, D)": "min(1, max(0, 0.5 + 60*(Heights(A + D).x - Heights(A - D).x)))",
-    "Sunlit(A, R)": "Fold(A, 0.0013 + 0.08*(Heights(A).x - R))",
+    "Sunlit(A, R)": "Fold(A + 0.5*(Heights(A).x - R), 0.0013 + 0.08*(Heights(A).x - R))",
     "FoothillHaze(x, y, z)": "min(1, max(0, Rise(x, y, z)/0.03))",
 }
 
-SUN = {"direction": "-1000, 1300, -550", "colour": "1.02, 0.95, 0.82", "row": "70, 50, 20", "lights": 7}
-SKY_LIGHT = {"direction": "900, 500, -1200", "colour": "0.26, 0.30, 0.36"}
-# The floor's pattern fades into its mean colour: the distance, and the nearness where it is gone and where it is whole.
-FADE = {"distance": "120", "colour": "0.43, 0.42, 0.37", "gone": "0.1", "whole": "0.9"}
+# low, but so high that the frame's shadow does not fall on a piece at z1 = 2
+SUN = {"direction": "-1000, 900, -500", "colour": "1.25, 1.06, 0.80", "row": "70, 50, 20", "lights": 7}
+SKY_LIGHT = {"direction": "900, 500, -1200", "colour": "0.11, 0.15, 0.22"}
+# The floor's pattern fades into haze, in this light of the colour of the foothills' lower ends: the distance, and the
+# nearness where the pattern is gone and where it is whole.
+FADE = {"distance": "120", "colour": "0.957, 1.208, 1.565", "gone": "0.1", "whole": "0.9"}
 # The upper ends of the foothills and of the mountains: (1 + sine of the angle above the horizon)/2.
 LAND_TOP, MOUNTAIN_TOP = "0.517", "0.584"
 

@@ -5,7 +5,7 @@ in it are complex numbers x + iy, from the window's centre: x points right and y
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import hypot, radians, remainder
@@ -21,29 +21,41 @@ from pydantic import (
 )
 
 from povgen import limits
-from povgen.errors import InputError, shown
+from povgen.errors import InputError, input_errors, one_line, shown
 from povgen.model import as_pair
+from povgen.optics import glasses
 from povgen.optics.prism import Prism
+from povgen.record import Record, info
+from povgen.scene import pictures
+from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
+from povgen.scene.recorded import scenes
 from povgen.scene.windows import WINDOW, ParametersOfSheets, Placed, SheetName, Window, Windows
 from povgen.sheets import SHEETS
 from povgen.sheets.law import Law
-from povgen.sheets.prisms import PRISMS
+from povgen.sheets.layered import Layered
+from povgen.sheets.lenticular import Lenticular
+from povgen.sheets.prisms import PrismPair, Prisms
+from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
 
 if TYPE_CHECKING:  # numpy is slow to load
+    from numpy.random import Generator
     from numpy.typing import ArrayLike
 
     from povgen.optics import aim
-    from povgen.optics.rotation import Booleans, Complexes, Floats
+    from povgen.optics.equations import Booleans, Complexes, Floats
+    from povgen.optics.rays import Bundle, Spot, Traced
 
 T = TypeVar("T")
 APERTURE = 3.0  # the default side of the window, tiles
+WAVELENGTH = 587.6  # nm, the default: the yellow line d of helium
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
 MAX_VIEW = 100
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
+MAX_SIDE = 16384  # of a picture, pixels
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 Aside = Annotated[float, Field(ge=-10, le=10)]
 
@@ -105,37 +117,67 @@ PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
+def has_glass(window: "Scene | Window") -> bool:
+    """Return whether the parameters of a window name the prisms' glass."""
+    return window.glass not in (None, "none")
+
+
+def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float | None:
+    """Return the index of a window's prisms, or None if it is the first window's. `where` begins an error's message."""
+    given: float | None = window.index
+    if not has_glass(window):
+        return given
+    try:
+        index = glasses.index(window.glass, wavelength * 1e-9)
+    except ValueError as error:
+        raise ValueError(f"{where}{error}") from None
+    if "index" in window.model_fields_set and given != index:
+        raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
+    return index
+
+
 class Scene(ParametersOfSheets):
     """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
 
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
-        6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
+        default=6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
     )
     sheet: SheetName = Field(
-        "detailed",
-        description=f"model of the sheets: {', '.join(f'{kind.name} ({kind.title})' for kind in SHEETS.values())}",
+        default="detailed",
+        description=f"model of the sheets: {', '.join(SHEETS)}",
     )
-    window: Windows = Field((), description=WINDOW)
+    window: Windows = Field(default=(), description=WINDOW)
+    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
+        default=WAVELENGTH,
+        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
+        "the picture's colours do not change",
+    )
     fresnel: bool = Field(
-        False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
+        default=False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
-        APERTURE,
+        default=APERTURE,
         description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "
         "with the lower edge",
     )
     view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
-        VIEW,
+        default=VIEW,
         description=f"height of the picture in the plane of the sheets, 0.1 to {MAX_VIEW} tiles "
         f"(default: {VIEW}, or more if the first window's frame is larger)",
     )
     eye: Point = Field(
-        (0, 0),
+        default=(0, 0),
         description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
         "the window stay, and the window stays in the middle of the picture",
     )
     background: Literal["sky", "transparent", "black", "white"] = Field(
-        "sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
+        default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
+    )
+
+    sky: Annotated[Picture | None, BeforeValidator(pictures.sky)] = Field(
+        default=None,
+        description="picture of the surroundings in place of mountains and sky: a PNG, JPEG, WebP, TIFF, HDR or EXR "
+        "file, equirectangular, whose middle is straight ahead; with background = sky",
     )
 
     if TYPE_CHECKING:  # the fields that come from the sheets' parameters
@@ -156,6 +198,25 @@ class Scene(ParametersOfSheets):
         @property
         def objects(self) -> tuple[tuple[complex, float], ...]: ...
 
+    @classmethod
+    def from_file(cls, path: object) -> Self:
+        """Return the scene of a picture's file, with every parameter. It has the class that the file states.
+
+        Raises InputError for a file that povgen did not write, for a movie, and for a scene of another class.
+        """
+        first, *others = cls.list_from_file(path)
+        if others:
+            raise InputError(
+                f"{str(path)!r}: a movie of {len(others) + 1} frames; allowed: a picture, or list_from_file"
+            )
+        return first
+
+    @classmethod
+    def list_from_file(cls, path: object) -> list[Self]:
+        """Return the scene of every frame of a movie's file, as `from_file` does."""
+        _, scenes = recorded(path, cls)
+        return scenes
+
     @property
     def distances(self) -> tuple[float, ...]:
         """z1 of every object, tiles."""
@@ -173,7 +234,7 @@ class Scene(ParametersOfSheets):
 
     @property
     def prism(self) -> Prism:
-        """The shape of the prisms. Lengths are in tiles."""
+        """The shape of the prisms in the first window. Lengths are in tiles. Windows behind it can have others."""
         return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
 
     @cached_property
@@ -209,19 +270,30 @@ class Scene(ParametersOfSheets):
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
-        """The windows behind the first one, as in `rotation.depth`: (distance from the one before, alpha, radians)."""
+        """The windows behind the first one, as in `equations.depth`: (distance from the one before, alpha, radians)."""
         turns = [radians(alpha) for alpha in self.alphas[1:]]
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
     @property
     def elements(self) -> "aim.Windows":
         """The windows as in `optics.aim`."""
-        return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), self.sheets, strict=True)]
+        return self._elements(self.sheets)
+
+    def _elements(self, sheets: tuple[Sheet, ...]) -> "aim.Windows":
+        return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), sheets, strict=True)]
+
+    def _with_alpha(self, alpha: "ArrayLike | None") -> "aim.Windows":
+        """Return the windows as in `optics.aim`. `alpha`, in degrees, replaces that of the first window."""
+        if alpha is None:
+            return self.elements
+        first, *others = self.sheets
+        turned = type(first)({**first.values, "alpha": alpha}, first.aperture)
+        return self._elements((turned, *others))
 
     @property
-    def prisms_by_window(self) -> tuple[Prism, ...]:
-        """The shape of the prisms in each window. Those of an ideal sheet have no size."""
-        return tuple(self.prism if sheet.layers else Prism(0.0) for sheet in self.sheets)
+    def layered(self) -> tuple[Layered, ...]:
+        """The sheets of prisms or lenses, the nearest to the eye first. Ideal ones stand before them."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
 
     @property
     def ideal(self) -> tuple[Ideal, ...]:
@@ -230,8 +302,8 @@ class Scene(ParametersOfSheets):
 
     @property
     def has_prisms(self) -> bool:
-        """Whether the sheets of a window consist of prisms."""
-        return any(sheet.layers for sheet in self.sheets)
+        """Whether the sheets of a window consist of prisms, or of lenses."""
+        return bool(self.layered)
 
     @property
     def is_empty(self) -> bool:
@@ -265,22 +337,20 @@ class Scene(ParametersOfSheets):
     def apparent_position(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> "Complexes":
-        """Return where the eye sees a point, in the plane z = 0: eq. 7, or for prisms the paraxial prediction.
+        """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `aim.position` finds.
 
-        Several windows act as in `rotation.depth`. L (complex) and z1 are in tiles. alpha, in degrees, replaces the
-        first window's own if all windows rotate light. `near` is for sheets without a ray-transfer matrix: the
-        distance, in tiles, at which light may pass the point (`aim.position`). Arrays broadcast.
+        L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
+        light. `near` is for sheets without a ray-transfer matrix: the distance, in tiles, at which light may pass the
+        point. Arrays broadcast.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
-        from povgen.optics import aim, paraxial, rotation
+        from povgen.optics import aim, equations
 
-        if not self.rotates:
-            return aim.position(L, self.E, z1, self.elements, near)
-        turn = numpy.radians(self.alpha if alpha is None else alpha)
-        if self.has_prisms:
-            return paraxial.apparent_position(L, self.E, z1, self.z2, turn, self.prisms_by_window, self.behind)
-        return rotation.apparent_position(L, self.E, z1, self.z2, turn, self.behind)
+        if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
+            turn = numpy.radians(self.alpha if alpha is None else alpha)
+            return equations.apparent_position(L, self.E, z1, self.z2, turn)
+        return aim.position(L, self.E, z1, self._with_alpha(alpha), near)
 
     def visible(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
@@ -290,67 +360,136 @@ class Scene(ParametersOfSheets):
         The light must pass inside each window frame's front and back, and inside each window at the middle planes of
         its sheets, where the prediction turns it. Arguments as for `apparent_position`.
         """
+        return self.seen(L, z1, alpha, near)[1]
+
+    def seen(
+        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
+    ) -> tuple["Complexes", "Booleans"]:
+        """Return both: the apparent position of a point, and whether it is visible."""
         import numpy
 
-        from povgen.optics import aim, paraxial
+        from povgen.optics import aim
 
-        turn = numpy.radians(self.alpha if alpha is None else alpha)
-
-        def around(k: int, z: float) -> "Sequence[Complexes]":
-            """Where light crosses the planes at a distance z before window k and behind it."""
-            if not self.rotates:
-                before, slope, behind, after = followed[k]
-                return before - z * slope, behind + z * after
-            distance = self.behind[k - 1][0] if k else self.z2
-            found = []
-            for passed, at in ((k, distance - z), (k + 1, z)):
-                if not passed:
-                    found.append(self.E + slope_at_eye * at)
-                    continue
-                A, B = paraxial.depths(at, self.z2, turn, self.prisms_by_window[:passed], self.behind[: passed - 1])
-                found.append(self.E + A * slope_at_eye + B * slope_at_eye.conjugate())
-            return found
-
+        position = self.apparent_position(L, z1, alpha, near)
+        crossed: list[Complexes] = []
         with numpy.errstate(invalid="ignore"):
-            slope_at_eye = (self.apparent_position(L, z1, alpha, near) - self.E) / self.z2
-            followed = [] if self.rotates else aim.follow(slope_at_eye, self.E, self.elements)
-            crossed: list[Complexes] = []
-            for k, sheet in enumerate(self.sheets):
-                middle = self.prism.separation / 2 if sheet.layers == 2 else 0.0  # |z| of a sheet's middle plane
-                for z in (self.depth / 2, middle):
-                    crossed += around(k, z)
+            followed = aim.follow((position - self.E) / self.z2, self.E, self._with_alpha(alpha))
+            for k, (before, slope, behind, after) in enumerate(followed):
+                layers = self.sheets[k].layers_at(0.0, k)
+                for z in (self.depth / 2, layers[-1].centre if layers else 0.0):
+                    crossed += before - z * slope, behind + z * after
         half = self.aperture / 2
-        return numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
+        return position, numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
+
+    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[aim.Ghost]":
+        """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
+
+        L and z1 are in tiles. A ghost is left out if less than this share of the light at its position makes it, or if
+        the window's frame hides it. Windows in series are not followed: then the list is empty.
+        """
+        from povgen.optics import aim
+
+        if self.window or not self.layered:
+            return []
+        half = (1 + self.depth / 2 / self.z2) * self.aperture / 2
+        found = aim.ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
+        near = [ghost for ghost in found if max(abs(ghost.position.real), abs(ghost.position.imag)) < half]
+        return [ghost for ghost in near if ghost.share >= least]
 
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
-        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `paraxial.nu_and_M`.
+        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `aim.nu_and_M`.
         Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
         180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a window does not rotate
         light: then it can distort an object. z1 is in tiles; arrays broadcast.
         """
         import numpy
 
-        from povgen.optics import paraxial, rotation
+        from povgen.optics import aim, equations
 
-        if self.is_empty:
-            straight = numpy.add(self.z2 + self.places[-1], z1)
-            return numpy.zeros(straight.shape)[()], self.z2 / straight
-        if not self.rotates:
+        if not self.rotates and not self.is_empty:
             return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)
-        if not self.window and not self.has_prisms:
-            r = rotation.r(z1, self.z2)
-            nu, M = rotation.nu(r, radians(self.alpha)), rotation.M(r, radians(self.alpha))
+        if self.sheets[0].name == "ideal" and not self.window:
+            r = equations.r(z1, self.z2)
+            nu, M = equations.nu(r, radians(self.alpha)), equations.M(r, radians(self.alpha))
         else:
-            nu, M = paraxial.nu_and_M(z1, self.z2, radians(self.alpha), self.prisms_by_window, self.behind)
+            nu, M = aim.nu_and_M(z1, self.elements)
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
+
+    @input_errors()
+    def rays(self, size: tuple[int, int]) -> "Bundle":
+        """Return a ray from the eye for each pixel of a picture: `size` is its width and height in pixels.
+
+        Positions are in tiles, (height, width, 3). The first row is the top one. Raises InputError for other sizes.
+        """
+        from povgen.optics.rays import checked_count
+        from povgen.scene import camera
+
+        try:
+            width, height = size
+        except TypeError:
+            raise InputError(f"size = {shown(size)}: allowed: width and height, in pixels") from None
+        return camera.bundle(self, (checked_count("width", width, MAX_SIDE), checked_count("height", height, MAX_SIDE)))
+
+    @input_errors()
+    def pencil(
+        self, point: "ArrayLike", count: int = 1000, middle: complex = 0, radius: float | None = None, seed: int = 1
+    ) -> "Bundle":
+        """Return `count` rays from a point (x, y, z), in tiles, to random points of a disc in the nearest window.
+
+        z > 0 is a point behind the last window, whose rays run as light does. z < 0 is one before the first window.
+        `middle` is the disc's centre, x + iy, and `radius` its radius, both in tiles; by default the disc is the
+        largest that the window contains. The rays are those of a random generator with this seed.
+        Raises InputError for a point between the windows, and for numbers outside their ranges.
+        """
+        from povgen.optics.rays import pencil
+
+        (rays,) = pencil(
+            self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed, count
+        )
+        return rays
+
+    @input_errors()
+    def trace(self, rays: "Bundle", max_faces: int = 60, partial: "Generator | None" = None) -> "Traced":
+        """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
+
+        Positions are in tiles. A ray ends after `max_faces` faces of prisms. With `partial`, a generator of random
+        numbers, faces also reflect a part of the light (`optics.trace`); without, only light that is totally reflected.
+        Raises InputError for a ray that does not start outside the windows, or does not run towards them.
+        """
+        from povgen.optics.rays import trace_windows
+
+        return trace_windows(rays, self.windows, self.aperture, self.depth, max_faces, partial)
+
+    @input_errors()
+    def spot(
+        self,
+        point: "ArrayLike",
+        z: float,
+        count: int = 10_000,
+        middle: complex = 0,
+        radius: float | None = None,
+        seed: int = 1,
+        stray: bool = False,
+    ) -> "Spot":
+        """Return the spot diagram of light from a point: where a `pencil` crosses the plane z, in tiles.
+
+        The rays are extended both ways, so that the plane can be that of a virtual image. Rays that do not leave on
+        the designed path are left out, or with `stray` those that do not leave. Rays are traced a part at a time, so
+        memory is needed for the points of the diagram only. Other arguments and errors are those of `pencil`.
+        """
+        from povgen.optics.rays import pencil, spot
+
+        radius = self.aperture / 2 if radius is None else radius
+        parts = pencil(self.windows, point, count, middle, radius, seed)
+        return spot((self.trace(rays) for rays in parts), z, stray)
 
     @property
     def tile(self) -> int:
         """POV-Ray's units per tile."""
-        return limits.units_per_tile(self.prism.pitch if self.has_prisms else 1)
+        return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
 
     def _check_clear(self, what: str, z1: float, nearest: float) -> None:
         if z1 <= nearest:
@@ -359,8 +498,10 @@ class Scene(ParametersOfSheets):
                 f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
             )
         if z1 > self.farthest:
+            counts = {sheet.values[sheet.counted]: sheet.counted for sheet in self.layered} or {self.prisms: "prisms"}
+            most = max(counts)
             raise ValueError(
-                f"z1 = {z1:g}: beyond POV-Ray's range with {self.prisms} prisms; allowed: z1 <= {self.farthest:.4g}"
+                f"z1 = {z1:g}: beyond POV-Ray's range with {most} {counts[most]}; allowed: z1 <= {self.farthest:.4g}"
             )
 
     @property
@@ -368,21 +509,63 @@ class Scene(ParametersOfSheets):
         """The greatest z1, tiles."""
         return MAX_DISTANCE / self.tile - self.places[-1]
 
+    def replace(self, /, *unnamed: object, **changes: object) -> Self:
+        """Return a copy with these values changed; a glass replaces the index. Raises InputError."""
+        replaced = {"index"} if changes.get("glass", "none") != "none" else set()
+        given = {name: getattr(self, name) for name in self.model_fields_set - replaced}
+        return type(self)(*unnamed, **{**given, **changes})
+
+    @model_validator(mode="after")
+    def _find_indices(self) -> Self:
+        """Set the index of prisms of a named glass. Checks, renderers and predictions then need the index alone."""
+        object.__setattr__(self, "index", _index_of(self, "", self.wavelength))  # the model is frozen
+        self.model_fields_set.discard("index" if self.glass != "none" else "")
+        found: list[Window] = []
+        for number, window in enumerate(self.window, 2):
+            own = window.model_copy()
+            if own.glass is None and own.index is not None:  # the first window's glass has another index
+                object.__setattr__(own, "glass", "none")
+            object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
+            found.append(own)
+        object.__setattr__(self, "window", tuple(found))
+        if self.wavelength != WAVELENGTH and not (has_glass(self) or any(map(has_glass, found))):
+            raise ValueError(
+                f"wavelength = {self.wavelength:g}: for no glass; allowed: with glass, such as glass = BK7"
+            )
+        return self
+
     @model_validator(mode="after")
     def _check_prisms_and_eye(self) -> Self:
-        least = self.prism.least_aspect
-        if self.aspect == 2:
-            raise ValueError("aspect = 2: no light would take the designed path; allowed: below 2")
-        if self.aspect <= least:
-            raise ValueError(
-                f"aspect = {self.aspect:g}: the slanted facets of prisms with index = {self.index:g} and "
-                f"base_angle = {self.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
-            )
-        if self.sheets_depth > MAX_DEPTH:
-            raise ValueError(
-                f"prisms = {self.prisms}: with this shape of the prisms and aperture = {self.aperture:g} the sheets "
-                f"would be {self.sheets_depth:.4g} tiles deep; allowed: up to {MAX_DEPTH} tiles, as with more prisms"
-            )
+        # the first window's shape is checked even if no window has prisms
+        shapes = [("", self.prism)]
+        shapes += [(f"window {n}, ", x.shape) for n, x in enumerate(self.sheets, 1) if n > 1 and isinstance(x, Prisms)]
+        for where, prism in shapes:
+            least = prism.least_aspect
+            if prism.aspect == 2:
+                raise ValueError(f"{where}aspect = 2: no light would take the designed path; allowed: below 2")
+            if prism.aspect <= least:
+                raise ValueError(
+                    f"{where}aspect = {prism.aspect:g}: the slanted facets of prisms with index = {prism.index:g} and "
+                    f"base_angle = {prism.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
+                )
+        for number, sheet in enumerate(self.sheets, 1):
+            if isinstance(sheet, (PrismPair, Lenticular)):
+                sheet.check_errors()
+            if not sheet.is_exact and self.window:
+                raise ValueError("error: only for a single window; allowed: no errors with --window")
+            where = f"window {number}, " if number > 1 else ""
+            try:
+                depth = sheet.depth
+            except ValueError as error:  # lenses of this shape do not exist
+                raise ValueError(f"{where}{error}") from None
+            if depth > MAX_DEPTH:
+                assert isinstance(sheet, Layered)  # others have no depth
+                what = "prisms" if isinstance(sheet, Prisms) else "profile"
+                raise ValueError(
+                    f"{where}{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
+                    f"aperture = {self.aperture:g} the sheets would be {depth:.4g} tiles deep; "
+                    f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
+                )
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
             raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
@@ -407,16 +590,6 @@ class Scene(ParametersOfSheets):
             except ValueError as error:
                 where = f"window {number}, law" if number > 1 else "law"
                 raise ValueError(f"{where} = {shown(text)}: {error}") from None
-        for sheet in self.sheets:
-            if sheet.name == "single" and self.window:
-                raise ValueError("sheet = 'single': not with several windows; allowed: any other sheet")
-        for number, window in enumerate(self.window, 2):
-            for name in (parameter.name for parameter in PRISMS):
-                if getattr(window, name) not in (None, getattr(self, name)):
-                    raise ValueError(
-                        f"window {number}, {name} = {getattr(window, name)}: differs from that of the first window, "
-                        f"{getattr(self, name)}; allowed: the same"
-                    )
         return self
 
     @model_validator(mode="after")
@@ -458,29 +631,35 @@ class Chess(Scene):
     subject: ClassVar[str] = "a chess scene seen through a window of ray-rotating Dove-prism sheets"
 
     z1: OneOrMore[Z1] = Field(
-        2, description="distance from the sheets to the piece's axis, up to 5000 tiles; one, or one for each piece"
+        default=2,
+        description="distance from the sheets to the piece's axis, up to 5000 tiles; one, or one for each piece",
     )
     x: OneOrMore[Aside] = Field(
-        0,
+        default=0,
         description="x of the piece, from the window's centre to the right, -10 to 10 tiles; "
         "one, or one for each piece",
     )
     piece: OneOrMore[PieceValue] = Field(
-        "knight",
-        description=f"the chess piece: {', '.join(PIECES)}, or a file that declares Piece in POV-Ray's language; "
-        "one, or one for each piece",
+        default="knight",
+        description=f"the chess piece: {', '.join(PIECES)}, a file that declares Piece in POV-Ray's language, or a "
+        "mesh (.stl, .obj, .ply or .glb), as model.stl,height=1.2,up=z; one, or one for each piece",
     )
     color: OneOrMore[Colour] = Field(
-        "#e7b56f",
-        description="colour of the piece's wood: a name, or a code such as #c87529; one, or one for each piece",
+        default="#e7b56f",
+        description="colour of the wood: a name, or a code such as #c87529; one, or one for each piece",
     )
     pedestal: Annotated[float, Field(ge=0, le=10)] = Field(
-        0.8,
-        description="height of the pedestals on which the pieces stand, 0 to 10 tiles; the pieces move with it; "
+        default=0.8,
+        description="height of the pieces' pedestals, 0 to 10 tiles; the pieces move with it; "
         "0: they stand on the floor",
     )
+    floor: Annotated[Picture | Literal["tiles", "none"], BeforeValidator(pictures.floor)] = Field(
+        default="tiles",
+        description="the floor: tiles, none, or a picture's file, of which copies cover the floor, 2 tiles wide or as "
+        "wood.jpg,width=4 says",
+    )
     predicted_image: bool = Field(
-        False, description="show also the predicted image of the piece, in the plane of the sheets"
+        default=False, description="show also the predicted image of the piece, in the plane of the sheets"
     )
 
     @property
@@ -501,28 +680,16 @@ class Chess(Scene):
     @property
     def objects(self) -> tuple[tuple[complex, float], ...]:
         """L (the centre of the foot, projected onto z = 0) and z1 of every piece, tiles."""
-        return tuple((complex(piece.x, self.floor + self.pedestal), piece.z1) for piece in self.pieces)
+        return tuple((complex(piece.x, self.floor_y + self.pedestal), piece.z1) for piece in self.pieces)
 
     @property
     def radii(self) -> tuple[float, ...]:
         return tuple(piece.radius for piece in self.pieces)
 
     @property
-    def floor(self) -> float:
+    def floor_y(self) -> float:
         """Height of the floor, on which window frame and pedestals stand, relative to the window's centre, tiles."""
         return -(self.aperture / 2 + self.rim)
-
-    def apparent_steps(self, z1: float) -> tuple[complex, complex]:
-        """Return the predicted image of a step of one tile to the right and of one up, at z1.
-
-        It is in the plane z = 0, or in the plane of the last ideal window.
-        """
-        from povgen.optics import rotation
-
-        last = len(self.ideal) - 1
-        scale = rotation.depth(0, self.z2, radians(self.alpha), self.behind[:last]) / self.z2 if last > 0 else 1
-        right, up = ((complex(self.apparent_position(self.E + step, z1)) - self.E) * scale for step in (1, 1j))
-        return right, up
 
     @model_validator(mode="after")
     def _check_pieces(self) -> Self:
@@ -531,9 +698,10 @@ class Chess(Scene):
         if len(set(counts.values())) > 1:
             given = ", ".join(f"{count} values of {name}" for name, count in counts.items())
             raise ValueError(f"{given}: allowed: one value of each, or equal numbers of values")
-        if self.eye[1] <= self.floor:
+        if self.eye[1] <= self.floor_y:
             raise ValueError(
-                f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; allowed: Y > {self.floor:g}"
+                f"eye = {self.eye[0]:g},{self.eye[1]:g}: the eye would be under the floor; "
+                f"allowed: Y > {self.floor_y:g}"
             )
         for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
@@ -565,7 +733,7 @@ class Chess(Scene):
             )
         if self.predicted_image and self.window:
             for z1 in self.distances:
-                if not all(map(isfinite, self.apparent_steps(z1))):
+                if not isfinite(self.apparent_position(self.E + 1, z1)):
                     raise ValueError(
                         f"predicted_image = true: at z1 = {z1:g} and z2 = {self.z2:g} these windows show the piece at "
                         "infinity (Z = 0); allowed: any other alpha, z1 or z2"
@@ -582,12 +750,12 @@ class Spheres(Scene):
     )
 
     z1: OneOrMore[Z1] | None = Field(
-        None,
+        default=None,
         description="distance from the sheets to a sphere, up to 5000 tiles; one for each sphere "
         "(default 2^n z2, n = -5..5, if the sphere is clear of the sheets)",
     )
     line: Point = Field(
-        (-0.8, 0),
+        default=(-0.8, 0),
         description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
 
@@ -641,9 +809,30 @@ def pieces(scene: Scene) -> dict[str, str | PieceFile]:
     return {str(standing.piece): standing.piece for standing in scene.pieces} if isinstance(scene, Chess) else {}
 
 
-def piece_files(scenes: Iterable[Scene]) -> set[str]:
-    """Return the paths of the files that declare the scenes' pieces."""
-    return {piece.path for scene in scenes for piece in pieces(scene).values() if isinstance(piece, PieceFile)}
+def input_files(scenes: Iterable[Scene]) -> set[str]:
+    """Return the paths of the files that the scenes show: pieces, profiles, and pictures of sky and floor."""
+    found: set[str] = set()
+    for scene in scenes:
+        parts = [*pieces(scene).values(), scene.sky, getattr(scene, "floor", None)]
+        found |= {part.path for part in parts if isinstance(part, (PieceFile, Picture))}
+        found |= {profile.path for profile in profile_files(scene)}
+    return found
+
+
+def profile_files(scene: Scene) -> list[ProfileFile]:
+    """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
+    windows: tuple[Scene | Window, ...] = (scene, *scene.window)
+    return [window.profile for window in windows if isinstance(window.profile, ProfileFile)]
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}
+
+
+def recorded(path: Any, kind: type[Scene] = Scene) -> tuple[Record, list[Any]]:  # noqa: ANN401  (any object)
+    """Return the record in a file that povgen wrote, and the scene of every frame, of this class. Raises InputError."""
+    record = info(path)
+    known = {**SCENES, **({kind.name: kind} if hasattr(kind, "name") else {})}
+    try:
+        return record, scenes(record, {name: scene for name, scene in known.items() if issubclass(scene, kind)})
+    except InputError as error:
+        raise InputError(f"{str(path)!r}: its record, of povgen {one_line(record.povgen)[:20]}: {error}") from None

@@ -2,8 +2,7 @@
 
 import os
 import re
-import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
 from itertools import chain, islice, tee
@@ -12,6 +11,9 @@ from typing import NamedTuple
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
+
+from povgen.files import read_bytes, read_text
+from povgen.scene import mesh
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
@@ -44,36 +46,51 @@ REFUSED = re.compile(r"light_source|light_group|HF\w*|Parse_String|OwnPiece\w*")
 
 @dataclass(frozen=True)
 class PieceFile:
-    """A file that declares `Piece` in POV-Ray's scene description language, and its text."""
+    """A file that declares `Piece` in POV-Ray's scene description language, and its text; or a mesh as such a text."""
 
     path: str
     text: str = field(repr=False)
+    options: str = ""  # of a mesh: its size and placing, as the user wrote them
+    note: str = field(default="", repr=False)  # what a user should know of a mesh's size
+    is_mesh: bool = False
 
     @property
     def names(self) -> Sequence[str]:
         """What the file declares."""
-        return declared(self.text)
+        return ["Piece"] if self.is_mesh else declared(self.text)
 
     @model_serializer
     def __str__(self) -> str:
-        return self.path.encode(errors="backslashreplace").decode()  # a path can have bytes that are no text
+        return f"{self.path}{self.options}".encode(
+            errors="backslashreplace"
+        ).decode()  # a path can have bytes that are no text
 
 
 Piece = str | Path | PieceFile  # as a user gives it
 
 
 def as_piece(value: object) -> object:
-    """Read the file if the value is text but no name of a piece. Raises ValueError if that file declares no `Piece`."""
+    """Read the file if the value is text but no name of a piece.
+
+    Raises ValueError if that file declares no `Piece`, and if it is no mesh though its name ends like a mesh's.
+    """
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
-    return value if not isinstance(value, str) or value in PIECES else PieceFile(value, _text(value))
+    if not isinstance(value, str) or value in PIECES:
+        return value
+    value = os.path.expanduser(value)
+    if found := mesh.split(value):
+        path, kind, options = found
+        text, note = mesh.text_and_note(read_bytes(path, mesh.MAX_BYTES), kind, options, FILE_RADIUS)
+        return PieceFile(path, text, value.removeprefix(path), note, True)
+    return PieceFile(value, _text(value))
 
 
-def from_folder(value: object, folder: str | Path) -> object:
-    """Return a piece, or a list of pieces, so that a file's relative path starts in the folder."""
+def from_folder(value: object, folder: str | Path, names: Collection[str] = PIECES) -> object:
+    """Return a piece, or a list of pieces, so that a file's relative path starts in the folder. Names stay."""
     if isinstance(value, list):
-        return [from_folder(each, folder) for each in value]
-    return str(Path(folder, value)) if isinstance(value, str) and value not in PIECES else value
+        return [from_folder(each, folder, names) for each in value]
+    return str(Path(folder, os.path.expanduser(value))) if isinstance(value, str) and value not in names else value
 
 
 def radius(piece: str | PieceFile) -> float:
@@ -82,23 +99,14 @@ def radius(piece: str | PieceFile) -> float:
 
 
 def _text(path: str) -> str:
-    """Return the text of a file that declares `Piece`. Its lines end with a line feed."""
-    try:
-        # without O_NONBLOCK, opening a FIFO would wait
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise ValueError("should be a name or a regular file")
-            data = file.read(MAX_BYTES + 1)
-            if data is None:  # as /proc/kmsg, which waits for the next message
-                raise ValueError("should be a name or a file that can be read at once")
-    except OSError as error:
-        raise ValueError(f"should be a name or a file, but: {error.strerror}") from None
-    if len(data) > MAX_BYTES:
+    """Return the text of a file that declares `Piece`, as `checked` does."""
+    return checked(read_text(path, MAX_BYTES))
+
+
+def checked(text: str) -> str:
+    """Return a text that declares `Piece`, as `PieceFile` has it. Its lines end with a line feed. Raises ValueError."""
+    if len(text) > MAX_BYTES:
         raise ValueError(f"should be a file of at most {MAX_BYTES} bytes")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError("should be a file in UTF-8") from None
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if found := CONTROL.search(text):
         raise _error(text, found.start(), f"the control character {found[0]!r}")

@@ -5,19 +5,26 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from shlex import quote
 from types import NoneType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from povgen import limits
 from povgen.errors import InputError, shown
 from povgen.files import own_folder
+from povgen.optics.prism import Prism
 from povgen.scene import cells, laws, materials
+from povgen.scene.mesh import TALLEST
 from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
-from povgen.scene.pieces import PieceFile
+from povgen.scene.pieces import FILE_RADIUS, PieceFile
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
+from povgen.sheets.layered import Layered
+from povgen.sheets.prisms import PrismPair, Prisms
 from povgen.version import __version__
+
+if TYPE_CHECKING:  # numpy is slow to load
+    from povgen.optics.profile import Profile
 
 TEMPLATES = own_folder("templates")
 
@@ -32,6 +39,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "ensure_ascii": False}  # a page is UTF-8
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
     environment.filters["zip"] = zip
@@ -39,13 +47,32 @@ def _environment() -> Environment:
     environment.filters["floats"] = materials.floats
     environment.filters["interpolated"] = materials.interpolated
     formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
-    environment.globals.update(version=__version__, raw=_raw, materials=materials, formula=formula)
+    environment.globals.update(
+        version=__version__,
+        raw=_raw,
+        parameter=_parameter,
+        materials=materials,
+        formula=formula,
+        reach=FILE_RADIUS,
+        top=TALLEST,
+    )
     return environment
 
 
 def _raw(name: str) -> str:
     """Return the text of a file in templates/ unchanged: braces in a script are not Jinja's."""
     return (TEMPLATES / name).read_text("utf-8")
+
+
+def _parameter(name: str, value: float, about: str, free: bool = True) -> str:
+    """Return the line that declares a parameter. If it is `free`, a value that was declared before stays.
+
+    A parameter is free if all that depends on it is computed from it in the text.
+    """
+    declaration = f"#declare {name:10} = {float(value):.15g};"
+    if free:
+        declaration = f"{f'#ifndef ({name})':20} {declaration} #end"
+    return f"{declaration}  // {about}"
 
 
 class Mosaic(NamedTuple):
@@ -89,6 +116,8 @@ def to_pov(
             raise InputError(f"{name} = {shown(value)}: should be {allowed}")
     shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
+    first = scene.sheets[0]
+    built = first.layers_at(0.0, 0) if isinstance(first, PrismPair) and not first.is_exact else ()
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
@@ -103,11 +132,75 @@ def to_pov(
             camera=shown_by,
             laws=laws.to_pov(scene) if shown_by else [],
             cells=cells.camera_cells(scene) if shown_by else None,
+            glass=_shapes(scene),
+            profiles=_profiles(scene),
             trace_level=max_trace_level(scene, found),
+            free=_is_exact(scene),  # sheets that are not built exactly are computed in Python
+            built=built,
+            facets=first.facets if isinstance(first, PrismPair) else [],
+            part="",
             least_light=limits.LEAST_LIGHT,
-            solid="merge" if getattr(scene, "predicted_image", False) else "union",
         )
     )
+
+
+def to_sheets(scene: Scene) -> str:
+    """Return the scene's sheets of prisms in POV-Ray's language, as a text to #include in another scene.
+
+    Raises InputError if a window has an ideal sheet, or none.
+    """
+    if checked_scene(scene).ideal:
+        raise InputError(
+            f"part = 'sheets': sheet = {scene.ideal[0].name!r} is no object, the camera simulates it; "
+            "allowed: detailed or single"
+        )
+    if not _is_exact(scene):
+        raise InputError("error: not with part = 'sheets'; allowed: no errors of building")
+    glass, level = _shapes(scene), max_trace_level(scene)
+    values = {"glass": glass, "profiles": _profiles(scene), "trace_level": level, "least_light": limits.LEAST_LIGHT}
+    absent: dict[str, object] = {"laws": [], "cells": None, "sheet_macro": None, "built": (), "facets": []}
+    template = _environment().get_template("part.pov.j2")
+    return template.render(values, **absent, scene=scene, free=True, part="sheets")
+
+
+def _is_exact(scene: Scene) -> bool:
+    return all(sheet.is_exact for sheet in scene.sheets)
+
+
+def _shapes(scene: Scene) -> list[Prisms]:
+    """Return a sheet of prisms for each shape and number of sheets that the scene's windows have."""
+    found = {
+        (sheet.layers, sheet.shape, sheet.values["tops"]): sheet for sheet in scene.sheets if isinstance(sheet, Prisms)
+    }
+    return list(found.values())
+
+
+class ProfileOf(NamedTuple):
+    """A window's sheets of a profile that is not that of Dove prisms."""
+
+    window: int  # counted from 0
+    sheet: Layered
+    shape: "Prism | Profile"
+    suffix: str  # of the names of its parameters
+    near: "Prism | Profile | None" = None  # the profile of the near sheet, if that is another one
+
+    @property
+    def periods(self) -> str:
+        """The name of the number of periods."""
+        return self.sheet.counted.capitalize() + self.suffix
+
+
+def _profiles(scene: Scene) -> list[ProfileOf]:
+    """Return the windows whose sheets have a profile. Windows with the same one have the same suffix."""
+    found: list[ProfileOf] = []
+    suffixes: dict[tuple[str, Profile], str] = {}
+    for number, sheet in enumerate(scene.sheets):
+        if isinstance(sheet, Layered) and not isinstance(shape := sheet.shape, Prism):
+            suffix = suffixes.setdefault((sheet.counted, shape), f"_{len(suffixes) + 1}" if suffixes else "")
+            shapes = [] if sheet.is_exact else [built.shape for built in sheet.layers_at(0.0, 0)]
+            near, far = shapes or (None, shape)
+            found.append(ProfileOf(number, sheet, far, suffix, near))
+    return found
 
 
 def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
@@ -119,17 +212,35 @@ def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: floa
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)
 
 
-def to_html(page: str, data: Mapping[str, object], script: str, texts: Sequence[laws.Text]) -> str:
+def to_html(
+    page: str,
+    data: Mapping[str, object],
+    script: str,
+    texts: Sequence[laws.Text],
+    fonts: Mapping[str, str] | None = None,
+) -> str:
     """Return a page of the live view, `live/page` or `demo/index`, with its styles. Its script reads `data`.
 
-    `texts` are the laws that its shaders know.
+    `texts` are the laws that its shaders know. `demo/index` has `fonts`: text, bold and symbols as base64.
     """
-    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script, laws=texts)
+    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script, laws=texts, fonts=fonts)
 
 
 def to_javascript(texts: Sequence[laws.Text]) -> str:
     """Return the module live/laws.js: the laws that the page's scripts know."""
     return _environment().get_template("live/laws.js.j2").render(laws=texts)
+
+
+def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
+    """Return one of the live view's fragment shaders, live/`main`.glsl with all that it needs, without its head.
+
+    `texts` are the laws that it knows.
+    """
+    if main in ("display", "share"):
+        parts = [main]
+    else:
+        parts = ["objects", "prisms", "materials", "laws", "view", main]
+    return "\n".join(_environment().get_template(f"live/{part}.glsl").render(laws=texts) for part in parts)
 
 
 def _input(file: str) -> str:
@@ -144,6 +255,18 @@ def to_caption(number: int, data: dict[str, object]) -> str:
     return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
 
 
+def to_report(
+    title: str,
+    text: str,
+    tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]],
+    pictures: Sequence[tuple[str, str]],
+) -> str:
+    """Return a page of HTML with tables (name, head, rows) and pictures (name, PNG file as base64)."""
+    return (
+        _environment().get_template("report.html.j2").render(title=title, text=text, tables=tables, pictures=pictures)
+    )
+
+
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:
     """Return where a line, counted from 1, of a text with these pieces (`to_pov`, `to_crossings`) comes from.
 
@@ -152,9 +275,12 @@ def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tupl
     """
     for piece in pieces:
         if isinstance(piece, PieceFile):
-            first = source.partition(f"union {{\n{piece.text}object {{ Piece }}\n}}\n")[0].count("\n") + 2
+            before, _, after = source.partition(f"union {{\n{piece.text}object {{ Piece }}\n}}\n")
+            first = before.count("\n") + 2
             last = first + piece.text.count("\n") - 1
-            if first <= line <= last + 2:  # the last two lines use `Piece` and end the union
+            # then two lines use `Piece` and end the union, and others check how far the piece reaches
+            check = 0 if piece.is_mesh else after.partition("\nOwnPieceCheck(")[0].count("\n") + 2
+            if first <= line <= last + 2 + check:
                 return repr(piece.path), min(line, last) - first + 1
     name = "header.pov.j2"
     for text in source.split("\n")[:line]:  # POV-Ray ends a line only there

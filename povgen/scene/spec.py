@@ -1,7 +1,7 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
@@ -10,16 +10,18 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
-from povgen.files import own_folder
+from povgen.files import in_home, own_folder
 from povgen.model import Model, as_pair
 from povgen.scene.models import SCENES, Scene
-from povgen.scene.pieces import from_folder
+from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
 from povgen.settings import preset_of
+from povgen.sheets.profile import NAMES
 
 MOVIES = own_folder("movies")
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
 MAX_FRAMES = 10000
+Title = Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")]
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
 
@@ -36,21 +38,24 @@ class Sweep(Model):
     """A parameter that changes from frame to frame, and its values: numbers, or pairs X, Y for a point."""
 
     parameter: str = Field(description="the swept parameter: a number of the scene, or a point")
-    start: Value | None = Field(None, description="its value in the first frame: a number, or [X, Y] for a point")
-    stop: Value | None = Field(None, description="its last value: a number, or [X, Y] for a point")
-    spacing: Literal["linear", "log", "cosine"] = Field(
-        "linear", description="spacing of the values: linear, log, or cosine (starts and stops gently)"
+    start: Value | None = Field(
+        default=None, description="its value in the first frame: a number, or [X, Y] for a point"
     )
+    stop: Value | None = Field(default=None, description="its last value: a number, or [X, Y] for a point")
+    via: Value | None = Field(
+        default=None, description="its value halfway, where the movie also stays for `hold` seconds"
+    )
+    spacing: Literal["linear", "log"] = Field(default="linear", description="spacing of the values: linear or log")
     values: Annotated[tuple[Value, ...], Field(min_length=2, max_length=MAX_FRAMES)] | None = Field(
-        None, description=f"its value in every frame, in place of start and stop: 2 to {MAX_FRAMES} values"
+        default=None, description=f"its value in every frame, in place of start and stop: 2 to {MAX_FRAMES} values"
     )
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Return the sweep that a text states, such as alpha=0:180 or eye=-1,0:1,0:cosine. Raises InputError."""
+        """Return the sweep that a text states, such as alpha=0:180 or z1=1:9:log. Raises InputError."""
         name, _, ends = text.partition("=") if isinstance(text, str) else ("", "", "")
         if ":" not in ends:
-            raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear, :log or :cosine")
+            raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear or :log")
         parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
         try:
             return cls(parameter=name.replace("-", "_"), **parts)
@@ -60,25 +65,31 @@ class Sweep(Model):
     @model_validator(mode="after")
     def _check_range(self) -> Self:
         if self.values is not None:
-            if self.start is not None or self.stop is not None or self.spacing != "linear":
-                raise ValueError("values: given with start, stop or spacing; allowed: values, or start and stop")
+            if {self.start, self.stop, self.via} != {None} or self.spacing != "linear":
+                raise ValueError("values: given with start, stop, via or spacing; allowed: values, or start and stop")
             if len(set(self.values)) == 1:
                 raise ValueError(f"values = {shown(self.values)}: all equal, nothing would move; allowed: others")
             return self
         for name, value in (("start", self.start), ("stop", self.stop)):
             if value is None:
                 raise ValueError(f"{name}: missing; allowed: start and stop, or values")
+        if self.via is not None and self.via in self.ends:
+            raise ValueError(f"via = {_text(self.via)}: equal to start or stop; allowed: any other value")
         if self.start == self.stop:
             raise ValueError(f"stop = {_text(self.stop)}: equal to start, nothing would move; allowed: any other value")
-        if self.spacing == "log":
-            if not (isinstance(self.start, float) and isinstance(self.stop, float)):
-                raise ValueError("spacing = 'log': not for points; allowed: linear, cosine")
-            if min(self.start, self.stop) <= 0 <= max(self.start, self.stop):
-                raise ValueError(
-                    f"spacing = 'log': 0 lies between start = {self.start:g} and stop = {self.stop:g}; "
-                    "allowed: start and stop both above or both below 0, or spacing = 'linear'"
-                )
+        self._check_log()
         return self
+
+    def _check_log(self) -> None:
+        if self.spacing == "log":
+            given = [value for value in self.given if isinstance(value, float)]
+            if len(given) < len(self.given):
+                raise ValueError("spacing = 'log': not for points; allowed: linear")
+            if min(given) <= 0 <= max(given):
+                raise ValueError(
+                    f"spacing = 'log': 0 lies between {min(given):g} and {max(given):g}; "
+                    "allowed: all values above or all below 0, or spacing = 'linear'"
+                )
 
     @property
     def ends(self) -> tuple[Value, Value]:
@@ -88,38 +99,55 @@ class Sweep(Model):
         assert self.start is not None and self.stop is not None  # by _check_range
         return self.start, self.stop
 
-    def in_frames(self, count: int) -> list[Value]:
-        """Return the parameter's value in each of `count` frames."""
+    @property
+    def given(self) -> tuple[Value, ...]:
+        """The values that are stated."""
+        return self.values or tuple(value for value in (self.start, self.via, self.stop) if value is not None)
+
+    def in_frames(self, count: int, ease: bool = False) -> list[Value]:
+        """Return the parameter's value in each of `count` frames. With `ease` it is slow at both ends and at `via`."""
         if self.values:
             return list(self.values)
+        if self.via is not None:
+            there = Sweep(parameter=self.parameter, start=self.start, stop=self.via, spacing=self.spacing)
+            back = there.replace(start=self.via, stop=self.stop)
+            return there.in_frames(count // 2 + 1, ease)[:-1] + back.in_frames(count - count // 2, ease)
         start, stop = np.atleast_1d(*self.ends)
-        if self.spacing == "log":
-            rows = np.geomspace(start, stop, count)
-        elif self.spacing == "cosine":
-            rows = start + (stop - start) * (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, count)))[:, np.newaxis]
-            rows[-1] = stop  # without a rounding error, which a range might not allow
-        else:
-            rows = np.linspace(start, stop, count)
+        share = np.linspace(0, 1, count)[:, np.newaxis]
+        if ease:
+            share = 0.5 - 0.5 * np.cos(np.pi * share)
+        rows = start * (stop / start) ** share if self.spacing == "log" else start + (stop - start) * share
+        rows[-1] = stop  # without a rounding error, which a range might not allow
         return [row[0] if len(row) == 1 else tuple(row) for row in rows.tolist()]
 
 
 class MovieSpec(Model):
     """A movie: its title, scene, fixed parameters, swept parameters, number of frames and frame rate."""
 
-    title: Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")] = Field(
-        description="the movie's title, one line of up to 200 characters"
-    )
+    title: Title = Field(description="the movie's title, one line of up to 200 characters")
     # pydantic takes the names from SCENES; mypy takes only names that are written out
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
-    frame_rate: FrameRate = Field(10, description="frames a second at quality standard, 0.1 to 120")
+    frame_rate: FrameRate = Field(default=10, description="frames a second at quality standard, 0.1 to 120")
     frames: Annotated[int, Field(ge=2, le=MAX_FRAMES)] | None = Field(
-        None,
+        default=None,
         description=f"number of frames from start to stop at quality standard, 2 to {MAX_FRAMES} (default {FRAMES}, "
         "or as many as a sweep has values)",
     )
-    loop: bool = Field(False, description="whether the movie goes there and back, so that it can be repeated")
+    exact_frames: bool = Field(
+        default=False, description="whether `frames` is the number at every quality, as of --frames"
+    )
+    ease: bool = Field(
+        default=False, description="whether the sweeps start and stop gently; not for a sweep with `values`"
+    )
+    hold: Annotated[float, Field(ge=0, le=10)] = Field(
+        default=0, description="how long the first and the last picture stay in addition, 0 to 10 seconds"
+    )
+    overlay: bool = Field(default=False, description="whether its file has the overlay, unless told otherwise")
+    side_view: bool = Field(default=False, description="whether its file has the side view, unless told otherwise")
+    loop: bool = Field(default=False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, object] = Field(
-        {}, description="the scene's fixed parameters; windows behind the first one have a table [[window]] each"
+        default={},
+        description="the scene's fixed parameters; windows behind the first one have a table [[window]] each",
     )
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
         description="the swept parameters; for each a table [[sweep]], with two brackets"
@@ -138,7 +166,7 @@ class MovieSpec(Model):
                 raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {', '.join(own)}")
             if names.count(name) > 1:
                 raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
-            for value in sweep.values or sweep.ends:
+            for value in sweep.given:
                 if np.size(value) != numbers[name]:
                     kind = "a number" if numbers[name] == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
@@ -196,7 +224,13 @@ class MovieSpec(Model):
                 if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
                     raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values)
-            own = {x: from_folder(value, folder) if x == "piece" else value for x, value in spec.fixed.items()}
+            names: dict[str, Collection[str]] = {
+                "piece": PIECES,
+                "profile": NAMES,
+                "sky": (),
+                "floor": ("tiles", "none"),
+            }
+            own = {x: from_folder(value, folder, names[x]) if x in names else value for x, value in spec.fixed.items()}
             return spec.replace(fixed=own).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
@@ -231,12 +265,16 @@ class MovieSpec(Model):
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
         names = [sweep.parameter for sweep in self.sweep]
-        rows = zip(*(sweep.in_frames(count) for sweep in self.sweep), strict=True)
+        rows = zip(*(sweep.in_frames(count, self.ease) for sweep in self.sweep), strict=True)
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
         if len({scene.view for scene in scenes}) > 1 and "view" not in {*self.fixed, *names}:
             view = max(scene.view for scene in scenes)  # the picture keeps its scale
             scenes = [scene.replace(view=view) for scene in scenes]
-        return scenes + scenes[-2:0:-1] if self.loop else scenes
+        held, middle = round(self.hold * self.rate(quality)), count // 2
+        if self._stays_halfway:
+            scenes[middle:middle] = scenes[middle : middle + 1] * held
+        there = scenes[:1] * held + scenes + scenes[-1:] * held
+        return there + scenes[-2:0:-1] if self.loop else there
 
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
         """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed.
@@ -281,18 +319,26 @@ class MovieSpec(Model):
         for sweep in self.sweep:
             if sweep.values:
                 return len(sweep.values)
+        if self.exact_frames:
+            return steps + 1
         more = preset.frame_rate / self.frame_rate if preset.frame_rate else preset.frames
         return max(round(steps * more), 1) + 1
 
     def count(self, quality: str) -> int:
         """Return the number of frames."""
-        there = self._frames_there(quality)
-        return 2 * there - 2 if self.loop else there
+        held = round(self.hold * self.rate(quality))
+        there = self._frames_there(quality) + held * self._stays_halfway
+        return (2 * there - 2 if self.loop else there) + 2 * held
+
+    @property
+    def _stays_halfway(self) -> bool:
+        """Whether the middle picture stays, too."""
+        return any(sweep.via is not None for sweep in self.sweep)
 
     def rate(self, quality: str) -> float:
         """Return the frames a second. The time from the first frame to the last is the same at each quality."""
         rate = preset_of(quality).frame_rate
-        if any(sweep.values for sweep in self.sweep):
+        if self.exact_frames or any(sweep.values for sweep in self.sweep):
             return self.frame_rate
         if rate:
             return rate
@@ -303,7 +349,7 @@ def spec_file(path: str | Path) -> Path | int:
     """Return the file that `MovieSpec.load` reads. It is 0, standard input, for the path "-"."""
     if str(path) == "-":
         return 0
-    file = Path(path)
+    file = in_home(Path(path))
     return file if file.suffix == ".toml" or file.exists() else MOVIES / f"{path}.toml"
 
 

@@ -1,27 +1,27 @@
-"""Where the rays from a scene's eye go in its prisms, and the trace level that POV-Ray needs for them.
+"""Where the rays from a scene's eye go in its prisms, and the max_trace_level that POV-Ray needs for them.
 
-The designed path leads, in each sheet, through one slanted facet, to the base, and through the other slanted facet. All
-other light is stray light.
+POV-Ray shows only rays that meet fewer faces than max_trace_level. The designed path leads, in each sheet of prisms,
+through one slanted facet, to the base, and through the other slanted facet. Through lenses it leads in at a lens, and
+out at the lens opposite. All other light is stray light.
 """
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
-from povgen.optics.prism import Prism
 from povgen.scene.models import Scene
 from povgen.scene.windows import Placed
 
 if TYPE_CHECKING:
     from povgen.optics import trace
-    from povgen.optics.rotation import Complexes, Floats
+    from povgen.optics.equations import Complexes, Floats
+    from povgen.optics.faces import Sheet
 
 
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through the windows of prisms."""
 
-    # the least max_trace_level with which POV-Ray loses at most MAX_LOST_FRACTION of the rays to any window of prisms
+    # the least max_trace_level with which, for each window of prisms, at most MAX_LOST_FRACTION of the rays are lost
     trace_level: int
     designed: float  # the fraction of the rays to the last window that are on the designed path
 
@@ -33,25 +33,17 @@ class SurveyInputs(NamedTuple):
     z2: float
     E: complex
     aperture: float
-    prism: Prism
-    side: int  # the number of rays along a side; more if few cross all windows
+    side: int  # the grid of rays to each window of prisms is side x side, or finer
 
 
 def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
     """Return everything on which a scene's survey depends."""
-    return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.prism, side)
+    return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, side)
 
 
-def prism_sheets(windows: tuple[Placed, ...], prism: Prism) -> "tuple[trace.Sheet, ...]":
+def prism_sheets(windows: tuple[Placed, ...]) -> "tuple[Sheet, ...]":
     """Return the sheets of prisms in windows, the nearest to the eye first."""
-    from povgen.optics import trace  # slow to load, and only prisms need it
-
-    glass = [window for window in windows if window.sheet.layers]
-    if [window.sheet.layers for window in glass] == [1]:
-        return (trace.Sheet(0.0, glass[0].z),)
-    behind = [(b.z - a.z, b.sheet.alpha) for a, b in zip(glass, glass[1:], strict=False)]
-    pairs = trace.pair(glass[0].sheet.alpha, prism, behind)
-    return tuple(replace(sheet, centre=sheet.centre + glass[0].z) for sheet in pairs)
+    return tuple(layer for number, window in enumerate(windows) for layer in window.sheet.layers_at(window.z, number))
 
 
 def survey(scene: Scene, side: int = 60) -> Survey:
@@ -72,9 +64,10 @@ def of_inputs(given: SurveyInputs) -> Survey:
 
     from povgen.optics import trace
 
-    windows, z2, E, aperture, prism, side = given
-    glass = prism_sheets(windows, prism)
-    level, designed = max(5, 3 * len(glass) + 1), 0.0  # the designed path meets three faces of each sheet
+    windows, z2, E, aperture, side = given
+    glass = prism_sheets(windows)
+    faces = sum(len(trace.path_of(sheet.shape)) for sheet in glass)
+    level, designed = max(5, faces + 1), 0.0
     first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
     start_z = windows[first - 1].z if first else -z2
     for number in range(first, len(windows)):
@@ -87,8 +80,8 @@ def of_inputs(given: SurveyInputs) -> Survey:
         origin = np.column_stack((start.real, start.imag, np.full(count, start_z)))
         away = end - start
         direction = np.column_stack((away.real, away.imag, np.full(count, windows[first].z - start_z)))
-        found = trace.trace(origin, direction, glass, aperture, prism)
-        level = max(level, _level(origin, direction, found, glass, aperture, prism))
+        found = trace.trace(origin, direction, glass, aperture)
+        level = max(level, _level(origin, direction, found, glass, aperture))
         designed = float(found.designed.mean())
     return Survey(level, designed)
 
@@ -96,16 +89,16 @@ def of_inputs(given: SurveyInputs) -> Survey:
 def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
     """Return the points (number + 1, rays) where rays from the eye cross the windows 0 to `number`.
 
-    These are the rays that cross all of them, by the equations for sheets without thickness. A rectangle of the first
-    window contains the points where they cross it. It is divided into side^2 cells, or into up to 16 side^2 if fewer
-    than side^2 rays would cross all windows. There is a random point in each cell, the same each time. Regularly spaced
-    points would make moire with the prisms.
+    Only rays that cross all of these windows are returned. Here the sheets have no thickness. The rays pass a rectangle
+    of the first window. It contains all points through which such rays can pass. It is divided into side^2 cells. If
+    fewer than side^2 rays cross all windows, the cells are made smaller: there are up to 16 side^2 of them. In each
+    cell there is a random point, the same each time. Regularly spaced points would make moire with the prisms.
     """
     import numpy as np
 
     from povgen.optics import aim
 
-    windows, z2, E, aperture, _, side = given
+    windows, z2, E, aperture, side = given
     half = aperture / 2
     elements, z = [], -z2
     for window in windows[: number + 1]:
@@ -143,9 +136,8 @@ def _level(
     origin: "Floats",
     direction: "Floats",
     found: "trace.Rays",
-    glass: "tuple[trace.Sheet, ...]",
+    glass: "tuple[Sheet, ...]",
     window: float,
-    prism: Prism,
 ) -> int:
     """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""
     import numpy as np
@@ -158,7 +150,7 @@ def _level(
     lost = max(1, int(0.8 * MAX_LOST_FRACTION * reached.sum()))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
-        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, prism, MAX_FACES)
+        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
     return int(np.sort(faces)[-lost]) + 1
 

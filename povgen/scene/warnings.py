@@ -1,7 +1,6 @@
 """Warnings: the limits of the methods that a picture exceeds. The limits are in povgen/limits.py."""
 
 from collections.abc import Iterator
-from math import inf, radians
 
 from povgen.limits import (
     MAX_CONDITION,
@@ -9,12 +8,15 @@ from povgen.limits import (
     MIN_ALPHA,
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
-    RADII,
 )
 from povgen.scene.cells import camera_cells, grid_error, is_dark
-from povgen.scene.models import Scene
+from povgen.scene.models import Scene, pieces
+from povgen.scene.pieces import PieceFile
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
+from povgen.sheets.prisms import SHAPE, Prisms
+
+UNUSUAL = (*SHAPE, "ratio", "f_number")  # parameters of a shape: a warning states those that are not the defaults
 
 
 def warnings(
@@ -25,25 +27,41 @@ def warnings(
     `found` is the scene's survey; without it, rays are traced.
     """
     glass = scene.has_prisms
+    shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
+    if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
+        yield "piece", "; ".join(notes)
     if glass and (designed := (found or survey(scene)).designed) < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
-        shape = {name: getattr(scene, name) for name in ("index", "base_angle", "gap", "aspect")}
-        unusual = (f", {name} = {x:g}" for name, x in shape.items() if x != type(scene).model_fields[name].default)
+        shapes = [(name, sheet.values[name]) for name in UNUSUAL for sheet in scene.layered if name in sheet.values]
+        unusual = (
+            f", {name} = {x:g}" for name, x in dict.fromkeys(shapes) if x != type(scene).model_fields[name].default
+        )
         text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
-        text += " prisms' designed path,"
+        text += f" {_things(scene)}' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
     for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
         if sheet.layers < 2 or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
             continue
-        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the prisms of the two sheets are nearly"
+        things = "prisms" if isinstance(sheet, Prisms) else "lenses"
+        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the {things} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
-    yield from _prediction(scene, rendering) if scene.rotates or scene.sheet == "single" else _laws(scene, rendering)
+    if glass or scene.rotates:
+        yield from _prediction(scene, rendering)
+    if not scene.rotates:
+        yield from _laws(scene, rendering)
     if glass and rendering and rendering.antialias is None:
-        pixels = scene.aperture / scene.view * rendering.size[1] / scene.prisms
+        finest = min(scene.layered, key=lambda sheet: sheet.pitch)
+        pixels = finest.pitch / scene.view * rendering.size[1]
         if pixels < MIN_PIXELS_PER_PRISM:
-            text = f"prisms = {scene.prisms}: a prism is {pixels:.2g} pixels wide; below {MIN_PIXELS_PER_PRISM} pixels,"
-            yield "prisms", f"{text} without antialiasing, the picture is noise"
+            name, thing = finest.counted, "prism" if isinstance(finest, Prisms) else "period"
+            text = f"{name} = {finest.values[name]}: a {thing} is {pixels:.2g} pixels wide;"
+            text += f" below {MIN_PIXELS_PER_PRISM} pixels,"
+            yield name, f"{text} without antialiasing, the picture is noise"
+
+
+def _things(scene: Scene) -> str:
+    return "prisms" if any(isinstance(sheet, Prisms) for sheet in scene.layered) else "lenses"
 
 
 def _laws(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
@@ -67,22 +85,10 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
 
     L and z1 are the object's; its radius is in tiles. Infinite if the object appears at infinity.
     """
-    from povgen.optics import paraxial
+    from povgen.optics import uncertainty
 
-    alpha = radians(scene.alpha)
-    if scene.sheet == "single":
-        k, near = [1 / scene.prism.pitch + 0j], abs(scene.z2 - z1)
-        M = scene.z2 / near if near else inf
-    else:
-        k = paraxial.frequencies(scene.z2, alpha, scene.prisms_by_window, scene.behind)
-        A, B = paraxial.depths(z1, scene.z2, alpha, scene.prisms_by_window, scene.behind)
-        M, near = float(scene.nu_and_M(z1)[1]), float(abs(abs(A) - abs(B)))
-    if not near:
-        return inf
-    tangent = abs(complex(scene.apparent_position(L, z1)) - scene.E) / scene.z2
-    apparent = min(max(M * radius, RADII[0]), RADII[1])
-    error = paraxial.possible_error(k, scene.z2 / near, apparent, tangent, scene.z2, scene.prism)
-    return error / scene.view * 960
+    P = complex(scene.apparent_position(L, z1, near=radius))
+    return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements) / scene.view * 960
 
 
 def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
@@ -91,20 +97,18 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     shows = {
         "predicted_image": getattr(scene, "predicted_image", False),
         "overlay": rendering and rendering.overlay,
-        "caption": rendering and rendering.caption and two,
+        "caption": rendering and rendering.caption == "full" and two,
     }
     names = [name for name, shown in shows.items() if shown]
     if not names:
         return
-    from povgen.optics import rotation
-
     found = []
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if scene.has_prisms:
-            found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, "the prisms' size"))
+            what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and spherical aberration")
+            found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
         else:  # up to MAX_CONDITION, the error is one pixel; so is that between the camera's cells
-            Z = abs(rotation.depth(z1, scene.z2, radians(scene.alpha), scene.behind))
-            M = float(scene.z2 / Z) if Z else inf
+            M = float(scene.nu_and_M(z1)[1])
             cells = camera_cells(scene)
             error = max(M / MAX_CONDITION, grid_error(scene, cells) if cells > 1 else 0)
             found.append((error, 1, z1, f"the magnification of the object, {M:.3g} times"))

@@ -7,12 +7,13 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
 from povgen.model import Model, as_pair
 from povgen.sheets import PAPER, PARAMETERS, SHEETS
+from povgen.sheets.profile import NAMES, ProfileFile, as_profile
 from povgen.sheets.sheet import Parameter, Sheet
 
 MAX_WINDOWS = 5
 
 
-def _table(value: object) -> object:
+def as_table(value: object) -> object:
     """Accept texts such as 'k=0.3', one or several, in place of a table of numbers."""
     texts = [value] if isinstance(value, str) else value
     if not isinstance(texts, (list, tuple)):
@@ -45,8 +46,11 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
             return Literal[parameter.choices]
         case "text":
             return str
+        case "profile":
+            return Annotated[Literal[NAMES] | ProfileFile, BeforeValidator(as_profile)]
         case "table":
-            return Annotated[dict[str, float], BeforeValidator(_table)]
+            names = Literal[parameter.choices] if parameter.choices else str
+            return Annotated[dict[names, number], BeforeValidator(as_table)]  # type: ignore[valid-type]
         case "whole number":
             return Annotated[int, bounds]
     return Annotated[number, _checked_size(parameter)] if parameter.size else number
@@ -68,9 +72,9 @@ def _fields(required: bool) -> dict[str, Any]:
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
         found[name] = (
-            (annotation, Field(default, description=about))
+            (annotation, Field(default=default, description=about))
             if required
-            else (annotation | None, Field(None, description=about))
+            else (annotation | None, Field(default=None, description=about))
         )
     return found
 
@@ -90,7 +94,11 @@ class Window(_OfWindow):
     """
 
     z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
-    sheet: SheetName | None = Field(None, description="model of its sheets (default: the scene's)")
+    sheet: SheetName | None = Field(default=None, description="model of its sheets (default: the scene's)")
+
+    if TYPE_CHECKING:  # the fields that come from the sheets' parameters
+
+        def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
 
 
 class Placed(NamedTuple):

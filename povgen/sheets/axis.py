@@ -1,8 +1,8 @@
 """A sheet that rotates light about any axis."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA
-from povgen.sheets.sheet import Ideal, Parameter
+from povgen.sheets.parameters import ALPHA, of
+from povgen.sheets.sheet import Ideal, Parameter, Said
 
 # Rodrigues' formula for the angle -alpha, because the ray runs against the light.
 _SQUARE = "(axis_x*axis_x + axis_y*axis_y + axis_z*axis_z)"
@@ -22,7 +22,7 @@ class AxisRotation(Ideal):
     does = "turns light by alpha about the axis"
     source = "Hamilton, Sundar and Courtial, J. Opt. 12, 095101 (2010)"
     parameters = (
-        ALPHA,
+        of(ALPHA, said=Said("light turned by {} about the axis")),
         Parameter(
             "axis",
             "axis of rotation as X,Y,Z, to the right, up and away from the eye, the largest component at least 0.001",
@@ -34,10 +34,7 @@ class AxisRotation(Ideal):
             symbol="a",
         ),
     )
-    choice = "about an axis"
     opening = {"alpha": 20, "axis": (0, 1, 0)}
-    sentence = "The sheet rotates light by {alpha} about the axis {axis}."
-    remark = "No prisms are known that do this."
     sweep = {"alpha": (-60, 60)}  # for larger angles it is dark
     law = Law(
         f"cos(alpha)*x - {_ACROSS}*(axis_y*z - axis_z*y) + {_ALONG}*axis_x,"
@@ -50,3 +47,8 @@ class AxisRotation(Ideal):
         {"alpha": -40, "axis": (0.6, 0.3, 1)},
         {"alpha": 60, "axis": (1, 0, -1)},
     )
+
+    @property
+    def line(self) -> tuple[str, complex] | None:
+        x, y, z = self.values["axis"]
+        return ("axis", complex(x, y)) if z == 0 else None

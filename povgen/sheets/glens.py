@@ -27,11 +27,6 @@ class Glens(Ideal):
             symbol="g",
         ),
     )
-    choice = "glens"
-    sentence = (
-        "The sheet images as a lens with the focal length f = {focal_length} on your side, "
-        "and g = {object_focal_length} on the object’s."
-    )
     law = Law(
         "(focal_length*x - X*z)/object_focal_length, (focal_length*y - Y*z)/object_focal_length, z",
         ["focal_length", "object_focal_length"],

@@ -4,7 +4,7 @@ The languages are Python (with numpy), POV-Ray's scene description language, GLS
 
 A law is three expressions, for x, y and z. They may contain
 
-- x, y, z: the direction before the sheet, of length 1, of a ray that runs away from the eye (z > 0);
+- x, y, z: the unit direction, before the sheet, of a ray that comes from the eye (z > 0);
 - X, Y: where the ray meets the sheet, from the window's centre, tiles;
 - the names of the sheet's parameters; angles are in radians;
 - decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
@@ -35,7 +35,7 @@ FUNCTIONS = {
 }
 RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # characters of a law, and levels of its tree
-LARGEST = 1e30  # number in a law: the graphics processor's have 32 bits
+LARGEST = 1e30  # number in a law: shaders compute with 32-bit numbers
 LEAST_Z = 1e-6  # of the new direction, relative to its length: with less, no light passes
 _SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
 
@@ -100,12 +100,21 @@ class Law:
         return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
 
     def expressions(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the three expressions, with each name n (of functions too) written as `name(n)`."""
+        """Return the three expressions, with each name n replaced by `name(n)`, also that of a function."""
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
         """Return the largest subexpressions that contain parameters, but none of x, y, z, X and Y."""
         return [_written(part, name) for part in self._extracted[0]]
+
+    def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
+        """Return the numbers of the `constants`. `values` has each parameter's number by its name."""
+        import numpy as np
+
+        names: dict[str, Any] = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}
+        names |= {name: np.float64(value) for name, value in values.items()} | {"__builtins__": {}}
+        with np.errstate(all="ignore"):
+            return [float(eval(text, names)) for text in self.constants()]  # safe, as in `bend`
 
     def with_constants(self, name: Callable[[str], str] = str) -> list[str]:
         """Return the three expressions with the names c0, c1, ... in place of the `constants`."""

@@ -13,7 +13,5 @@ class Lens(Ideal):
     does = "bends light towards the window's centre as an ideal thin lens does"
     source = "any textbook of optics"
     parameters = (FOCAL_LENGTH,)
-    choice = "lens"
-    sentence = "The sheet bends light as a thin lens of focal length f = {focal_length} does."
     law = Law("x - X*z/focal_length, y - Y*z/focal_length, z", ["focal_length"])
     examples = ({"focal_length": 4}, {"focal_length": -8})

@@ -1,7 +1,7 @@
 """Confocal lenslet arrays."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA, RATIO, of
+from povgen.sheets.parameters import ALPHA, FOCAL_LENGTHS, RATIO, of
 from povgen.sheets.sheet import Ideal
 
 
@@ -18,16 +18,9 @@ class Lenslets(Ideal):
     source = "Courtial, New J. Phys. 10, 083033 (2008)"
     parameters = (
         ALPHA,
-        of(
-            RATIO,
-            "ratio of focal lengths, the object's side over the eye's, 0.1 to 10",
-            "ratio of focal lengths f₁/f₂: object’s side over eye’s",
-        ),
+        of(RATIO, "ratio of focal lengths, the object's side over the eye's, 0.1 to 10", FOCAL_LENGTHS),
     )
-    choice = "lenslets"
     opening = {"alpha": 180, "ratio": 2}
-    sentence = "Pairs of lenslets multiply the light’s slope by f₁/f₂ = {ratio}, and turn it by {alpha}."
-    remark = "Real lenslets turn it by 180°."
     law = Law(
         "(cos(alpha)*x + sin(alpha)*y)/ratio, (cos(alpha)*y - sin(alpha)*x)/ratio, z",
         ["alpha", "ratio"],

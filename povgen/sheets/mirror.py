@@ -1,8 +1,10 @@
 """One infinitely fine sheet of Dove prisms."""
 
+from cmath import rect
+
 from povgen.sheets.law import Law
 from povgen.sheets.parameters import ALPHA, of
-from povgen.sheets.sheet import Ideal
+from povgen.sheets.sheet import Ideal, Said
 
 
 class Mirror(Ideal):
@@ -12,9 +14,11 @@ class Mirror(Ideal):
     title = "one infinitely fine sheet of prisms"
     does = "mirrors light's transverse direction about a line at alpha/2"
     source = "Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009)"
-    parameters = (of(ALPHA, ALPHA.text, "twice the angle of the mirror line"),)
-    choice = "one mirroring"
+    parameters = (of(ALPHA, said=Said("mirror line at {}", 0.5)),)
     opening = {"alpha": 90}
-    sentence = "The sheet mirrors the light’s slope about a line at {alpha/2}, as one sheet of prisms does."
     law = Law("cos(alpha)*x + sin(alpha)*y, sin(alpha)*x - cos(alpha)*y, z", ["alpha"])
     examples = ({"alpha": 0}, {"alpha": 60}, {"alpha": -100})
+
+    @property
+    def line(self) -> tuple[str, complex]:
+        return "mirror line", rect(1, self.alpha / 2)

@@ -2,7 +2,10 @@
 
 from dataclasses import replace
 
-from povgen.sheets.sheet import Parameter
+from povgen.limits import MIN_GAP
+from povgen.optics.glasses import GLASSES
+from povgen.optics.prism import Prism
+from povgen.sheets.sheet import Parameter, Said
 
 ALPHA = Parameter(
     "alpha",
@@ -12,14 +15,31 @@ ALPHA = Parameter(
     360,
     "degrees",
     symbol="α",
-    label="the light is turned by",
 )
 RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")
 FOCAL_LENGTH = Parameter(
     "focal_length", "focal length, -100 to -0.1 or 0.1 to 100 tiles", 4, -100, 100, "tiles", size=0.1, symbol="f"
 )
+INDEX = Parameter("index", "refractive index n of the prisms or lenses, 1.1 to 4", Prism.index, 1.1, 4)
+GLASS = Parameter(
+    "glass",
+    "the glass of prisms or lenses, in place of index, such as BK7; povgen list shows all, with n",
+    "none",
+    kind="choice",
+    choices=("none", *GLASSES),
+)
+GAP = Parameter(
+    "gap",
+    f"air between prisms, and between two sheets, in units of the pitch, {MIN_GAP:g} to 0.5",
+    Prism.gap,
+    MIN_GAP,
+    0.5,
+)
 
 
-def of(parameter: Parameter, text: str, label: str = "") -> Parameter:
-    """Return a shared parameter with the text and the label for another kind of sheet."""
-    return replace(parameter, text=text, label=label)
+FOCAL_LENGTHS = Said("f₁/f₂ = {}")  # of lenses in two arrays
+
+
+def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:
+    """Return a shared parameter with the text for another kind of sheet, and its words in captions."""
+    return replace(parameter, text=text or parameter.text, said=said)

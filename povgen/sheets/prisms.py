@@ -1,28 +1,34 @@
 """Sheets of Dove prisms of finite size (section 2 of the paper)."""
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from math import pi, radians, tan
+from typing import TYPE_CHECKING, NamedTuple
 
-from povgen.limits import MAX_PRISMS, MIN_GAP
-from povgen.optics.prism import Prism
+from povgen.limits import MAX_PRISMS
+from povgen.optics.prism import MOST_DEVIATION, Prism
+from povgen.sheets.layered import Layered
 from povgen.sheets.mirror import Mirror
-from povgen.sheets.parameters import ALPHA
+from povgen.sheets.parameters import ALPHA, GAP, GLASS, INDEX
 from povgen.sheets.rotation import Rotation
-from povgen.sheets.sheet import Parameter, Sheet
+from povgen.sheets.sheet import Parameter, Said
 
 if TYPE_CHECKING:
-    from povgen.optics.aim import Matrix
+    from povgen.optics import faces
 
 PRISMS = (
     Parameter(
         "prisms",
-        f"Dove prisms across the window, in each sheet, 1 to {MAX_PRISMS}",
+        f"Dove prisms across the window in each sheet, 1 to {MAX_PRISMS}",
         100,
         1,
         MAX_PRISMS,
         kind="whole number",
+        said=Said("{} prisms"),
     ),
-    Parameter("index", "refractive index n of the prisms, 1.1 to 4", Prism.index, 1.1, 4),
+    INDEX,
+    GLASS,
     Parameter(
         "base_angle",
         "angle between a prism's base and its slanted facets, 15 to 75 degrees",
@@ -31,11 +37,10 @@ PRISMS = (
         75,
         "degrees",
     ),
-    Parameter("gap", f"air between prisms, in units of their pitch, {MIN_GAP:g} to 0.5", Prism.gap, MIN_GAP, 0.5),
+    GAP,
     Parameter(
         "aspect",
-        "length of a prism, in units of its length at full aperture: "
-        "above a least value that depends on index and base angle, and below 2",
+        "length of a prism, in units of that at full aperture; the least depends on index and base angle; below 2",
         Prism.aspect,
         0,
         2,
@@ -50,42 +55,146 @@ PRISMS = (
 )
 
 
-class _Prisms(Sheet):
+class Range(NamedTuple):
+    """The allowed numbers of an error, and their unit."""
+
+    least: float
+    most: float
+    unit: str = ""
+
+
+ANGLE = Range(-10, 10, "degrees")
+CHANGE = Range(-0.1, 0.1)
+# By how much a pair of sheets can differ from its plan: docs/tolerances.md
+ERRORS = {
+    "turn": ANGLE,  # the near sheet is turned too far about z
+    "tilt_x": ANGLE,  # the near sheet is tilted about x, and then about y
+    "tilt_y": ANGLE,
+    "far_tilt_x": ANGLE,
+    "far_tilt_y": ANGLE,
+    "separation": Range(0, 10, "tiles"),  # the sheets are too far apart
+    "index": CHANGE,  # of the near sheet's glass: too great
+    "far_index": CHANGE,
+    "base_angle": ANGLE,  # of the near sheet's prisms: too great, for a base of the planned length
+    "far_base_angle": ANGLE,
+    "pitch": CHANGE,  # of the near sheet's lenses on the object's side: too great by this part
+    "far_pitch": CHANGE,
+    "facets": Range(0, 1, "degrees"),  # standard deviation of the angle of each single facet
+    "seed": Range(0, 1e9),  # of the random numbers for the facets
+}
+ERROR = Parameter(
+    "error",
+    "error of building, such as turn=0.1; docs/tolerances.md names them",
+    {},
+    kind="table",
+    choices=tuple(ERRORS),
+)
+
+
+OF_LENSES = ("pitch", "far_pitch")  # the other errors are of prisms
+
+
+def check_ranges(errors: Mapping[str, float], allowed: Sequence[str], of: str) -> None:
+    """Raise ValueError for an error that these sheets cannot have, and for one outside its range."""
+    for name, value in errors.items():
+        if name not in allowed and value:
+            raise ValueError(f"error: {name} = {value:g}; allowed for {of}: {', '.join(allowed)}")
+        least, most, unit = ERRORS[name]
+        if not least <= value <= most:
+            raise ValueError(f"error: {name} = {value:g}; allowed: {least:g} to {most:g}{unit and ' '}{unit}")
+
+
+SHAPE = ("index", "base_angle", "gap", "aspect")  # of a prism, beside its pitch
+
+
+class Prisms(Layered):
+    """What the sheets of prisms share."""
+
     source = "Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009)"
+    counted = "prisms"
 
     @cached_property
-    def prism(self) -> Prism:
-        """The shape of the prisms. Lengths are in tiles."""
-        shape = {name: self.values[name] for name in ("index", "base_angle", "gap", "aspect")}
-        return Prism(self.aperture / self.values["prisms"], **shape)
-
-    @property
-    def depth(self) -> float:
-        return self.prism.thickness(self.layers)
+    def shape(self) -> Prism:
+        return Prism(self.pitch, **{name: self.values[name] for name in SHAPE})
 
 
-class PrismPair(_Prisms):
+class PrismPair(Prisms):
     """Two sheets: the one near the eye is turned by alpha/2 about the normal, the far one has ridges along x."""
 
     name = "detailed"
     title = "two sheets of Dove prisms"
     does = "turns light by alpha about the sheets' normal"
-    parameters = (ALPHA, *PRISMS)
+    parameters = (ALPHA, *PRISMS, ERROR)
     rotates = True
     layers = 2
 
-    @cached_property
-    def transfer(self) -> "Matrix":
-        from povgen.optics import aim
+    @property
+    def is_exact(self) -> bool:
+        return not any(value for name, value in self.values["error"].items() if name != "seed")
 
-        return aim.pair(self.alpha, self.prism)
+    @property
+    def _built(self) -> dict[str, float]:
+        return {name: self.values["error"].get(name, 0.0) for name in ERRORS}
+
+    def _shape_of(self, index: float, base_angle: float) -> Prism:
+        """Return the shape of a sheet's prisms, for these errors. The base has the planned length."""
+        plan = self.shape
+        wrong = replace(plan, index=plan.index + index, base_angle=plan.base_angle + base_angle)
+        return replace(wrong, aspect=plan.aspect * plan.full_aperture / wrong.full_aperture)
+
+    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
+        from povgen.optics import trace
+
+        near, far = trace.pair(self.alpha, self.shape, z, window)
+        if self.is_exact:
+            return near, far
+        wrong = self._built
+        turn, x, y, far_x, far_y, facets = (
+            radians(wrong[name]) for name in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "far_tilt_y", "facets")
+        )
+        shape = self._shape_of(wrong["index"], wrong["base_angle"])
+        near = replace(near, angle=near.angle + turn, tilt=(x, y), shape=shape)
+        far = replace(far, tilt=(far_x, far_y), shape=self._shape_of(wrong["far_index"], wrong["far_base_angle"]))
+        if facets:
+            seed = int(wrong["seed"])
+            near, far = (replace(each, facets=facets, seed=(seed, k)) for k, each in enumerate((near, far)))
+        least = near.reach(self.aperture) + far.reach(self.aperture)  # a tilted sheet must not meet the other
+        aside = (max(far.centre - near.centre, least) + wrong["separation"]) / 2
+        return replace(near, centre=z - aside), replace(far, centre=z + aside)
+
+    @property
+    def facets(self) -> list[tuple[int, list[list[float]]]]:
+        """For each sheet, the near one first, what `faces.facet_angles` returns, in degrees; none if all are equal."""
+        from povgen.optics import faces
+
+        found = [
+            faces.facet_angles(each.shape, self.aperture, each.facets, each.seed)
+            for each in self.layers_at(0.0, 0)
+            if each.facets and isinstance(each.shape, Prism)
+        ]
+        return [(lowest, (angles * (180 / pi)).tolist()) for lowest, angles in found]
+
+    @property
+    def depth(self) -> float:
+        near, far = self.layers_at(0.0, 0)
+        return 2 * max(far.centre + far.reach(self.aperture), near.reach(self.aperture) - near.centre)
 
     @property
     def thin(self) -> Rotation:
-        return Rotation({"alpha": self.values["alpha"]})
+        return Rotation({"alpha": self.values["alpha"] + 2 * self._built["turn"]})
+
+    def check_errors(self) -> None:
+        """Raise ValueError for an error outside its range, and for facets that would cross."""
+        check_ranges(self.values["error"], [name for name in ERRORS if name not in OF_LENSES], "prisms")
+        wrong = self._built
+        for sheet in ("", "far_"):
+            shape = self._shape_of(wrong[f"{sheet}index"], wrong[f"{sheet}base_angle"])
+            least = shape.base_angle - MOST_DEVIATION * wrong["facets"]
+            if 2 * shape.height / tan(radians(least)) >= shape.length:
+                raise ValueError("error: slanted facets would cross; allowed: smaller errors, or a greater aspect")
 
 
-class SinglePrismSheet(_Prisms):
+class SinglePrismSheet(Prisms):
     """One sheet, with ridges along x: it reverses the y component of light's direction."""
 
     name = "single"
@@ -93,12 +202,6 @@ class SinglePrismSheet(_Prisms):
     does = "reverses the y component of light's direction"
     parameters = PRISMS
     layers = 1
-
-    @cached_property
-    def transfer(self) -> "Matrix":
-        from povgen.optics import aim
-
-        return aim.single(self.prism)
 
     @property
     def thin(self) -> Mirror:

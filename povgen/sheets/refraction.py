@@ -2,7 +2,7 @@
 
 from povgen.sheets.law import Law
 from povgen.sheets.parameters import ALPHA, RATIO, of
-from povgen.sheets.sheet import Ideal
+from povgen.sheets.sheet import Ideal, Said
 
 _X = "(cos(alpha)*x + sin(alpha)*y)/ratio"
 _Y = "(cos(alpha)*y - sin(alpha)*x)/ratio"
@@ -20,19 +20,9 @@ class Refraction(Ideal):
     does = "multiplies the sine of light's angle by the ratio, and turns light by alpha"
     source = "Sundar, Hamilton and Courtial, Opt. Lett. 34, 374 (2009)"
     parameters = (
-        ALPHA,
-        of(
-            RATIO,
-            "ratio of refractive indices, the object's side over the eye's, 0.1 to 10",
-            "ratio of indices n₁/n₂: object’s side over eye’s",
-        ),
+        of(ALPHA, said=Said("index ratio {ratio}, light turned by {}")),
+        of(RATIO, "ratio of refractive indices, the object's side over the eye's, 0.1 to 10", Said("n₁/n₂ = {}")),
     )
-    choice = "refraction"
     opening = {"alpha": 40, "ratio": 0.7}
-    sentence = (
-        "The sheet refracts light, with a complex ratio of indices: it multiplies the sine of the angle by {ratio}, "
-        "and turns light by {alpha}."
-    )
-    remark = "No prisms are known that do this. At α = 0 it is Snell’s law."
     law = Law(f"{_X}, {_Y}, sqrt(max(1 - (x*x + y*y)/(ratio*ratio), 0))", ["alpha", "ratio"])
     examples = ({"alpha": 0, "ratio": 1.5}, {"alpha": 180, "ratio": 1}, {"alpha": 50, "ratio": 0.6})

@@ -1,27 +1,38 @@
-"""Base classes of sheets. A class is a kind: name, parameters, texts. An instance has values."""
+"""Base classes of sheets. A subclass is a kind of sheet. An instance is a sheet with values of its parameters.
+
+The law of an ideal sheet states the direction of a ray behind it (`law.py`).
+"""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import radians
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from math import pi
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from povgen.sheets.law import Law
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
 
+    from povgen.optics import faces
     from povgen.optics.aim import Matrix
 
-Kind = Literal["number", "whole number", "direction", "choice", "text", "table"]
+Kind = Literal["number", "whole number", "direction", "choice", "text", "table", "profile"]
+
+
+class Said(NamedTuple):
+    """How a caption says a parameter's value."""
+
+    words: str  # {} is the value, with its unit, and {ratio} the value of the parameter `ratio`
+    factor: float = 1  # of the value that is said
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
 
-    If several kinds have a parameter of the same name, only `text` and `label` may differ.
+    Several kinds can have a parameter of the same name. It may then differ only in `text` and `said`.
     """
 
     name: str
@@ -34,7 +45,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
     symbol: str = ""  # on the teaching page; otherwise its name
-    label: str = ""  # what it is, beside its slider; otherwise the beginning of `text`
+    said: Said | None = None  # in captions; otherwise as `symbol = value`
 
     @property
     def about(self) -> str:
@@ -43,7 +54,7 @@ class Parameter:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its numbers in a law. A direction has three."""
+        """The names by which a law calls its numbers. A direction has three numbers."""
         if self.kind == "direction":
             return tuple(f"{self.name}_{component}" for component in "xyz")
         return (self.name,)
@@ -52,14 +63,14 @@ class Parameter:
         """Return the numbers in a law for a value: angles in radians."""
         if self.kind == "direction":
             return tuple(value)
-        return (radians(value) if self.unit.startswith("degrees") else float(value),)
+        return (value * (pi / 180) if self.unit.startswith("degrees") else float(value),)
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """The sheet, or the pair of sheets, in a window. Its class is its kind; `values` are those of its parameters.
+    """The sheet, or the pair of sheets, in a window.
 
-    Lengths are in tiles, angles in degrees.
+    `values` are the values of its parameters. Lengths are in tiles, angles in degrees.
     """
 
     values: Mapping[str, Any]
@@ -71,38 +82,48 @@ class Sheet:
     source: ClassVar[str]  # where it is described
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
-    layers: ClassVar[int] = 0  # how many sheets of prisms it consists of
+    layers: ClassVar[int] = 0  # how many sheets of prisms or lenses it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
-    # For ideal sheets on the teaching page. {alpha} and {alpha/2} in `sentence` are replaced by values.
-    choice: ClassVar[str] = ""  # its name in the choice; otherwise the title
-    # values when the user chooses this kind; otherwise the parameters' defaults
+    # values when the user chooses this kind on the teaching page; otherwise the parameters' defaults
     opening: ClassVar[Mapping[str, Any]] = {}
-    sentence: ClassVar[str] = ""  # what it does; otherwise what `does` says
-    remark: ClassVar[str] = ""  # one more sentence; left out if, with its values, the sheet only rotates light
-    # first and last value of a parameter, in place of those of the paper's movies
+    # for movies on the page: first and last value of a parameter; otherwise those of the paper's movies
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
         return hash((type(self), str(sorted(self.values.items())), self.aperture))
 
     @property
-    def alpha(self) -> float:
+    def alpha(self) -> Any:  # noqa: ANN401  (a number, or an array)
         """The angle by which light is turned about the normal, radians; 0 for sheets without this parameter."""
-        return radians(self.values.get("alpha", 0.0))
+        return self.values.get("alpha", 0.0) * (pi / 180)  # alpha may be an array
+
+    @property
+    def line(self) -> tuple[str, complex] | None:
+        """What the line in the sheet is about which it mirrors or turns light, and its direction x + iy; or None."""
+        return None
 
     @property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix (`optics.aim`), of prisms in paraxial approximation; None if the sheet has none."""
+        """The ray-transfer matrix (`optics.aim`), of glass in paraxial approximation; None if the sheet has none."""
         return None
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the sheet is built without errors."""
+        return True
 
     @property
     def depth(self) -> float:
         """Extent along z, tiles."""
         return 0.0
 
+    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
+        """Return the sheets of glass, the near one first. z is their window's middle, `window` its number."""
+        return ()
+
     @property
     def thin(self) -> "Ideal":
-        """The ideal sheet with the same law for light on the designed path."""
+        """The ideal sheet that does to light what this sheet does on the designed path."""
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
@@ -112,7 +133,7 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Ideal(Sheet):
-    """A sheet without thickness: light leaves it where it has met it, in the direction that its law states."""
+    """A sheet without thickness. Light leaves at the point where it arrives, in the direction that the law states."""
 
     law: ClassVar[Law]
 
@@ -151,14 +172,17 @@ class Ideal(Sheet):
         """
         import numpy as np
 
-        probes = np.array([0, 1, 1j, 0, 0]), np.array([0, 0, 0, 1, 1j])
-        s = self.slope(*probes)
+        shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
+        # A number can be an array, with a value for each of several sheets. Its axes follow the axis of the rays.
+        rays = (slice(None), *[None] * len(shape))
+        s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
         steps = s[1:] - s[0]
         others = np.random.default_rng(1).uniform(-2, 2, (4, 20))
         slope, place = others[0] + 1j * others[1], others[2] + 1j * others[3]
-        linear = s[0] + sum(step * part for step, part in zip(steps, others, strict=True))
-        if not (abs(self.slope(slope, place) - linear) <= 1e-11 * (1 + abs(steps).max())).all():
+        linear = s[0] + np.einsum("i...,ij->j...", steps, others)
+        if not (abs(self.slope(slope[rays], place[rays]) - linear) <= 1e-11 * (1 + abs(steps).max())).all():
             return None
-        matrix = np.eye(5)
-        matrix[2:4] = [[*part(steps[2:]), *part(steps[:2]), part(s[0])] for part in (np.real, np.imag)]
+        matrix = np.broadcast_to(np.eye(5), (*shape, 5, 5)).copy()
+        columns = np.moveaxis(np.stack((*steps[2:], *steps[:2], s[0])), 0, -1)
+        matrix[..., 2, :], matrix[..., 3, :] = columns.real, columns.imag
         return matrix

@@ -1,7 +1,7 @@
 """A sheet that rotates light by an angle that depends on the place."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA, of
+from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal, Parameter
 
 _ANGLE = "(alpha + twist*sqrt(X*X + Y*Y))"
@@ -15,13 +15,11 @@ class Twist(Ideal):
     does = "turns light by alpha at the centre, and by more outside"
     source = "this project"
     parameters = (
-        of(ALPHA, ALPHA.text, "light at the centre is turned by"),
+        ALPHA,
         Parameter(
             "twist", "change of the angle, -360 to 360 degrees a tile", 30, -360, 360, "degrees a tile", symbol="τ"
         ),
     )
-    choice = "twist"
     opening = {"alpha": 0}
-    sentence = "The sheet turns light by {alpha} at its centre. Outwards, the angle changes by {twist}."
     law = Law(f"cos({_ANGLE})*x + sin({_ANGLE})*y, cos({_ANGLE})*y - sin({_ANGLE})*x, z", ["alpha", "twist"])
     examples = ({"alpha": 66, "twist": 10}, {"alpha": 0, "twist": -15})

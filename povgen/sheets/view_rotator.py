@@ -1,7 +1,7 @@
 """A sheet behind which one plane appears turned as a rigid body."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA, of
+from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal, Parameter
 
 _X = "((cos(alpha) - 1)*X + sin(alpha)*Y)*z/view_distance"
@@ -20,7 +20,7 @@ class ViewRotator(Ideal):
     does = "shows what is at view_distance turned by alpha about the window's centre, for every eye"
     source = "this project"
     parameters = (
-        of(ALPHA, ALPHA.text, "the plane appears turned by"),
+        ALPHA,
         Parameter(
             "view_distance",
             "distance of the plane that appears rigid, 0.1 to 100 tiles",
@@ -29,11 +29,8 @@ class ViewRotator(Ideal):
             100,
             "tiles",
             symbol="D",
-            label="distance of the rigid plane",
         ),
     )
-    choice = "view rotator"
-    sentence = "What is D = {view_distance} behind the sheet appears turned by {alpha} about its centre, to every eye."
     law = Law(
         f"cos(alpha)*x + sin(alpha)*y + {_X}, cos(alpha)*y - sin(alpha)*x + {_Y}, z",
         ["alpha", "view_distance"],

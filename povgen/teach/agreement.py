@@ -15,7 +15,8 @@ from povgen.measure import probes, verify_ideal
 from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.measure.targets import located
-from povgen.optics import rotation, trace
+from povgen.optics import equations, trace
+from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.scene.models import Chess, Scene, Spheres
 
@@ -50,13 +51,13 @@ class RayThroughSheet:
 def ray_through_sheet(prisms: int, distance: float) -> RayThroughSheet:
     """Trace a ray from z = distance to z = -distance through a sheet whose prisms are 1 apart."""
     start, slope = np.array([-1.0, -0.97, distance]), np.array([0.2, 0.25, -1.0])
-    prism, sheet = Prism(1.0), (trace.Sheet(0.0, 0.0),)
+    sheet = (Sheet(0.0, 0.0, Prism(1.0)),)
     # a trace of at most n faces ends on the n-th
-    rays = [trace.trace(start[None], slope[None], sheet, prisms, prism, most=most) for most in (1, 2, 3, 60)]
+    rays = [trace.trace(start[None], slope[None], sheet, prisms, most=most) for most in (1, 2, 3, 60)]
     out = rays[-1].direction[0] / -rays[-1].direction[0][2]
     path = [start, *(ray.position[0] for ray in rays)]
     path.append(path[-1] + (distance + path[-1][2]) * out)
-    crossing, reflected = start + distance * slope, rotation.mirror(slope, 0.0)
+    crossing, reflected = start + distance * slope, equations.mirror(slope, 0.0)
     mirrored = crossing + distance * reflected
     sine, cosine = np.linalg.norm(np.cross(out, reflected)), np.dot(out, reflected)
     return RayThroughSheet(
@@ -133,7 +134,7 @@ def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     for scene, frame in zip(coded, probes.decoded(coded, SMALL), strict=True):
         a = verify_ideal.about_eye(scene, frame, SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
-        nu, M = degrees(rotation.nu(r, alpha)), float(rotation.M(r, alpha))
+        nu, M = degrees(equations.nu(r, alpha)), float(equations.M(r, alpha))
         found.append(PieceAgreement(scene.alpha, scene.z1, degrees(np.angle(a)), nu, abs(a), M))
     return found
 
@@ -160,11 +161,11 @@ def trace_through_P(alpha: float, z1: float, z2: float) -> TracedThroughP:
     """Trace rays from E through fine prisms near P, back to the plane of L. The angle alpha is in radians."""
     window = 4.0
     prism = Prism(window / 3000)
-    place = complex(rotation.P(z2 / z1, alpha))
+    place = complex(equations.P(z2 / z1, alpha))
     # A prism shifts a ray one way or the other. The mean over several prisms is not shifted.
     spread = np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * prism.pitch
     direction = np.column_stack((place.real + spread[:, 0] - 1, place.imag + spread[:, 1], np.full(len(spread), z2)))
-    rays = trace.trace(np.array([[1.0, 0, -z2]]), direction, trace.pair(alpha, prism), window, prism)
+    rays = trace.trace(np.array([[1.0, 0, -z2]]), direction, trace.pair(alpha, prism), window)
     x, y, z = rays.position[rays.designed].T
     dx, dy, dz = rays.direction[rays.designed].T
     before, after = direction[rays.designed] @ (1, 1j, 0), dx + 1j * dy
@@ -206,5 +207,5 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
         if np.isfinite(seen.position):
             L, E, z1, z2 = target.L, target.E, target.z1, target.z2
             paraxial.append(abs(seen.position - target.apparent_position(L, z1)))
-            fine.append(abs(seen.position - rotation.apparent_position(L, E, z1, z2, radians(target.alpha))))
+            fine.append(abs(seen.position - equations.apparent_position(L, E, z1, z2, radians(target.alpha))))
     return SpheresAgreement(len(targets), len(fine), px(rms(paraxial)), px(rms(fine)))

@@ -25,6 +25,18 @@ def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # 
     ax.text(x, y, text, **{"ha": "center", "va": "center", **look})
 
 
+def letter(ax: Axes, number: int) -> None:
+    """Write (a), (b), ... at the left above a panel."""
+    ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=4)
+
+
+def point_at(ax: Axes, place: Place, text: str, text_place: Place, colour: str = "black") -> None:
+    """Write a text on white, with an arrow to a place in the picture under it."""
+    look = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkB": 0}
+    box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.9}
+    ax.annotate(text, place, text_place, arrowprops=look, bbox=box, color=colour, fontsize=8, ha="center", va="center")
+
+
 def arrow(ax: Axes, start: Place, end: Place, colour: str, width: float) -> None:
     """Draw an arrow from start to end."""
     shape = {"arrowstyle": "-|>,head_length=0.5,head_width=0.22", "color": colour, "linewidth": width}

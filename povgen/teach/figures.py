@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from povgen.files import save
-from povgen.measure.plotting import Axes, Figure, save_drawing, style
-from povgen.optics import rotation
+from povgen.measure.plotting import Axes, Figure, save_drawing, style, withStroke
+from povgen.optics import equations
 from povgen.optics.prism import Prism
 from povgen.rendering.frames import read_png, render_all
 from povgen.scene.models import Chess, Scene, Spheres
@@ -22,19 +22,23 @@ from povgen.teach import agreement
 from povgen.teach.drawing import (
     GREY,
     RAY,
+    SHEET,
     arc,
     arrow,
     coordinate_axes,
     faces,
     label,
+    letter,
     path,
     plane,
+    point_at,
     projected,
     space,
     write,
     xy,
 )
 from povgen.video import overlay
+from povgen.video.outline import predicted_outlines
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}
@@ -62,22 +66,17 @@ def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
 
 
 def dove_prism_sheet(rendering: Rendering) -> Drawn:
-    """Draw figure 1: a sheet in space, the real path of a ray, and the path of a mirrored ray."""
+    """Draw figure 1: a sheet in space, the real path of a ray, that of a mirrored ray, and the section of one prism."""
     count, half = 5, 1.7
     prism = Prism(1.0)
     height, half_base, half_top = prism.height, prism.length / 2, prism.top_length / 2
     ray = agreement.ray_through_sheet(count, 5.2)
 
-    figure = Figure(figsize=(WIDTH, 3.7))
-    ax = space(figure.add_axes((0, 0, 1, 1)))
+    figure = Figure(figsize=(WIDTH, 3.1))
+    ax = space(figure.add_axes((0.01, 0.0, 0.6, 1)))
     for n in range(count):
         y = n - count / 2
-        profile = [
-            (y, -half_base),
-            (y, half_base),
-            (y + height, half_top),
-            (y + height, -half_top),
-        ]
+        profile = [(y, -half_base), (y, half_base), (y + height, half_top), (y + height, -half_top)]
         near, back = ([(x, *corner) for corner in profile] for x in (-half, half))
         faces(ax, [back, *([near[k - 1], near[k], back[k], back[k - 1]] for k in range(4)), near], "#cfe2f3", 0.35)
     mirror = [(x, ray.crossing[1], z) for x, z in ((-half, -2.6), (half, -2.6), (half, 2.6), (-half, 2.6))]
@@ -86,13 +85,37 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
     path(ax, [ray.path[0], ray.crossing, ray.mirrored], "black", 1.3, "--", head=True)
     path(ax, ray.path, RAY, 2.2, head=True)
     coordinate_axes(ax, (0.6, -3.3, 5.2))
-    for end, text, up in (
-        (ray.path[-1], "real path", -0.22),
-        (ray.mirrored, "mirrored", 0.36),
-        (ray.straight, "without the sheet", 0.2),
-    ):
-        write(ax, projected(end) + (0.1, up), text, ha="right", fontsize=9)
+    for end, text, up in ((ray.path[-1], "real path", -0.3), (ray.mirrored, "mirrored", 0.25)):
+        write(ax, projected(end) + (0.15, up), text, ha="left", fontsize=8)
+    write(ax, projected(ray.straight) + (0.15, 0), "without\nthe sheet", ha="left", fontsize=8)
+    _section(figure.add_axes((0.63, 0.0, 0.36, 1)), prism, ray)
+    _letters(figure, (0.01, 0.92), (0.63, 0.92))
     return Drawn(figure, {"ray": ray}, lines=True)
+
+
+def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
+    """Draw the section of the prism that the ray passes, and what happens to the ray at each of three faces."""
+    space(ax)
+    first, base, last = (np.array((-z, y)) for _, y, z in ray.path[1:4])
+    low, half_base, half_top = base[1], prism.length / 2, prism.top_length / 2
+    corners = [(-half_base, low), (half_base, low), (half_top, low + prism.height), (-half_top, low + prism.height)]
+    ax.fill(*np.transpose(corners), facecolor="#cfe2f3", edgecolor=SHEET, linewidth=1.2)
+    start, end = ((-z, y) for _, y, z in (ray.path[0], ray.path[-1]))
+    before, after = (near + (far - near) * 0.75 / abs(far[0] - near[0]) for near, far in ((first, start), (last, end)))
+    ax.plot(*np.transpose([before, first, base, last]), color=RAY, linewidth=2, solid_joinstyle="round")
+    arrow(ax, (last[0], last[1]), (after[0], after[1]), RAY, 2)
+    for place, number, aside in ((first, "1", (-0.2, 0.2)), (base, "2", (0, -0.24)), (last, "3", (0.2, 0.22))):
+        ax.plot(*place, "o", color="black", markersize=4, zorder=3)
+        write(ax, place + aside, number, fontweight="bold", fontsize=9)
+    middle = (before[0] + after[0]) / 2
+    text = "1, 3  refraction at the facets\n2  total internal reflection\n    at the base"
+    write(ax, (middle, low - 0.5), text, va="top", ha="center", ma="left", fontsize=8, linespacing=1.5)
+    side = after[0] + 0.05
+    ax.annotate(
+        "", (side, low), (side, low + prism.height), arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0}
+    )
+    write(ax, (side + 0.08, low + prism.height / 2), "$h$", ha="left", fontsize=10)
+    ax.set(xlim=(before[0] - 0.1, side + 0.35), ylim=(low - 1.5, low + prism.height + 0.55))
 
 
 def mirroring(rendering: Rendering) -> Drawn:
@@ -102,35 +125,61 @@ def mirroring(rendering: Rendering) -> Drawn:
     picture = read_png(next(render_all([scene], rendering))[0])
     made = agreement.mirror_twice(picture, scene, alpha, rendering.size[1] // 2)
 
-    figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.85), layout="constrained")
+    figure.get_layout_engine().set(h_pad=0.08)  # type: ignore[union-attr, call-arg]
     panels = figure.subplots(1, 3)
     titles = ("a picture", "mirrored about the vertical", r"then about an axis at $\alpha/2$")
     for ax, panel, title in zip(panels, made.pictures, titles, strict=True):
         shown = ax.imshow(panel / 255, extent=(-1, 1, -1, 1))
         disc = 0.985 * np.exp(1j * np.linspace(0, 2 * pi, 241))
         shown.set_clip_path(ax.fill(*xy(disc), fill=False, linewidth=0.8)[0])
-        ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.35))
-        ax.set_title(title, loc="center")
-        ax.axis("off")
+        ax.set(xlim=(-1.4, 1.4), ylim=(-1.4, 1.5), aspect="equal")
+        ax.set_xlabel(title, fontsize=9)
+        ax.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
+        ax.spines[:].set_visible(False)
+    for n, (ax, up) in enumerate(zip(panels, (1j, 1j, 1j * np.exp(-1j * alpha)), strict=True)):
+        letter(ax, n)
+        arrow(ax, xy(0.99 * up), xy(1.42 * up), RAY, 2)  # up, in the picture
     for ax, axis in zip(panels[1:], made.axes, strict=True):
-        ax.plot(*xy(np.array([-1.2, 1.2]) * axis), "--", color="black", linewidth=1.3)
-    panels[2].plot(*xy(np.array([-1.2, 1.2]) * made.axes[0]), ":", color="black", linewidth=1)
-    arc(panels[2], 0, 1.08, pi / 2, pi / 2 - alpha / 2, r"$\alpha/2$", 0.12)
+        ax.plot(*xy(np.array([-1.3, 1]) * axis), "--", color="black", linewidth=1.3)
+    panels[2].plot(*xy(np.array([-1.3, 1.42]) * made.axes[0]), ":", color="black", linewidth=1)
+    arc(panels[2], 0, 1.2, pi / 2, pi / 2 - alpha, r"$\alpha$", 0.15)
+    arc(panels[2], 0, 1.12, -pi / 2, -pi / 2 - alpha / 2, r"$\alpha/2$", 0.19)
     return Drawn(figure, {"alpha": degrees(alpha), "made": made}, lines=True)
 
 
 def vary_alpha(rendering: Rendering) -> Drawn:
-    """Draw figure 3: frames of the alpha movie. The frame for 66 degrees also shows the predicted image."""
-    scenes = [Chess(alpha=alpha, predicted_image=alpha == 66) for alpha in (0, 33, 66, 99, 132, 180)]
-    figure, _ = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes])
-    return Drawn(figure, {"pieces": agreement.pieces(scenes)})
+    """Draw figure 3: frames of the alpha movie, with predicted images."""
+    scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
+    titles = [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes]
+    figure, panels = _montage(scenes, rendering, titles, ideal=True)
+    point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
+    point_at(panels[2], (0.42, -0.47), "predicted image", (0.85, -0.85), "#b000a0")
+    measured = agreement.pieces(scenes)
+    for ax, scene, piece in zip(panels, scenes, measured, strict=True):
+        outline = predicted_outlines(scene, 0.005)
+        for size, colour in ((2.4, "white"), (1.2, "#e100c4")):
+            ax.plot(*xy(outline), ".", markersize=size, markeredgewidth=0, color=colour)
+        turned = rf"$\nu$ = {piece.nu:z.1f}°, predicted {piece.nu_predicted:z.1f}°"
+        write(
+            ax, (0, 1.34), turned, fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.9}
+        )
+    return Drawn(figure, {"pieces": measured})
 
 
 def vary_z1(rendering: Rendering) -> Drawn:
-    """Draw figure 4: frames of the z1 movie."""
-    scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 60)]
-    figure, _ = _montage(scenes, rendering, [f"$z_1 = {scene.z1:g}$" for scene in scenes])
-    return Drawn(figure, {"pieces": agreement.pieces(scenes), "horizon": agreement.horizon_angle(90)})
+    """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
+    scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)]
+    measured = agreement.pieces(scenes)
+    titles = [f"$z_1 = {piece.z1:g}$: turned by {piece.nu:.0f}°" for piece in measured]
+    figure, panels = _montage(scenes, rendering, titles)
+    inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.19
+    _draw_frames([inset], [scenes[-1].replace(view=4 * half)], rendering, half)
+    inset.axis("on")
+    inset.set(xticks=[], yticks=[])
+    inset.spines[:].set_visible(True)
+    panels[-1].indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
+    return Drawn(figure, {"pieces": measured, "horizon": agreement.horizon_angle(90)})
 
 
 def geometry(rendering: Rendering) -> Drawn:
@@ -140,23 +189,28 @@ def geometry(rendering: Rendering) -> Drawn:
     _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
     _projection(figure.add_axes((0.02, 0.02, 0.46, 0.46)), z2 / z1, alpha)
     _circles(figure.add_axes((0.52, 0.01, 0.46, 0.46)))
-    for name, x, y in (("(a)", 0.02, 0.96), ("(b)", 0.02, 0.46), ("(c)", 0.51, 0.46)):
-        figure.text(x, y, name, fontsize=12, fontweight="bold")
+    _letters(figure, (0.02, 0.96), (0.02, 0.46), (0.51, 0.46))
     traced = agreement.trace_through_P(alpha, z1, z2)
     return Drawn(figure, {"alpha": degrees(alpha), "traced": traced}, lines=True)
 
 
 def spheres(rendering: Rendering) -> Drawn:
     """Draw figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
-    scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 150)]
-    figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.2)
+    scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 135)]
+    figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.3)
     for ax, scene in zip(panels, scenes, strict=True):
         for line in overlay.loci(scene)[0][0]:
-            ax.plot(*xy(line), color="black", linewidth=0.7)
+            for width, colour in ((2, "white"), (0.8, CONSTANT_ALPHA)):
+                ax.plot(*xy(line), color=colour, linewidth=width)
         places = np.array(overlay.positions(scene))
-        ax.plot(
-            *xy(places), "o", markersize=2.2, markerfacecolor="#f0e442", markeredgecolor="black", markeredgewidth=0.5
-        )
+        for size, colour in ((3.6, "white"), (2, "black")):
+            ax.plot(*xy(places), "o", markersize=size, color=colour, markeredgewidth=0)
+    for name, place, aside in (("L", scenes[3].L, -0.12), ("E", scenes[3].E, 0.12j)):
+        write(panels[3], xy(place + aside), f"${name}$", path_effects=[withStroke(linewidth=2, foreground="white")])
+    position = max(overlay.positions(scenes[3]), key=lambda z: z.real - z.imag)  # on the side of the text
+    point_at(panels[3], xy(position), "predicted position", (0.62, -1.15))
+    curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
+    point_at(panels[4], xy(curve), "path as $z_1$ changes", (0.6, -1.15), CONSTANT_ALPHA)
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
 
 
@@ -170,28 +224,57 @@ FIGURES: dict[int, Callable[[Rendering], Drawn]] = {
 }
 
 
+def _letters(figure: Figure, *places: tuple[float, float]) -> None:
+    """Write (a), (b), ... at places of a figure, in parts of its width and height."""
+    for n, (x, y) in enumerate(places):
+        figure.text(x, y, f"({chr(97 + n)})", fontsize=12, fontweight="bold")
+
+
 def _montage(
-    scenes: Sequence[Scene], rendering: Rendering, titles: list[str], reach: float = 1.45
+    scenes: Sequence[Scene], rendering: Rendering, titles: list[str], reach: float = 1.45, *, ideal: bool = False
 ) -> tuple[Figure, Sequence[Axes]]:
-    """Draw two rows of three frames, with coordinates in the plane z = 0. Each ends `reach` tiles from its middle."""
-    figure = Figure(figsize=(WIDTH, 5.05))
-    layout = {"left": 0.005, "right": 0.995, "top": 0.945, "bottom": 0.005, "hspace": 0.13, "wspace": 0.03}
-    panels = figure.subplots(2, 3, gridspec_kw=layout).ravel()
-    for ax, scene, (frame,), title in zip(panels, scenes, render_all(scenes, rendering), titles, strict=True):
+    """Draw two rows of three frames, with coordinates in the plane z = 0, and return their panels.
+
+    Each frame ends `reach` tiles from its middle. If `ideal`, each row has the same frames through the ideal sheet
+    beneath it.
+    """
+    figure = Figure(figsize=(WIDTH, 9.45 if ideal else 5.05))
+    # the low row leaves room for titles
+    heights = [1, 1, 0.12, 1, 1] if ideal else [1, 1]
+    layout = {"left": 0.04 if ideal else 0.005, "right": 0.995, "top": 0.972 if ideal else 0.945, "bottom": 0.003}
+    spaces = {"hspace": 0.03 if ideal else 0.13, "wspace": 0.03, "height_ratios": heights}
+    grid = figure.add_gridspec(len(heights), 3, **layout, **spaces)
+    panels = np.array(
+        [[figure.add_subplot(grid[n, k]) for k in range(3)] for n, high in enumerate(heights) if high == 1]
+    )
+    shown = panels[::2] if ideal else panels
+    _draw_frames(list(shown.ravel()), scenes, rendering, reach)
+    for n, (ax, title) in enumerate(zip(shown.ravel(), titles, strict=True)):
+        ax.set_title(title, loc="center", pad=4)
+        letter(ax, n)
+    if ideal:
+        plain = [scene.replace(sheet="ideal") for scene in scenes]
+        _draw_frames(list(panels[1::2].ravel()), plain, rendering, reach)
+        for row, text in zip(panels, ("prisms", "ideal sheet") * 2, strict=True):
+            row[0].text(-0.035, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center")
+    return figure, list(shown.ravel())
+
+
+def _draw_frames(panels: Sequence[Axes], scenes: Sequence[Scene], rendering: Rendering, reach: float) -> None:
+    """Draw a frame in each panel."""
+    for ax, scene, (frame,) in zip(panels, scenes, render_all(scenes, rendering), strict=True):
         picture = read_png(frame)
         high = scene.view / 2
         wide = high * picture.shape[1] / picture.shape[0]
         ax.imshow(picture, extent=(-wide, wide, -high, high))
         ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
-        ax.set_title(title, loc="center", pad=4)
         ax.axis("off")
-    return figure, list(panels)
 
 
 def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
     """Draw the ray from L through P to E, the sheet, and the projections into the sheet's plane."""
     L, E = -0.6 + 0.25j, 0.6 + 0.25j
-    P = complex(rotation.apparent_position(L, E, z1, z2, alpha))
+    P = complex(equations.apparent_position(L, E, z1, z2, alpha))
 
     def at(point: complex, z: float) -> tuple[float, float, float]:
         return point.real, point.imag, z
@@ -221,19 +304,19 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
         upright, ray = (projected(at(point, z)) - projected(at(P, 0)) for point in (P, foot))
         start, end = (np.arctan2(*vector[::-1]) for vector in (upright, ray))
         end = start + (end - start + pi) % (2 * pi) - pi
-        arc(ax, complex(*projected(at(P, 0))), 0.95, start, end, r"$\theta$", -0.1)
+        arc(ax, complex(*projected(at(P, 0))), 0.95, start, end, r"$\theta$", 0.13)
     coordinate_axes(ax, (-1.4, -0.95, 1.75), 0.45)
 
 
 def _projection(ax: Axes, r: float, alpha: float) -> None:
     """Draw the triangle L = 0, P, E = 1 in the plane of the sheet, and the angles alpha and nu."""
-    P = complex(rotation.P(r, alpha))
+    P = complex(equations.P(r, alpha))
     plane(ax, (-0.25, 1.25), (-0.62, 0.42))
     ax.plot(*xy(P * np.array([1, 1.6])), ":", color=GREY, linewidth=1.3)
     for start, end in ((0, P), (P, 1)):
         arrow(ax, xy(start), xy(end), RAY, 2.2)
     arc(ax, P, 0.2, float(np.angle(P)), float(np.angle(1 - P)), r"$\alpha$", 0.07)
-    arc(ax, 1, 0.3, pi, pi + float(rotation.nu(r, alpha)), r"$\nu$", 0.07)
+    arc(ax, 1, 0.3, pi, pi + float(equations.nu(r, alpha)), r"$\nu$", 0.07)
     for point, text, offset in (
         (0, "$L = 0$", -0.1 + 0.09j),
         (1, "$E = 1$", 0.03 + 0.09j),
@@ -250,15 +333,15 @@ def _circles(ax: Axes) -> None:
     plane(ax, (-1.15, 2.15), (-1.6, 1.6))
     turn = np.linspace(-pi, pi, 721)
     for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r = 1$"), (2, "2"), (4, "4")):
-        P = rotation.P(r, turn)
+        P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
-        label(ax, rotation.P(r, radians(-133 if r == 1 else -155)), text, CONSTANT_R)
+        label(ax, equations.P(r, radians(-143 if r == 1 else -155)), text, CONSTANT_R)
     ratio = np.geomspace(1e-3, 1e3, 721)
-    for alpha in (-150, -120, -90, -60, -30, 0, 30, 60, 90, 120, 150):
-        ax.plot(*xy(rotation.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
+    for alpha in (-135, -120, -90, -60, -30, 0, 30, 60, 90, 120, 135):
+        ax.plot(*xy(equations.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
         if abs(alpha) > 30:
-            text = rf"$\alpha = {alpha}\degree$" if alpha == 150 else rf"${alpha}\degree$"
-            label(ax, rotation.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
+            text = rf"$\alpha = {alpha}\degree$" if alpha == 135 else rf"${alpha}\degree$"
+            label(ax, equations.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
     for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)
         box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}

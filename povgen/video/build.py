@@ -1,132 +1,173 @@
 """Make a movie from its spec."""
 
 import logging
+import re
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
+from typing import Any, Unpack
 
 from pydantic import Field
 
 from povgen.errors import InputError, shown
-from povgen.files import as_path, checked_output, save, unless_removed
+from povgen.files import as_path, checked_output, output_folder, save, unless_removed
 from povgen.model import Model
 from povgen.progress import bar
-from povgen.rendering import cache, povray
-from povgen.rendering.frames import render_all
+from povgen.record import MAX_FRAMES, in_png
+from povgen.rendering import cache
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
-from povgen.scene.models import Scene, checked_scene, piece_files
-from povgen.scene.spec import FrameRate, MovieSpec, spec_file
-from povgen.settings import Rendering
+from povgen.scene.models import Scene, checked_scene, input_files
+from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
+from povgen.settings import Options, Rendering
 from povgen.version import __version__
 from povgen.video import encode
-from povgen.video.still import picture
+from povgen.video.still import pictures, record_of
 
 
-class _FrameRate(Model):
-    frame_rate: FrameRate = Field(25, description="frames a second, 0.1 to 120")
+class FilmOptions(Model):
+    frame_rate: FrameRate = Field(default=25, description="frames a second, 0.1 to 120")
+    title: Title | None = Field(default=None, description="the movie's title, one line of up to 200 characters")
 
 
 @dataclass(frozen=True)
 class Movie:
-    """A movie's file. Jupyter plays it. Functions that take a path accept it."""
+    """A movie's file, which Jupyter plays, or a path such as frames/%04d.png. Functions that take a path accept it."""
 
     path: Path
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "path", as_path(self.path, encode.FORMATS, "path"))  # the class is frozen
+        path = as_path(self.path, [*encode.FORMATS, ".png"], "path")
+        object.__setattr__(self, "path", path)  # the class is frozen
 
     def __fspath__(self) -> str:
         return str(self.path)
 
-    def _repr_html_(self) -> str:
-        """Return HTML that holds the movie itself, so that a saved notebook plays it as well.
+    def _repr_html_(self) -> str | None:
+        """Return HTML that holds the movie itself, so that a saved notebook plays it as well; None for PNG files.
 
         Raises InputError if the file cannot be read.
         """
+        if self.path.suffix.lower() == ".png":
+            return None
         try:
             kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
         except (OSError, ValueError) as error:  # ValueError: a NUL in its name
             reason = getattr(error, "strerror", error)
             raise InputError(f"path = {str(self.path)!r}: {reason}; allowed: a movie's file") from None
-        if kind == "gif":
-            return f'<img src="data:image/gif;base64,{data}">'
+        if kind in ("gif", "webp"):
+            return f'<img src="data:image/{kind};base64,{data}">'
         return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
 
 
 def movie(
-    spec: MovieSpec | str | Path | Sequence[Scene],
+    spec: MovieSpec | str | Path | Iterable[Scene],
     output: str | Path,
     *,
     frame_rate: float | None = None,
+    title: str | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
     progress: bool = True,
-    **options: object,
+    **options: Unpack[Options],
 ) -> Movie:
-    """Render a movie to .mp4, .webm or .gif. Jupyter plays the result. The file is written atomically.
+    """Render a movie to .mp4, .webm, .webp or .gif. Jupyter plays the result. The file is written atomically.
 
-    The movie is a spec, the name of one of povgen's own movies, the path of a TOML file, or a list with the scene of
-    every frame. `frame_rate` replaces the spec's; for a list it is 25 a second unless given. `workers` frames are
-    rendered at once. `scheduler` is the address of a Dask scheduler, whose workers then render instead of this
-    machine. `progress=False` shows no progress bar. Other options are the fields of `Rendering`.
+    A short caption below the picture says what moves, unless `caption` is "none" or "full", and the spec's overlay
+    and side view are drawn, unless `caption`, `overlay` or `side_view` is given. With an output such as
+    frames/%04d.png, every frame becomes a PNG file, frames/0001.png and so on, without a caption unless one is asked
+    for. The folder is made if it is missing. No file is written before all frames are rendered.
+
+    The movie is a spec, the name of one of povgen's own movies, the path of a TOML file, or the scenes of all frames.
+    `frame_rate` and `title` replace the spec's; for scenes they are 25 a second and the file's name unless given.
+    `workers` frames are rendered at once. `scheduler` is the address of a Dask scheduler, whose workers then render
+    instead of this machine. `progress=False` shows no progress bar. Other options are the fields of `Rendering`.
     Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
     fails.
     """
     rendering = Rendering(**options)
+    given: dict[str, Any] = {"frame_rate": frame_rate, "title": title}
+    given = {name: value for name, value in given.items() if value is not None}
     workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    if isinstance(spec, (list, tuple)):
-        rate = _FrameRate(**{} if frame_rate is None else {"frame_rate": frame_rate}).frame_rate
+    if isinstance(spec, Iterable) and not isinstance(spec, (MovieSpec, str, Path, bytes, Scene)):
+        film = FilmOptions(**given)
+        rate, title = film.frame_rate, film.title
         scenes = [checked_scene(scene) for scene in spec]
-        if not scenes:
-            raise InputError("no scenes; allowed: one or more")
-        title, comment, inputs = "", f"first frame: {scenes[0].model_dump_json(exclude_none=True)}", []
+        if not 0 < len(scenes) <= MAX_FRAMES:
+            raise InputError(f"{len(scenes) or 'no'} scenes; allowed: 1 to {MAX_FRAMES}")
+        inputs = []
     elif isinstance(spec, (MovieSpec, str, Path)):
         loaded = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
         inputs = [] if isinstance(spec, MovieSpec) else [spec_file(spec)]
-        spec = loaded if frame_rate is None else loaded.replace(frame_rate=frame_rate)
+        spec = loaded.replace(**given)
         scenes, rate = spec.scenes(rendering.quality), spec.rate(rendering.quality)
-        title, comment = spec.title, spec.model_dump_json(exclude_none=True)
+        title = spec.title
     else:
-        raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or a list of scenes")
+        raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
-    output = checked_movie(output, len(scenes), rate, [*inputs, *piece_files(scenes)])
-    eyes = ""
-    if rendering.stereo != "none":
-        eyes = f", stereo {rendering.stereo}, eyes {rendering.eye_distance:g} tiles apart"
+    output = checked_movie(output, len(scenes), rate, [*inputs, *input_files(scenes)])
+    files = sequence(output, len(scenes))
+    if rendering.caption is None and not files:
+        drawn = {name: getattr(spec, name, False) for name in ("overlay", "side_view") if name not in options}
+        rendering = rendering.replace(caption="short", **drawn).suited(any(scene.has_prisms for scene in scenes))
+    record = record_of(scenes, rendering, title or output.stem, rate)
     tags = {
-        "title": title or output.stem,
-        "comment": comment,
-        "description": f"povgen {__version__}, POV-Ray {povray.version()}, antialias {rendering.sampling}{eyes}",
+        "title": str(record.title),
+        "description": f"povgen {__version__}, {record.renderer}. 'povgen info FILE' prints how it was made.",
     }
     target = output.resolve()
 
     def write() -> None:
         with ExitStack() as opened:
-            cluster = None
-            if scheduler is not None:
-                from povgen.rendering.cluster import Cluster
-
-                cluster = opened.enter_context(Cluster(scheduler))
-            done = opened.enter_context(bar(output.name, len(scenes), not progress))
-            frames = render_all(scenes, rendering, workers or (cluster.frames if cluster else None), done, cluster)
+            done = opened.enter_context(bar(output.name, len([*groupby(scenes)]), not progress))
             folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
-            opened.enter_context(closing(frames))
-            part = folder / f"movie{output.suffix.lower()}"
-            pictures = (picture(views, scene, rendering) for views, scene in zip(frames, scenes, strict=True))
-            encode.encode(pictures, part, rate, tags)
-            save(part, target)
+            frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
+            if files:
+                sampled = rendering.replace(antialias=rendering.antialias)  # of each alone, another could be suited
+                records = (record_of([scene], sampled) for scene in scenes)
+                pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
+                _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
+            else:
+                part = folder / f"movie{output.suffix.lower()}"
+                encode.encode(frames, part, rate, tags, record)
+                save(part, target)
 
     removed = "povgen: warning: the cache was removed; the movie is made once more"
     unless_removed(write, lambda: logging.getLogger("povgen").warning(removed))
     return Movie(target)
 
 
+def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -> None:
+    """Write PNG files into a work folder, and then move them to the files."""
+    parts = [folder / file.name for file in files]
+    for part, png in zip(parts, pngs, strict=True):
+        part.write_bytes(png)
+    with output_folder(files[0].parent):
+        for part, file in zip(parts, files, strict=True):
+            save(part, file)
+
+
+def sequence(output: Path, frames: int) -> list[Path]:
+    """Return the PNG files of a path such as frames/%04d.png, whose numbers begin with 1; none for a movie's file.
+
+    Raises InputError for a PNG file without a number.
+    """
+    if output.suffix.lower() != ".png":
+        return []
+    if re.fullmatch(r"[^%]*%(0[1-9])?d[^%]*", output.name) is None:
+        allowed = f"a name with a number, such as {output.stem.replace('%', '')}%04d.png, for a PNG file of every frame"
+        raise InputError(f"output = {str(output)!r}: one picture; allowed: {', '.join(encode.FORMATS)}, or {allowed}")
+    return [output.with_name(output.name % number) for number in range(1, frames + 1)]
+
+
 def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
     """Raise InputError if a movie cannot show the scenes' `views`."""
+    if rendering.is_light:
+        raise InputError(f"bits = {rendering.bits}: a movie has 8; allowed: 8, or a picture")
     if any(scene.background == "transparent" for scene in scenes):
         raise InputError("background = 'transparent': a movie has no transparency; allowed: 'sky', 'black' or 'white'")
     for scene in scenes:
@@ -138,7 +179,17 @@ def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable
 
     The inputs are the files that povgen reads for the movie.
     """
+    output = as_path(output, [*encode.FORMATS, ".png"], "output")
+    if files := sequence(output, frames):
+        inputs, folder = [*inputs], output.parent
+        new = not folder.exists()  # a new folder is made when all frames are there
+        for file in [folder.parent / files[0].name] if new else files:
+            if file in files[:1] or new or file.exists():
+                checked_output(file, [".png"], inputs=inputs)
+        return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
+    else:
+        encode.check_encoder()
     return output

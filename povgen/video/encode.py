@@ -3,20 +3,25 @@
 import errno
 import logging
 import os
+import struct
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
-import imageio.v2
 import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen import remedies
 from povgen.errors import InputError
-from povgen.files import is_full
+from povgen.files import is_full, temporary_folder
+from povgen.record import Record, into_movie, png_of, webp_parts
+from povgen.rendering.light import exr as exr_library
+from povgen.version import __version__
 
 logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen reports errors itself
 # Some players show untagged video in wrong colours.
@@ -24,52 +29,88 @@ BT709 = (
     "-vf scale=out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
+REMEDY = f"pip install --force-reinstall imageio-ffmpeg, or {remedies.system('ffmpeg')}"
+REC709 = 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329  # x and y of red, green, blue and white: those of sRGB
 FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 # Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
 # written once, with the sum of their durations. If all are equal, this sum is the whole movie.
 LONGEST_GIF = 655.35
 GIF_BYTES = 2**25  # of the pictures of a GIF that are in memory at once; Pillow needs several times as much
-LONGEST_TAG = 4000  # characters; an argument of ffmpeg has at most 128 KiB
-# A keyframe every 6 frames lets players seek to any frame at once.
+# The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
+# frame at once. libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
-    ".mp4": ("libx264", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
-    ".webm": ("libvpx-vp9", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
-    ".gif": ("gif", ""),
+    ".mp4": ("libx264", "yuv420p", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
+    ".webm": ("libvpx-vp9", "yuv420p", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
+    ".webp": ("libwebp_anim", "bgra", "-compression_level 6 -loop 0"),
+    ".gif": ("gif", "", ""),
 }
 
 
-def encode(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, tags: dict[str, str]) -> None:
-    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm) or GIF, at `rate` frames a second.
+def encode(
+    pictures: Iterable[NDArray[np.uint8]],
+    output: Path,
+    rate: float,
+    tags: dict[str, str],
+    record: Record | None = None,
+    *,
+    webp_quality: int = 75,
+) -> None:
+    """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
-    Tags longer than LONGEST_TAG are cut. Raises OSError if the file is incomplete.
+    `rate` is in frames a second, `webp_quality` from 0 to 100. A GIF and a WebP file have the record alone, other files
+    also have the tags. Raises OSError if the file is incomplete.
     """
-    tags = {key: f"{x[:LONGEST_TAG]}..." if len(x) > LONGEST_TAG else x for key, x in tags.items()}
     if output.suffix == ".gif":
-        return _save_gif(iter(pictures), output, rate, " ".join(tags.values()))
-    codec, settings = FORMATS[output.suffix]
+        return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
+    codec, pixels, settings = FORMATS[output.suffix]
+    settings += f" -quality {webp_quality}" * (output.suffix == ".webp")
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
-    options: dict[str, Any] = {"pixelformat": "yuv420p", "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
+    options: dict[str, Any] = {"pix_fmt_out": pixels, "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
     options |= {"quality": None, "output_params": [*settings.split(), *metadata]}
-    writer = imageio.v2.get_writer(output, fps=rate, codec=codec, **options)
+    writer = None
     written = found = 0
     try:
         for picture in pictures:
+            if writer is None:
+                size = picture.shape[1], picture.shape[0]
+                writer = imageio_ffmpeg.write_frames(str(output), size, fps=rate, codec=codec, **options)
+                writer.send(None)  # starts ffmpeg
             written += 1
             try:
-                writer.append_data(picture)
+                writer.send(np.ascontiguousarray(picture))
             except OSError:  # the encoder has stopped
                 break
     finally:
-        writer.close()  # waits for ffmpeg; the writer's `with` does not wait after an error
-    with suppress(RuntimeError):  # raised if the file is no movie; ffmpeg's exit status is not available
-        found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
+        if writer is not None:
+            writer.close()  # waits for ffmpeg
+    with suppress(RuntimeError, OSError):  # if the file is no movie; ffmpeg's exit status is not available
+        if output.suffix == ".webp":
+            found = _webp_frames(output, rate, written)
+        else:
+            found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
     if found != written or not written:
         if is_full(output.parent):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
         raise OSError(f"the encoder {imageio_ffmpeg.get_ffmpeg_exe()} failed: it wrote {found} of {written} frames")
+    if record:
+        into_movie(output, record)
 
 
-def _save_gif(pictures: Iterator[NDArray[np.uint8]], output: Path, rate: float, comment: str) -> None:
+def _webp_frames(output: Path, rate: float, written: int) -> int:
+    """Return for how many frames a WebP file lasts, if `written` are expected. Raises OSError for a damaged file.
+
+    Equal successive pictures are in the file once. If all are equal, it is one picture without a duration.
+    """
+    durations, still = [], False
+    with output.open("rb") as file:
+        for name, _ in webp_parts(file):
+            still |= name in (b"VP8 ", b"VP8L")
+            if name == b"ANMF":
+                durations.append(int.from_bytes(file.read(15)[12:], "little"))  # milliseconds
+    return round(sum(durations) * rate / 1000) if durations else written * still
+
+
+def _save_gif(pictures: Iterator[NDArray[np.uint8]], output: Path, rate: float, comment: bytes) -> None:
     """Write pictures as a GIF.
 
     Pillow holds all pictures of a GIF in memory. Therefore it writes GIFs of a few pictures, which are joined here.
@@ -79,7 +120,7 @@ def _save_gif(pictures: Iterator[NDArray[np.uint8]], output: Path, rate: float, 
         for first in pictures:
             few = [first, *islice(pictures, max(GIF_BYTES // first.nbytes, 1) - 1)]
             durations = gif_durations(len(few), rate, written)
-            header: dict[str, Any] = {} if written else {"loop": 0, "comment": comment.encode()}
+            header: dict[str, Any] = {} if written else {"loop": 0, "comment": comment}
             duration = durations if len(durations) > 1 else durations[0]
             gif = iio.imwrite("<bytes>", few, plugin="pillow", extension=".gif", duration=duration, **header)
             file.write(_without_header(gif) if written else gif[:-1])
@@ -115,6 +156,39 @@ def check_gif(frames: int, rate: float) -> None:
         )
 
 
-def png(picture: NDArray[np.uint8]) -> bytes:
-    """Return a picture, (height, width, 3) bytes, as the bytes of a PNG file."""
-    return iio.imwrite("<bytes>", picture, extension=".png")
+def check_encoder() -> None:
+    """Raise InputError if there is no ffmpeg. Only GIFs need none."""
+    try:
+        imageio_ffmpeg.get_ffmpeg_exe()
+    except RuntimeError:
+        raise InputError(f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: .gif") from None
+
+
+def png(picture: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """Return a picture, (height, width, 3) numbers of 8 or 16 bits, as the bytes of a PNG file."""
+    if picture.dtype == np.uint8:
+        return iio.imwrite("<bytes>", picture, extension=".png")
+    # Pillow writes no colours of 16 bits
+    height, width, _ = picture.shape
+    rows = picture.astype(">u2").view(np.uint8).reshape(height, 6 * width)
+    filtered = np.empty((height, 1 + 6 * width), np.uint8)
+    filtered[:, 0] = 2  # each row is the difference to the row above
+    filtered[0, 1:], filtered[1:, 1:] = rows[0], rows[1:] - rows[:-1]
+    header = struct.pack(">IIBBBBB", width, height, 16, 2, 0, 0, 0)
+    return png_of([(b"IHDR", header), (b"IDAT", zlib.compress(filtered.tobytes())), (b"IEND", b"")])
+
+
+def exr(light: NDArray[np.float32], record: Record) -> bytes:
+    """Return light, (height, width, 3), as the bytes of an EXR file of 32-bit numbers."""
+    library = exr_library()
+    header = {
+        "type": library.scanlineimage,
+        "compression": library.ZIP_COMPRESSION,
+        "chromaticities": REC709,
+        "software": f"povgen {__version__}",
+        "povgen": bytes(record).decode(),
+    }
+    with temporary_folder() as folder:
+        path = folder / "light.exr"
+        library.File(header, {"RGB": np.ascontiguousarray(light)}).write(str(path))
+        return path.read_bytes()

@@ -1,31 +1,49 @@
-"""Draw on a frame: a caption with the scene's parameters, and an overlay with predicted positions and its key."""
+"""Draw on a frame an overlay with predicted positions, and add strips with its key and a caption."""
 
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from itertools import pairwise
-from math import ceil, radians
-from pathlib import Path
-from typing import NamedTuple
+from math import ceil, floor, log10
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from povgen.optics import aim, paraxial, rotation
-from povgen.scene.models import Scene
+from povgen.optics import aim, equations
+from povgen.optics.prism import Prism
+from povgen.scene.models import Chess, Scene
+from povgen.scene.pieces import PIECES
+from povgen.scene.quantities import LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
+from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import PRISMS
+from povgen.sheets.sheet import Said
+from povgen.video import fonts
 
-HALO = (0, 0, 0, 170)  # red, green, blue, opacity
-# Okabe and Ito's yellow, sky blue and vermilion, which colour-blind readers can distinguish
-P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (86, 180, 233, 255), (213, 94, 0, 255)
-IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image, in templates/chess.pov.j2
+HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the light edge of lines and marks
+# Okabe and Ito's yellow, blue and vermilion, which colour-blind readers can distinguish
+P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
+GHOST_COLOUR = (0, 158, 115, 255)  # their bluish green
+IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
+LINE_COLOUR = R_COLOUR  # of the line about which a sheet mirrors or turns light; then no curve has this colour
+POINT_COLOUR = (20, 20, 20, 255)  # of the points L and E, and of the edge of P
+STRIP = (24, 26, 30)  # red, green, blue behind text
 # Height of text, as a fraction of the picture's height. In a small picture it is higher, to be at least LEGIBLE pixels
 # high, but not higher than MAX_TEXT.
 TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
-SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂"}
-FONT = Path(__file__).with_name("NotoSans.ttf")  # NotoSans.txt says where it is from
+GAP = 1.4  # between two texts of a strip, in units of the text's height
+SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
+FONTS = {"text": fonts.TEXT, "symbol": fonts.SYMBOLS}
+MOVING = 1.25  # the text of a movie's short caption is so much larger, because it is read while something moves
+LEAST_TURN = 2  # degrees: a movie's caption says by how much an object appears turned if this changes by more
+SYMBOL_SIZE = 1.2  # the symbols' letters are larger, because they are low for their size
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
+# A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, and not a. Its subscript is text.
+SYMBOL = re.compile("(?<![\\w-])([B-Zb-zα-ω])(?![A-Za-z0-9-])")
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -33,47 +51,197 @@ Complexes = NDArray[np.complex128]
 Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to points, and whether these are visible
 
 
-def annotated(picture: NDArray[np.uint8], scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
-    """Return a copy of the scene's picture, with an overlay and a caption if `rendering` says so.
+class Caption(NamedTuple):
+    """A frame's caption: its texts, and for each the widest that stands there in a frame of the movie."""
 
-    Pictures are (height, width, 3) bytes.
+    texts: Sequence[str]
+    widest: Sequence[str]
+    size: float = 1  # of the text, as a multiple of the usual size
+
+
+def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
+    """Return the captions of a movie's frames, or of a single picture.
+
+    A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
+    That of a single picture states the sheets' parameters, or z1 where the sheets have none.
     """
-    picture = picture.copy()
+    size = 1.0
+    if rendering.caption == "full":
+        rows = [_all_said(scene, facts(scene)) for scene in scenes]
+    elif rendering.caption == "short":
+        rows = _moving(scenes) if len(scenes) > 1 else [_still(scenes[0])]
+        size = MOVING if len(scenes) > 1 else 1.0
+    else:
+        rows = [[] for _ in scenes]
+    widest = [max(set(texts), key=text_width) for texts in zip(*rows, strict=False)]
+    return [Caption(texts, widest, size) for texts in rows]
+
+
+def annotated(
+    picture: NDArray[np.uint8], scene: Scene, rendering: Rendering, caption: Caption | None = None
+) -> NDArray[np.uint8]:
+    """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
+
+    Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below
+    it: they cover nothing, and their heights are even. Without `caption` it is that of the scene alone.
+    """
+    height, width, _ = picture.shape
+    texts = caption or captions([scene], rendering)[0]
+    above = _strip([Item(text, text, colour) for text, colour in key(scene, rendering)], width, height)
+    below = _strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
+    made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
+    made[: len(above)], made[len(above) + height :] = above, below
+    shown = made[len(above) : len(above) + height]
+    shown[:] = picture
+    if isinstance(scene, Chess) and scene.predicted_image:
+        _outline(scene, shown)
     if rendering.overlay:
-        _overlay(scene, picture)
-    if colours := key(scene, rendering):
-        _strip(picture, [Item(text, text, colour) for text, colour in colours], at_top=True)
-    if rendering.caption:
-        texts = (f"{_symbol(name)} = {value}" for name, value in facts(scene).items())
-        several, windows = len(scene.distances) > 1, len(scene.places)
-        widest = (_widest_text(name, several, windows) for name in facts(scene))
-        _strip(picture, [Item(*texts) for texts in zip(texts, widest, strict=True)], at_top=False)
-    return picture
+        _overlay(scene, shown)
+    return made
+
+
+def _still(scene: Scene) -> list[str]:
+    """Return the short caption of a picture."""
+    return _all_said(scene, _values(scene) or {"z1": facts(scene)["z1"]})
+
+
+def _all_said(scene: Scene, values: Mapping[str, str]) -> list[str]:
+    """Return what a caption says of these values. One is left out if the words about another one state it."""
+    words = "".join(_words(scene, name).words for name in values)
+    return [_said(scene, name, text) for name, text in values.items() if f"{{{name}}}" not in words]
+
+
+def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
+    """Return the short caption of each frame.
+
+    It states the numbers and points that are not the same in all frames, and the angle by which an object appears
+    turned if this changes.
+    """
+    rows = [_numbers(scene) for scene in scenes]
+    found: list[list[str]] = []
+    for name in dict.fromkeys(name for row in rows for name in row):
+        values = [row.get(name, ()) for row in rows]
+        if len({*values}) > 1 and name in ("eye", "line"):
+            digits = _digits(values)
+            found.append([_place(name, place, digits) for place in values])
+        elif len({*values}) > 1:
+            factor, unit = _words(scenes[0], name).factor, _unit(name.rstrip(SUBSCRIPTS))
+            values = [tuple(factor * x for x in value) for value in values]
+            digits = _digits(values, unit.startswith("°"))
+            texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+            found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
+    turned = [_turned(scene) for scene in scenes]
+    known = [nu for nu in turned if np.isfinite(nu)]
+    if known and max(known) - min(known) > LEAST_TURN:
+        if len({scene.alphas for scene in scenes}) == 1 and not scenes[0].window:
+            found.append([_said(scene, "alpha", _values(scene)["alpha"]) for scene in scenes])
+        names = [next((str(each.piece) for each in getattr(scene, "pieces", ())), "") for scene in scenes]
+        found.append(
+            [
+                f"{name if name in PIECES else 'object'} turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
+                for name, nu in zip(names, turned, strict=True)
+            ]
+        )
+    return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
+
+
+def _turned(scene: Scene) -> float:
+    """Return by how many degrees a scene's only object appears turned; NaN at the pole, and for several objects."""
+    if len(scene.objects) != 1 or not scene.rotates:
+        return float("nan")
+    return float(scene.nu_and_M(scene.distances[0])[0])
+
+
+def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:
+    """Return how many decimals show that the values differ: of angles no more than needed, otherwise mostly one."""
+    numbers = [x for value in values for x in value]
+    span = max(numbers) - min(numbers)
+    if not span or all(float(x).is_integer() for x in numbers):
+        return 0
+    return min(max(1 - floor(log10(span)), 0 if angles or span >= 100 else 1), 4)
+
+
+def _place(name: str, place: tuple[float, ...], digits: int) -> str:
+    """Return where a point is: `eye 0.4 tiles to the left`, rounded."""
+    if not place:  # a movie of several kinds of scenes
+        return f"{name} none"
+    ways = (("to the left", "to the right"), ("down", "up"))
+    rounded = [round(x, digits) for x in place]
+    parts = [f"{abs(x):.{digits}f}{UNITS[name]} {way[x > 0]}" for x, way in zip(rounded, ways, strict=True) if x]
+    return f"{name} {', '.join(parts) or 'in the middle'}"
+
+
+def _words(scene: Scene, name: str) -> Said:
+    """Return how a caption says a parameter. The name of a further window's ends with its number as a subscript."""
+    plain = name.rstrip(SUBSCRIPTS)
+    number = name[len(plain) :]
+    if plain == "z" and number:
+        return SECOND if len(scene.window) == 1 else LATER
+    found = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == plain and each.said]
+    if found and not number:
+        return found[0]
+    return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
+
+
+def _said(scene: Scene, name: str, text: str) -> str:
+    """Return what a caption says of a parameter, whose value as text is given."""
+    number = SUBSCRIPTS.find(name[-1])
+    return _words(scene, name).words.format(text, **{**_values(scene), "number": number})
+
+
+def _numbers(scene: Scene) -> dict[str, tuple[float, ...]]:
+    """Return those of a scene's parameters that a movie can change: a number, least and greatest number, or x and y.
+
+    A parameter of a further window has the window's number as a subscript. The view is left out: it is no part of the
+    scene that is seen.
+    """
+    counts = swept_numbers(type(scene))
+    found: dict[str, Any] = {name: getattr(scene, name) for name in counts if name != "view"}
+    for n, window in enumerate(scene.window, 2):
+        found |= {f"{name}{SUBSCRIPTS[n]}": getattr(window, name) for name in swept_numbers(type(window))}
+    values = {}
+    for name, value in found.items():
+        several = value if isinstance(value, tuple) else (value,)
+        if all(isinstance(x, (int, float)) for x in several):
+            values[name] = several if counts.get(name) == 2 else tuple(dict.fromkeys((min(several), max(several))))
+    return values
+
+
+def _unit(name: str) -> str:
+    """Return the unit of a parameter, as it follows a number."""
+    if name in UNITS:
+        return UNITS[name]
+    units = {each.unit for each in PARAMETERS.get(name, ())} - {""}
+    text = units.pop() if len(units) == 1 else ""
+    text = text.replace("degrees", "°").replace(" a ", "/")
+    return text if text.startswith("°") else f" {text}" if text else ""
 
 
 def facts(scene: Scene) -> dict[str, str]:
-    """Return what the caption says: alpha, z1, z2, r, nu and M, as text. Windows in series have their z in place of r.
+    """Return what the caption says: alpha, z1, z2, r, nu and M, as text, and n of prisms whose glass is named.
 
-    For several objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
+    Windows in series have their z in place of r. For several objects a value is a range. nu and M are predictions for
+    prisms of the scene's size (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
-    texts = {"z1": _range(z1, ".4g"), "z2": _number(scene.z2, ".4g"), "r": _range(rotation.r(z1, scene.z2))}
+    tiles = UNITS["z1"]
+    texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
+    texts["r"] = _range(equations.r(z1, scene.z2))
     other = not (scene.rotates or scene.is_empty or scene.sheet == "single")
     if scene.window or other:  # r is for a single window that rotates light
         del texts["r"]
     if scene.window:
-        texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places), **texts}
+        texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
     if scene.rotates:
         nu, M = scene.nu_and_M(z1)
         texts = {**_values(scene), **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
     if other:
         texts = {**_values(scene), **texts}
+    glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
+    if glasses:
+        found = dict.fromkeys(f"{values['index']:.4f} ({values['glass']})" for values in glasses)
+        texts["n"] = f"{', '.join(found)} at {scene.wavelength:.1f} nm"
     return texts
-
-
-def _symbol(name: str) -> str:
-    """Return what a caption calls a value: focal_length is two words."""
-    return SYMBOLS.get(name, name.replace("_", " "))
 
 
 def _values(scene: Scene) -> dict[str, str]:
@@ -82,9 +250,9 @@ def _values(scene: Scene) -> dict[str, str]:
     for sheet in scene.sheets:
         numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
         for each in numbers:
-            x = sheet.values[each.name]
-            unit = each.unit.replace("degrees", "°").replace(" a ", "/")
-            text = f"{x:z.1f}{unit}" if unit.startswith("°") else _number(x, ".3g")
+            x = sheet.values[each.name] * (each.said.factor if each.said else 1)
+            unit = _unit(each.name)
+            text = (f"{x:z.1f}".removesuffix(".0") if unit.startswith("°") else _number(x, ".3g")) + unit
             found.setdefault(each.name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():
             found.setdefault(name, []).append(_number(x, ".3g"))
@@ -115,103 +283,174 @@ class Item(NamedTuple):
 
 
 def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return what the key along the upper edge says: a text for each colour that is drawn on the picture.
+    """Return what the key above the picture says: a text for each colour that is drawn on the picture.
 
     A picture without a caption and an overlay has no key.
     """
     two = scene.rotates
     texts = []
     if rendering.overlay and scene.objects:
-        texts.append(("predicted position", P_COLOUR))
+        texts.append(("predicted P" if len(scene.objects) == 1 else "predicted positions", P_COLOUR))
+    if rendering.overlay and ghosts(scene):
+        texts.append(("predicted ghosts", GHOST_COLOUR))
     if rendering.overlay:
-        texts.append(("constant α" if two else "z₁ varies", ALPHA_COLOUR))
+        names = {"L": "object L", "E": "eye E"}
+        texts += [(names[name], POINT_COLOUR) for name in _named(scene) if name in names]
+    if rendering.overlay:
+        texts.append(("path as z₁ changes", ALPHA_COLOUR))
     if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
-        texts.append(("constant r", R_COLOUR))
+        texts.append(("path as α changes", R_COLOUR))
+    if rendering.overlay and scene.sheets[0].line:
+        texts.append((scene.sheets[0].line[0], LINE_COLOUR))
     if rendering.annotated and getattr(scene, "predicted_image", False):
         texts.append(("predicted image", IMAGE_COLOUR))
     return texts
 
 
-def _strip(picture: NDArray[np.uint8], items: list[Item], at_top: bool) -> None:
-    """Darken a strip along an edge and write items there, in 1 to 3 lines.
+def _strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
+    """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
-    The text has the same height, relative to the picture, in all pictures. It is lower only if even 3 lines have too
-    little room.
+    The text has the same height, relative to the picture, in all pictures, or is so much `larger`. It is lower only if
+    even 3 lines have too little room.
     """
-    height, width, _ = picture.shape
-    size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
+    if not items:
+        return np.empty((0, width, 3), np.uint8)
+    size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
     # the widths of items, each with the gap after it, in units of the text's height
-    sample, gap = 1.7, 0.8
-    widths = [max(_width(item.text), _width(item.widest)) + sample * bool(item.colour) + gap for item in items]
+    sample = 1.7
+    widths = [text_width(item.widest) + sample * bool(item.colour) + GAP for item in items]
     for lines in (1, 2, 3):
         rows = np.array_split(np.arange(len(items)), lines)
-        widest = max(np.take(widths, row).sum() for row in rows) - gap
+        widest = max(np.take(widths, row).sum() for row in rows) - GAP
         if size * widest <= free:
             break
     size = min(size, free / widest)
-    step = round(1.5 * size)
-    strip = picture[: lines * step] if at_top else picture[-lines * step :]
-    image = Image.fromarray(strip // 5)
+    step = 2 * ceil(0.8 * size)  # even, because a movie stores pixels in blocks of 2x2
+    image = Image.new("RGB", (width, lines * step), STRIP)
     draw = ImageDraw.Draw(image)
     samples = []
     for line, row in enumerate(rows):
-        place, middle = (width - size * (np.take(widths, row).sum() - gap)) / 2, (line + 0.5) * step
+        place, middle = (width - size * (np.take(widths, row).sum() - GAP)) / 2, (line + 0.5) * step
         for n in row:
             colour = items[n].colour
             if colour:
                 samples.append((place + size * np.linspace(0.2, sample - 0.6, 60) + 1j * middle, colour))
-            _write(draw, place + size * sample * bool(colour), middle, items[n].text, size)
+            write(draw, place + size * sample * bool(colour), middle, items[n].text, size)
             place += size * widths[n]
-    strip[:] = np.asarray(image)
+    strip = np.array(image)
     for points, colour in samples:
-        _discs(strip, points.mean(keepdims=True) if colour == P_COLOUR else points, size / 8, colour)
+        dot = colour in (P_COLOUR, GHOST_COLOUR, POINT_COLOUR)
+        for radius, colour_ in ((0.24, HALO), (0.15, colour)):
+            _discs(strip, points.mean(keepdims=True) if dot else points, radius * size * (1.3 if dot else 0.8), colour_)
+    return strip
 
 
-def _width(text: str) -> float:
+def _runs(text: str) -> list[tuple[str, str]]:
+    """Return the parts of a text, each with its font. A hyphen before a digit is a minus sign."""
+    parts = SYMBOL.split(re.sub(r"(?<!\w)-(?=\d)", "–", text))
+    return [(part, "symbol" if n % 2 else "text") for n, part in enumerate(parts) if part]
+
+
+@lru_cache(maxsize=4096)
+def text_width(text: str) -> float:
     """Return the width of a text, in units of its height."""
-    return _font(100).getlength(text) / 100
+    return sum(_font(100, font).getlength(part) for part, font in _runs(text)) / 100
 
 
-def _write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float) -> None:
-    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels."""
-    draw.text((x, middle + 0.36 * size), text, "white", _font(size), anchor="ls")
+def write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float, edge: float = 0) -> None:
+    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels.
+
+    With an `edge` of so many pixels, in white, the text is black.
+    """
+    colours: dict[str, Any] = {"fill": "white"}
+    if edge:
+        colours = {"fill": POINT_COLOUR[:3], "stroke_width": edge, "stroke_fill": "white"}
+    for part, font in _runs(text):
+        draw.text((x, middle + 0.36 * size), part, font=_font(size, font), anchor="ls", **colours)
+        x += size * text_width(part) if font == "text" else _font(size, font).getlength(part)
 
 
-def _font(size: float) -> ImageFont.FreeTypeFont:
+def _font(size: float, name: str = "text") -> ImageFont.FreeTypeFont:
     # with the basic layout, places of letters do not depend on whether Pillow has Raqm
-    return ImageFont.truetype(str(FONT), size, layout_engine=ImageFont.Layout.BASIC)
-
-
-def _widest_text(name: str, several: bool, windows: int) -> str:
-    """Return a text as wide as the space that each frame reserves for a value. So a movie's caption does not move."""
-    number = {"alpha": "000.0", "nu": "-00.0", "M": "0.0000" if several else "infinite"}.get(name, "0.000")
-    spans = several and name in ("z1", "r", "nu", "M")
-    unit = "°" if name in ("alpha", "nu") else ""
-    if name in ("alpha", "z"):  # of other parameters the space is that of one window
-        number = ", ".join([number + unit * (name == "alpha")] * windows)
-        unit = ""
-    return f"{_symbol(name)} = {number}{f' to {number}' * spans}{', ?' * (spans and name == 'nu')}{unit}"
+    larger = SYMBOL_SIZE if name == "symbol" else 1
+    return ImageFont.truetype(str(FONTS[name]), size * larger, layout_engine=ImageFont.Layout.BASIC)
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
-    height, width, _ = picture.shape
+    height = len(picture)
     tile = height / scene.view
     # thinner for several objects, which can be as small as their marks and as close as the line is wide
     thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
     def pixels(points: Complexes) -> Complexes:
-        return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
+        return _pixels(points, scene, picture)
 
     curves = [(pixels(np.concatenate([*parts, []])), colour) for parts, colour in loci(scene, step / tile)]
+    curves.insert(0, (pixels(_line(scene, step / tile)), LINE_COLOUR))
     _discs(picture, np.concatenate([points for points, _ in curves]), 0.9 * thick, HALO)
     for points, colour in curves:
         _discs(picture, points, thick / 2, colour)
+    for place in ghosts(scene):
+        _discs(picture, pixels(np.array([place])), 1.5 * thick, HALO)
+        _discs(picture, pixels(np.array([place])), 0.9 * thick, GHOST_COLOUR)
+    named = _named(scene)
+    for name, place in named.items():
+        if name != "P":
+            for radius, colour in ((1.3, HALO), (0.8, POINT_COLOUR)):
+                _discs(picture, pixels(np.array([place])), radius * thick, colour)
     for place in positions(scene):
-        for radius, colour in ((1.7, HALO), (1.1, P_COLOUR)):  # small, so that spheres stay visible
+        # small, so that spheres stay visible
+        for radius, colour in ((1.9, HALO), (1.5, POINT_COLOUR), (1.1, P_COLOUR)):
             _discs(picture, pixels(np.array([place])), radius * thick, colour)
+    places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
+    for name, place in places.items():
+        _letter(picture, name, place, [other for other in places.values() if other != place])
+
+
+def _outline(scene: Chess, picture: NDArray[np.uint8]) -> None:
+    """Draw the outlines of the pieces where they are predicted."""
+    from povgen.video.outline import predicted_outlines
+
+    thick = max(len(picture) / 260, 1.2)
+    step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
+    points = _pixels(predicted_outlines(scene, step), scene, picture)
+    for radius, colour in ((0.95, HALO), (0.5, IMAGE_COLOUR)):
+        _discs(picture, points, radius * thick, colour)
+
+
+def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Complexes:
+    """Return where points of the plane z = 0, in tiles, are on the picture, in pixels: x + iy, y downwards."""
+    height, width, _ = picture.shape
+    tile = height / scene.view
+    return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
+
+
+def _named(scene: Scene) -> dict[str, complex]:
+    """Return the points of the plane z = 0 that have a letter: those in the window among L, E, and P of one object."""
+    points = {"L": scene.L, "E": scene.E} if scene.objects else {}
+    if len(scene.objects) == 1:
+        points |= dict(zip("P", positions(scene), strict=False))
+    half = scene.aperture / 2
+    return {name: z for name, z in points.items() if max(abs(z.real), abs(z.imag)) < half}
+
+
+def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Sequence[complex]) -> None:
+    """Write a point's letter beside it, on the side that is away from the other points."""
+    size = 1.3 * max(TEXT * len(picture), LEGIBLE)
+    away = sum((place - other) / abs(place - other) ** 2 for other in others) or 1 - 1j
+    middle = place + 0.9 * size * away / abs(away)
+    left, top = round(middle.real - size), round(middle.imag - size)
+    rows = slice(max(top, 0), max(round(top + 2 * size), 0))
+    columns = slice(max(left, 0), max(round(left + 2 * size), 0))
+    part = picture[rows, columns]
+    if part.size:
+        image = Image.fromarray(part)
+        at = middle - complex(columns.start, rows.start) - size * text_width(name) / 2
+        write(ImageDraw.Draw(image), at.real, at.imag, name, size, edge=max(1, round(size / 12)))
+        part[:] = np.asarray(image)
 
 
 def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour: Colour) -> None:
@@ -239,6 +478,15 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         part[band] = (part[band] * (1 - opacity) + opacity * colour[:3] + 0.5).astype(np.uint8)
 
 
+def _line(scene: Scene, step: float) -> Complexes:
+    """Return points, `step` apart, of the line in the first window about which its sheet mirrors or turns light."""
+    _, way = scene.sheets[0].line or ("", 0)
+    if not way:
+        return np.empty(0, complex)
+    half = scene.aperture / 2 * abs(way) / max(abs(way.real), abs(way.imag))
+    return np.asarray(way / abs(way) * np.arange(-half, half, step), complex)
+
+
 def positions(scene: Scene) -> list[complex]:
     """Return the predicted positions of the scene's objects (a piece's foot) in the plane z = 0, in tiles.
 
@@ -246,7 +494,12 @@ def positions(scene: Scene) -> list[complex]:
     through one of the other sheets, but light of the object beside it does, the position is that of this light.
     """
     objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
-    return [complex(scene.apparent_position(*each)) for each in objects if scene.visible(*each)]
+    return [complex(position) for position, visible in (scene.seen(*each) for each in objects) if visible]
+
+
+def ghosts(scene: Scene) -> list[complex]:
+    """Return the predicted positions of the objects' ghosts through lenses (`Scene.ghosts`), in tiles."""
+    return [ghost.position for L, z1 in scene.objects for ghost in scene.ghosts(L, z1)]
 
 
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
@@ -256,16 +509,11 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     single window, the second curve is for constant r: alpha changes along it. A part is an array of points of the plane
     z = 0, in tiles, at most `step` apart. It ends where a window frame begins to hide the object.
     """
-    alpha, prisms = radians(scene.alpha), scene.prisms_by_window
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = (
-        paraxial.infinite_z1(scene.z2, alpha, prisms, scene.behind).real
-        if scene.rotates
-        else aim.infinite_z1(scene.elements)
-    )
+    infinite = aim.infinite_z1(scene.elements)
 
     def constant_alpha(L: complex) -> Curve:
-        return lambda z1: (scene.apparent_position(L, z1), scene.visible(L, z1))
+        return lambda z1: scene.seen(L, z1)
 
     curves = [
         (_visible_parts(scene, constant_alpha(L), ends, infinite, step), ALPHA_COLOUR)
@@ -273,10 +521,11 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     ]
     if len(scene.objects) == 1 and not scene.window and scene.rotates:
         z1 = scene.distances[0]
-        far = np.degrees(paraxial.infinite_alpha(z1, scene.z2, prisms[0]).real)
+        shape = scene.layered[0].shape if scene.layered else Prism(0.0)
+        far = np.degrees(aim.infinite_alpha(z1, scene.z2, shape).real)
 
         def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
-            return scene.apparent_position(scene.L, z1, alpha), scene.visible(scene.L, z1, alpha)
+            return scene.seen(scene.L, z1, alpha)
 
         curves.append((_visible_parts(scene, constant_r, (-180, 180), (-far, far), step), R_COLOUR))
     return curves
@@ -296,8 +545,8 @@ def _visible_parts(
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for start, end in pairwise(sorted({*ends, *(at for at in infinite if ends[0] < at < ends[1])})):
             parameter = start + (end - start) * shares
+            place, visible = curve(parameter)
             for _ in range(60):
-                place, visible = curve(parameter)
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
@@ -306,6 +555,8 @@ def _visible_parts(
                 if not coarse.any():
                     break
                 between = (parameter[:-1] + parameter[1:])[coarse] / 2
-                parameter = np.insert(parameter, np.flatnonzero(coarse) + 1, between)
+                at, new = np.flatnonzero(coarse) + 1, curve(between)
+                parameter = np.insert(parameter, at, between)
+                place, visible = np.insert(place, at, new[0]), np.insert(visible, at, new[1])
             parts += [place[run] for run in np.ma.clump_unmasked(np.ma.array(place, mask=~visible))]
     return parts

@@ -1,77 +1,286 @@
-"""Render one picture of a scene, with its caption and overlay if they are wanted."""
+"""Render pictures of scenes, with captions and overlays if they are wanted."""
 
-from collections.abc import Sequence
-from contextlib import closing
+import base64
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from itertools import groupby, repeat
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen import files
+from povgen.errors import InputError, shown
+from povgen.progress import bar, parts
+from povgen.record import Record, differing, in_png, shell_command
+from povgen.rendering import light, povray
 from povgen.rendering.frames import read_png, render_all
+from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
-from povgen.scene.models import Scene, checked_scene, piece_files
-from povgen.settings import Rendering
+from povgen.scene.models import Scene, checked_scene, input_files, pieces, profile_files
+from povgen.scene.pictures import used
+from povgen.scene.pieces import PieceFile
+from povgen.scene.shader import surroundings
+from povgen.settings import Options, Rendering
+from povgen.version import __version__
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+    from povgen.video.overlay import Caption
+    from povgen.video.side import Extent
 
-def render(scene: Scene, **options: object) -> NDArray[np.uint8]:
+
+SUFFIXES = ".png", ".exr"
+MAX_LARGE = 2**22  # bytes of all pictures of sky and floor, and of all meshes, that a record holds
+
+
+@overload
+def render(
+    scene: Scene,
+    *,
+    linear: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool = True,
+    **options: Unpack[Options],
+) -> NDArray[Any]: ...
+
+
+@overload
+def render(
+    scene: Iterable[Scene],
+    *,
+    linear: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool = True,
+    **options: Unpack[Options],
+) -> list[NDArray[Any]]: ...
+
+
+def render(
+    scene: Scene | Iterable[Scene],
+    *,
+    linear: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool = True,
+    **options: Unpack[Options],
+) -> NDArray[Any] | list[NDArray[Any]]:
     """Return the scene's picture: (height, width, 3) bytes of red, green and blue, or 4 with alpha if transparent.
 
-    Options are the fields of `Rendering`: size=(640, 480), quality="high" and others. Raises InputError if an option is
-    not allowed, and PovrayError if POV-Ray fails.
+    With `linear` it is scene-linear light instead, float32: 1 is white, and highlights are brighter. It is the same as
+    bits=32. With bits=16 it is the encoding of sRGB, 0 to 65535.
+
+    Of several scenes, return a list with the picture of each. They are rendered as the frames of a movie are: several
+    at once, `workers` at a time, or on the workers of the Dask scheduler with the address `scheduler`.
+    `progress=False` shows no progress bar. Other options are the fields of `Rendering`: size=(640, 480), quality="high"
+    and others. Raises InputError if an option is not allowed, and PovrayError if POV-Ray fails.
     """
-    scene, rendering = checked_scene(scene), Rendering(**options)
-    return picture(_frames(scene, rendering), scene, rendering).copy()  # the caller may write to it
+    if not isinstance(linear, bool):
+        raise InputError(f"linear = {shown(linear)}: should be true or false")
+    if linear and options.setdefault("bits", 32) != 32:
+        raise InputError(f"bits = {shown(options['bits'])}: linear light has 32; allowed: one of them")
+    one = isinstance(scene, (Scene, str)) or not isinstance(scene, Iterable)
+    scenes = [checked_scene(each) for each in ([scene] if one else scene)]
+    rendering, workers, scheduler = Rendering(**options), worker_count(workers), checked_scheduler(scheduler)
+    found: dict[int, NDArray[Any]] = {}
+    with bar("pictures", len(scenes), one or not progress, "pictures") as done:
+        for prisms in (True, False):  # they can have different antialiasing
+            alike = [number for number, each in enumerate(scenes) if each.has_prisms is prisms]
+            made = pictures([scenes[number] for number in alike], rendering, workers, scheduler, done)
+            with closing(made):
+                found |= zip(alike, (each.copy() for each in made), strict=True)  # the caller may write to them
+    return found[0] if one else [found[number] for number in range(len(scenes))]
 
 
-def show(scene: Scene, **options: object) -> "Image":
+def pictures(
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    done: Callable[[], object] = lambda: None,
+    *,
+    movie: bool = False,
+) -> Generator[NDArray[Any], None, None]:
+    """Yield the picture of each scene, in their order, as `render` returns it. Call `done` after each scene.
+
+    Scenes of a `movie` have captions that fit together, and successive equal scenes are rendered once. `workers`
+    frames are rendered at once, here or by the workers of a Dask scheduler. Raises as `render_all` does.
+    """
+    if not scenes:
+        return
+    with ExitStack() as opened:
+        cluster = None
+        if scheduler is not None:
+            from povgen.rendering.cluster import Cluster
+
+            cluster = opened.enter_context(Cluster(scheduler, rendering.renderer))
+        at_once = workers or (cluster.frames if cluster else None)
+        # a picture that stays is rendered once
+        runs = [(scene, len([*same])) for scene, same in groupby(scenes)] if movie else [(each, 1) for each in scenes]
+        once = [scene for scene, _ in runs]
+        frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
+        texts: Sequence[Caption | None] = [None] * len(once)
+        shows = None
+        if movie and rendering.side_view:
+            from povgen.video.side import extent
+
+            shows = extent(once)
+        if movie and rendering.annotated:
+            from povgen.video.overlay import captions
+
+            texts = captions(once, rendering)
+        for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
+            made = picture(views, scene, rendering, caption, shows)
+            yield from repeat(made, count)
+
+
+def show(scene: Scene, **options: Unpack[Options]) -> "Image":
     """Return the scene's picture as an image of Pillow's, which Jupyter shows. Options and errors are `render`'s."""
     from PIL.Image import fromarray
 
-    return fromarray(render(scene, **options))
-
-
-def save(scene: Scene, path: str | Path, **options: object) -> Path:
-    """Write the scene's picture to a PNG file and return its path. The file is written atomically.
-
-    Options and errors are `render`'s. Raises InputError, before anything is rendered, if the file cannot be written.
-    """
     scene, rendering = checked_scene(scene), Rendering(**options)
-    output = files.checked_output(path, [".png"], inputs=piece_files([scene]))
+    if rendering.is_light:
+        raise InputError(f"bits = {rendering.bits}: an image of Pillow's has 8; allowed: 8")
+    return fromarray(picture(_frames(scene, rendering), scene, rendering))
+
+
+def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
+    """Write the scene's picture to a PNG or EXR file and return its path. The file is written atomically.
+
+    An EXR file has scene-linear light, as `render` returns it with `linear`. Options and errors are `render`'s. Raises
+    InputError, before anything is rendered, if the file cannot be written.
+    """
+    scene, rendering = checked_scene(scene), rendering_for(path, options)
+    output = files.checked_output(path, SUFFIXES, inputs=input_files([scene]))
     target = output.resolve()  # the current folder may change meanwhile
-    files.save(png(scene, rendering), target)
+    files.save(as_file(scene, rendering), target)
     return output
 
 
-def png(scene: Scene, rendering: Rendering | None = None) -> bytes:
-    """Return the scene's picture as the bytes of a PNG file. Raises PovrayError if POV-Ray fails."""
+def rendering_for(path: object, options: Mapping[str, object]) -> Rendering:
+    """Return the rendering for a file: for an EXR file, with 32 bits. Raises InputError."""
+    is_exr = files.as_path(path, SUFFIXES, "output").suffix.lower() == ".exr"
+    rendering = Rendering(**{"bits": 32 if is_exr else 8, **options})
+    if is_exr != (rendering.bits == 32):
+        kind, bits = ("an EXR file", "32") if is_exr else ("a PNG file", "8 or 16")
+        raise InputError(
+            f"bits = {rendering.bits}: {kind} has {bits}; allowed: {bits}, or an output with another ending"
+        )
+    return rendering
+
+
+def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = True) -> bytes:
+    """Return the scene's picture as the bytes of a PNG file, or with 32 bits of an EXR file.
+
+    If it is not quiet, a terminal shows how much of the picture is there. Raises PovrayError if POV-Ray fails.
+    """
     rendering = rendering or Rendering()
-    frames = _frames(scene, rendering)
-    if len(frames) == 1 and not rendering.annotated:
-        return frames[0]
+    if rendering.bits == 32:
+        light.exr()  # raises an error before anything is rendered
+    made = record_of([scene], rendering)
+    frames = _frames(scene, rendering, quiet)
+    if len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:
+        return in_png(frames[0], made)
     from povgen.video import encode
 
-    return encode.png(picture(frames, scene, rendering))
+    shown = picture(frames, scene, rendering)
+    return encode.exr(shown, made) if rendering.bits == 32 else in_png(encode.png(shown), made)
 
 
-def picture(frames: Sequence[bytes], scene: Scene, rendering: Rendering) -> NDArray[np.uint8]:
+def record_of(
+    scenes: Sequence[Scene], rendering: Rendering, title: str | None = None, frame_rate: float | None = None
+) -> Record:
+    """Return the record of a picture, or of a movie with this title and frame rate.
+
+    Raises InputError if it would be too large.
+    """
+    texts: dict[str, str] = {}
+    meshes: dict[str, int] = {}  # the sizes
+    for scene in scenes:
+        for name, piece in pieces(scene).items():
+            if isinstance(piece, PieceFile) and texts.setdefault(name, piece.text) != piece.text:
+                raise InputError(f"piece = {shown(name)}: the file has changed; allowed: scenes with one text of it")
+            if isinstance(piece, PieceFile) and piece.is_mesh:
+                meshes[name] = len(piece.text)
+        for profile in profile_files(scene):
+            if texts.setdefault(str(profile), profile.text) != profile.text:
+                raise InputError(f"profile = {shown(str(profile))}: its name has two texts; allowed: one text of it")
+    if sum(meshes.values()) > MAX_LARGE:
+        texts = {name: text for name, text in texts.items() if name not in meshes}
+    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
+    made = Record(
+        povgen=__version__,
+        renderer=drawn_by(rendering),
+        command=shell_command(),
+        rendering=rendering.model_dump(),
+        title=title,
+        frame_rate=frame_rate,
+        pieces=texts,
+        pictures=_small_pictures(scenes),
+        frames=differing([{"scene": scene.name, **scene.model_dump(mode="json")} for scene in scenes]),
+    )
+    bytes(made)  # refuses what is too large before anything is rendered
+    return made
+
+
+def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
+    """Return the pictures of sky and floor for the record, if all together have up to MAX_LARGE bytes."""
+    shown = {str(picture): picture.name for scene in scenes for picture in surroundings(scene).values()}
+    files = {name: used(file)[file] for name, file in shown.items()}
+    small = sum(map(len, files.values())) <= MAX_LARGE
+    return {name: base64.b64encode(png).decode() for name, png in files.items()} if small else {}
+
+
+def drawn_by(rendering: Rendering) -> str:
+    """Return the version of what renders. Raises InputError if the renderer gl cannot be used."""
+    if rendering.renderer == "gl":
+        from povgen.rendering import gl_runner
+
+        return gl_runner.device()
+    return f"POV-Ray {povray.version()}"
+
+
+def picture(
+    frames: Sequence[bytes],
+    scene: Scene,
+    rendering: Rendering,
+    caption: "Caption | None" = None,
+    shows: "Extent | None" = None,
+) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
-    Each frame gets the caption and the overlay that `rendering` asks for.
+    Each frame gets the overlay, the caption and the side view that `rendering` asks for: in a movie, this caption and
+    this extent.
     """
+    if rendering.is_light:
+        made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
+        return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = [read_png(frame) for frame in frames]
-    if rendering.annotated:
+    if draws_on(scene, rendering):
         from povgen.video.overlay import annotated
 
         shown = views(scene, rendering)
-        pictures = [annotated(plain, view, rendering) for plain, view in zip(pictures, shown, strict=True)]
+        pictures = [annotated(plain, view, rendering, caption) for plain, view in zip(pictures, shown, strict=True)]
+    if rendering.side_view:
+        from povgen.video.side import side_view
+
+        strips = [side_view(view, *rendering.size, shows) for view in shown]
+        pictures = [np.concatenate(pair) for pair in zip(pictures, strips, strict=True)]
     return composed(pictures, scene, rendering)
 
 
-def _frames(scene: Scene, rendering: Rendering) -> list[bytes]:
-    with closing(render_all([scene], rendering)) as rendered:
+def draws_on(scene: Scene, rendering: Rendering) -> bool:
+    """Whether povgen draws on the rendered picture."""
+    return rendering.annotated or getattr(scene, "predicted_image", False)
+
+
+def _frames(scene: Scene, rendering: Rendering, quiet: bool = True) -> list[bytes]:
+    with (
+        parts(scene.name, len(views(scene, rendering)), quiet) as part,
+        closing(render_all([scene], rendering, part=part)) as rendered,
+    ):
         return next(rendered)

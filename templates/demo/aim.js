@@ -1,15 +1,82 @@
-// Where the eye sees a point through an ideal sheet with any law: povgen/optics/aim.py. A ray from the eye E with the slope s
-// crosses the sheet, a distance z2 away, at E + z2 s.
+// Where the eye sees a point through windows with sheets of any kinds: povgen/optics/aim.py. A ray from the eye E with the slope
+// s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in live/sheets.js.
 
-import { constants, bending } from "../live/sheets.js";
-import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times } from "./complex.js";
+import * as geometry from "../live/geometry.js";
+import { bending, hasPrisms } from "../live/sheets.js";
+import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 
 /** @typedef {number[]} Point */
 
-// The columns [x, y] of the linear map from a step of the slope at the eye to a step in the plane a distance z1 behind the sheet,
-// and the point `from` that the slope 0 leads to. null if the law is not linear.
-export function linear(window, E, z1, z2) {
-  const at = place(bending(window), E, z1, z2);
+// The sheets in all windows, those near the eye first: z, the number of the window, and `act`, a map from the slope and the place
+// of an eye's ray to those behind the sheet. The slope is null if no light passes. A sheet of prisms has its angle and its prisms'
+// shape, too.
+function layers(windows) {
+  return windows.flatMap((window, number) => {
+    if (!hasPrisms(window)) {
+      const bend = bending(window);
+      return [{ number, z: window.z, act: (s, P) => [bend(s, P), P] }];
+    }
+    if (window.sheet === "lenticular") return geometry.sheets(window).map((sheet) => ({ number, ...lenses(window, sheet) }));
+    const prism = geometry.prism(window.values);
+    return geometry.sheets(window).map(({ angle, centre }) => ({
+      number, z: window.z + centre, angle, prism,
+      act: (s, P) => {
+        const mirrored = times(turn(2 * angle), conj(s));
+        return [mirrored, plus(P, scaled(-prism.slab_shift / 2, plus(s, mirrored)))];
+      },
+    }));
+  });
+}
+
+// A sheet of confocal lenses, for light that leaves through the lens opposite, on average over a lens and for small angles:
+// `layer` in povgen/optics/aim.py without spherical aberration.
+function lenses({ z, values: { ratio, index } }, { angle, centre, length }) {
+  const factor = -1 / ratio;
+  return {
+    z: z + centre, angle,
+    act: (s, P) => {
+      const [along, across] = times(turn(-angle), s), behind = [along, factor * across];
+      const shift = [-length * (1 - 1 / index) * along, length * (1 / index - (1 + factor) / 2) * across];
+      return [times(turn(angle), behind), plus(P, times(turn(angle), shift))];
+    },
+  };
+}
+
+// The slope across the lenses up to which most light leaves through the lens opposite.
+export const fieldOf = ({ ratio, index, f_number }) => index / (2 * (1 + ratio) * f_number);
+
+// A function that follows the ray with the slope s from the eye. Its path: for each sheet that it meets, the sheet, the slope
+// before it, and the place; then slope, place and z behind the last one. The slope is null if no light passes.
+export function following(windows, E, z2) {
+  const sheets = layers(windows);
+  return (/** @type {Point} */ s) => {
+    /** @type {any[]} */
+    const path = [{ slope: s, place: E, z: -z2 }];
+    for (const sheet of sheets) {
+      const ray = path.at(-1), { z } = sheet;
+      if (!ray.slope) break;
+      const met = plus(ray.place, scaled(z - ray.z, ray.slope));
+      const [slope, place] = sheet.act(ray.slope, met);
+      Object.assign(ray, { sheet, place: met, z });
+      path.push({ slope, place, z });
+    }
+    return path;
+  };
+}
+
+// Where a path meets a window: its number is 0 or 1. undefined if no light passes so far.
+export const meets = (path, window) => path.find(({ sheet }) => sheet?.number === window);
+
+// Where a path crosses the plane a distance z1 behind the last window; null if no light passes.
+export function landing(path, windows, z1) {
+  const { slope, place, z } = path.at(-1);
+  return slope && plus(place, scaled(windows.at(-1).z + z1 - z, slope));
+}
+
+// The columns [x, y] of the linear map from a step of the slope at the eye to a step in the plane a distance z1 behind the last
+// window, and the point `from` that the slope 0 leads to. null if the map is not linear.
+export function linear(windows, E, z1, z2) {
+  const at = target(windows, E, z1, z2);
   const from = at([0, 0]);
   if (!from) return null;
   const columns = [[1, 0], [0, 1]].map((step) => at(step) && minus(at(step), from));
@@ -22,40 +89,40 @@ export function linear(window, E, z1, z2) {
   return { columns, from };
 }
 
-// A linear law's pole: all light to the eye passes the plane at z1 in one "point", or in a "line"; "" elsewhere.
-export function pole(window, E, z1, z2) {
-  const map = linear(window, E, z1, z2);
+// A linear map's pole: all light to the eye passes the plane at z1 in one "point", or in a "line"; "" elsewhere.
+export function pole(windows, E, z1, z2) {
+  const map = linear(windows, E, z1, z2);
   if (!map) return "";
   const [a, b] = map.columns, size = Math.hypot(abs(a), abs(b));
   if (size < 1e-9 * z2) return "point";
   return Math.abs(determinant([a, b])) < 1e-9 * z2 * size ? "line" : "";
 }
 
-// How far behind the sheet a linear law forms the image of what is at z1: below 0 in front of it, infinite if the light of each
-// point leaves in one direction. NaN if there is no image.
-export function imageDepth(window, z1) {
-  const [near, far] = [1, 2].map((z2) => linear(window, [0, 0], z1, z2)?.columns);
+// How far behind the first window a linear map forms the image of what is at z1: below 0 in front of it, infinite if the light of
+// each point leaves in one direction. NaN if there is no image.
+export function imageDepth(windows, z1) {
+  const [near, far] = [1, 2].map((z2) => linear(windows, [0, 0], z1, z2)?.columns);
   if (!near || !far) return NaN;
-  // a ray that meets the sheet at P, and had the slope s before, ends at the sum of two linear maps: of P, and of s
+  // a ray that meets the first window at P, and had the slope s before, ends at the sum of two linear maps: of P, and of s
   const [ofP, ofS] = [near.map((column, k) => minus(far[k], column)), near.map((column, k) => minus(scaled(2, column), far[k]))];
   if (ofP.every((column) => abs(column) < 1e-9)) return Infinity;
   const W = times(conj(ofP[0]), ofS[0])[0] / abs(ofP[0]) ** 2;
   return ofS.every((column, k) => abs(minus(column, scaled(W, ofP[k]))) < 1e-9 * abs(column)) ? W : NaN;
 }
 
-// Where light from L to E crosses the sheet: of several paths, the one whose crossing is the nearest to the middle of the window.
-// Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.
-export function crossing(L, E, z1, z2, window, near = 0) {
-  const map = linear(window, E, z1, z2);
+// Where light from L to E crosses the first window: of several paths, the one whose crossing is the nearest to the middle of the
+// window. Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.
+export function crossing(L, E, z1, z2, windows, near = 0) {
+  const map = linear(windows, E, z1, z2);
   if (map) {
     const slope = resolved(minus(L, map.from), map.columns);
     return Math.abs(determinant(map.columns)) < 1e-13 * abs(map.columns[0]) * abs(map.columns[1])
       ? [Infinity, 0] : plus(E, scaled(z2, slope));
   }
-  const at = place(bending(window), E, z1, z2);
+  const at = target(windows, E, z1, z2);
   const scale = abs(minus(L, E)) + z1 + z2;
   let best = [NaN, NaN], least = Infinity;
-  for (const start of netsOf(window, E, z1, z2, at).flatMap((net) => starts(net, L))) {
+  for (const start of netsOf(windows, E, z1, z2, at).flatMap((net) => starts(net, L))) {
     const { s, off } = closest(start, L, at);
     const P = plus(E, scaled(z2, s)), far = Math.max(...P.map(Math.abs));
     if (off <= Math.max(1e-11 * scale, near) && far < least) [best, least] = [P, far];
@@ -63,20 +130,34 @@ export function crossing(L, E, z1, z2, window, near = 0) {
   return best;
 }
 
+// Where light from each point of an outline to E crosses the first window. The search for a point begins at the path from the
+// point before it, and over all angles only where it does not lead on from there.
+export function crossings(points, E, z1, z2, windows) {
+  const at = target(windows, E, z1, z2), single = Boolean(linear(windows, E, z1, z2));
+  let last = [NaN, NaN];
+  return points.map((L) => {
+    const { s, off } = single || !finite(last) ? { s: last, off: Infinity } : closest(scaled(1 / z2, minus(last, E)), L, at);
+    const P = plus(E, scaled(z2, s)), found = off <= 1e-11 * (abs(minus(L, E)) + z1 + z2) && abs(minus(P, last)) < STRIDE;
+    return (last = found ? P : crossing(L, E, z1, z2, windows));
+  });
+}
+const STRIDE = 0.3;  // tiles, between the crossings of neighbouring points of an outline
+
 // The map from the slope of an eye's ray to the point where it crosses the plane at z1; null if no light passes.
-const place = (bend, E, z1, z2) => (/** @type {Point} */ s) => {
-  const P = plus(E, scaled(z2, s)), after = bend(s, P);
-  return after && plus(P, scaled(z1, after));
-};
+function target(windows, E, z1, z2) {
+  const follow = following(windows, E, z2);
+  return (/** @type {Point} */ s) => landing(follow(s), windows, z1);
+}
 
 const ANGLES = Array.from({ length: 25 }, (_, k) => ((k - 12) * 7 * Math.PI) / 180);
 const even = (least, most) => ANGLES.map((_, k) => least + ((most - least) * k) / (ANGLES.length - 1));
-let kept = { key: "", nets: [] };  // those of the last sheet
+/** @type {any} */
+let kept = {};  // those of the last windows
 
 // Nets of rays from which the search starts: over all angles, over those at which light passes, and over the window.
-function netsOf(window, E, z1, z2, at) {
-  const key = JSON.stringify([window.sheet, constants(window), window.values.aperture, E, z1, z2]);
-  if (kept.key === key) return kept.nets;
+function netsOf(windows, E, z1, z2, at) {
+  const key = String([E, z1, z2]);
+  if (kept.windows === windows && kept.key === key) return kept.nets;
   const net = (xs, ys) => ({ xs, ys, shown: ys.map((y) => xs.map((x) => at([x, y]))) });
   const tangents = (angles) => angles.map((angle) => Math.tan(Math.min(1.55, Math.max(-1.55, angle))));
   const all = net(tangents(ANGLES), tangents(ANGLES));
@@ -87,9 +168,9 @@ function netsOf(window, E, z1, z2, at) {
     const step = ANGLES[1] - ANGLES[0];
     nets.push(net(...[columns, rows].map((found) => tangents(even(ANGLES[found[0]] - step, ANGLES[found.at(-1)] + step)))));
   }
-  const half = 0.55 * window.values.aperture;
+  const half = 0.55 * windows[0].values.aperture;
   nets.push(net(...E.map((x) => even((-half - x) / z2, (half - x) / z2))));
-  kept = { key, nets };
+  kept = { windows, key, nets };
   return nets;
 }
 

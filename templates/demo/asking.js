@@ -1,12 +1,15 @@
 // The panel of the questions: a class predicts, and the page then shows the answer.
 
 import { SWITCHES } from "./address.js";
-import { $ } from "./data.js";
+import { $, pick } from "./data.js";
 import { refresh } from "./frame.js";
+import { say } from "./language.js";
+import { compared, ghostOf, isMatched, matching, numbersOf } from "./ghost.js";
 import { printed, readNumber } from "./numbers.js";
 import { player, reducedMotion } from "./player.js";
-import { QUESTIONS, revealed } from "./questions.js";
-import { change, session, state } from "./state.js";
+import { ask as textOf, choices, QUESTIONS, revealed, why } from "./questions.js";
+import { change, OPENING, session, state } from "./state.js";
+import { drawVotes } from "./votes.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 export function openQuestion(n) {
@@ -19,8 +22,7 @@ export function openQuestion(n) {
     session.lastQuestion = n;
     ask(n);
   } else {
-    const shows = Object.fromEntries(["diagram", ...SWITCHES].map((name) => [name, state[name]]));
-    change({ ...session.explored, ...shows, question: -1 });
+    change({ ...session.explored, question: -1 });
   }
   drawQuestion();
   refresh();
@@ -31,15 +33,20 @@ function ask(n) {
   endGlide();
   revealed.delete(n);
   drawnQuestion = -1;
-  change({ ...QUESTIONS[n].before, question: n });
+  session.drawn = null;
+  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, question: n });
 }
 
 let asksForNumber = false;
 
 // Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
 export function reveal() {
-  const { before, after } = QUESTIONS[state.question];
-  revealed.set(state.question, new FormData($("question-form")).get("prediction"));
+  /** @type {any} */
+  const question = QUESTIONS[state.question];
+  const given = question.match ? String(isMatched(question)) : new FormData($("question-form")).get("prediction");
+  session.drawn = question.match ? null : session.ghost;
+  revealed.set(state.question, given);
+  const { before, after } = question;
   glide({ ...before, ...(typeof after === "function" ? after() : after) });
 }
 
@@ -75,31 +82,72 @@ function glide(target) {
 
 let drawnQuestion = -1;
 
+// The numbers of the questions of this level, and of the one that is open.
+const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
+
+// The language has changed: the panel is written anew.
+export function rewriteQuestion() {
+  drawnQuestion = -1;
+}
+
 export function drawQuestion() {
   const n = state.question;
-  if (n < 0) return (drawnQuestion = -1);
+  if (n < 0) {
+    session.ghost = null;
+    if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
+    return (drawnQuestion = -1);
+  }
   const question = QUESTIONS[n];
   if (n !== drawnQuestion) {
-    $("question-count").textContent = `Question ${n + 1} of ${QUESTIONS.length}`;
-    $("ask").textContent = question.ask.replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
-    $("prediction").replaceChildren(...(question.choices ? question.choices.map(choiceInput) : [numberInput(question)]));
+    $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
+    $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
+    drawVotes(n, choices(question));
     drawnQuestion = n;
     asksForNumber = false;
   }
+  $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
   $("reveal").hidden = revealed.has(n);
   $("again").hidden = !revealed.has(n);
+  const open = (id) => !$(id).hidden;
+  if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
+  aid("votes").hidden = !choices(question);
+  aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || question.before.sheet === "lenticular";
+  session.ghost = ghostOf(question, open("drawing") && !aid("drawing").hidden);
   for (const input of $("prediction").querySelectorAll("input")) {
     input.disabled = revealed.has(n);
     const made = revealed.get(n);
     if (made && input.type === "radio") input.checked = input.value === made;
     else if (made) input.value = made;
+    input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());
   }
   const said = document.createElement("p");
-  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? ["Type a number first."] : []));
+  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
-  $("previous").disabled = n === 0;
-  $("next").disabled = n === QUESTIONS.length - 1;
+  $("previous").disabled = n === offered().at(0);
+  $("next").disabled = n === offered().at(-1);
 }
+
+// ---- What helps with a question: each button opens and closes a part ----
+
+const aid = (id) => document.querySelector(`#aids [aria-controls="${id}"]`);
+for (const button of document.querySelectorAll("#aids [aria-controls]")) {
+  button.addEventListener("click", () => {
+    const part = $(button.getAttribute("aria-controls"));
+    part.hidden = !part.hidden;
+    button.setAttribute("aria-expanded", String(!part.hidden));
+    drawQuestion();
+    part.scrollIntoView({ block: "nearest" });
+    refresh();
+  });
+}
+
+// The diagram is in one of two panels.
+function moveDiagram() {
+  if (state.question >= 0 && !$("ask-diagram").hidden) $("ask-diagram").append($("diagram-box"));
+  else $("explore").insertBefore($("diagram-box"), document.querySelector("#explore dl"));
+}
+
+for (const id of ["draw-turn", "draw-size"]) $(id).addEventListener("input", refresh);
 
 function choiceInput(text, k) {
   const label = document.createElement("label");
@@ -108,23 +156,27 @@ function choiceInput(text, k) {
   return label;
 }
 
-function numberInput({ unit, tolerance }) {
+/** @type {(question: any) => HTMLElement} */
+function numberInput({ name, tolerance }) {
   const label = document.createElement("label");
   const input = Object.assign(document.createElement("input"), { className: "field", autocomplete: "off", name: "prediction" });
-  label.append(input, ` ${unit}, within ${tolerance}`);
+  label.append(input, ` ${say("asking.within", { unit: say(`questions.${name}.unit`), tolerance: printed(String(tolerance)) })}`);
   return label;
 }
 
+const strong = (textContent) => Object.assign(document.createElement("strong"), { textContent });
+
 // Whether the class is right, the answer, and why.
 function answerText(question) {
-  const right = question.answer();
   const given = revealed.get(QUESTIONS.indexOf(question));
-  const isRight = question.choices ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
-  const verdict = given ? (isRight ? "Yes: " : "No: ") : "";
-  const text = question.choices ? question.choices[right] : `${printed(String(Number(right.toPrecision(4))))} ${question.unit}`;
-  const said = verdict ? verdict + text : text[0].toUpperCase() + text.slice(1);
-  const strong = Object.assign(document.createElement("strong"), { textContent: `${said}.` });
-  return [strong, ` ${question.why()}`];
+  if (question.match) return [strong(say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
+  const right = question.answer();
+  const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
+  const number = printed(String(Number(right.toPrecision(4))));
+  const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
+  const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
+  const drawn = session.drawn ? ` ${compared(session.drawn)}` : "";
+  return [strong(said[0].toUpperCase() + said.slice(1)), ` ${why(question)}${drawn}`];
 }
 
 $("question-form").addEventListener("submit", (event) => {
@@ -134,7 +186,10 @@ $("question-form").addEventListener("submit", (event) => {
   if (!asksForNumber) reveal();
   drawQuestion();
   if (asksForNumber) field.focus();
-  else ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
+  else {
+    ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
+    $("answer").scrollIntoView({ block: "nearest" });
+  }
 });
 $("again").addEventListener("click", () => {
   ask(state.question);
@@ -144,7 +199,7 @@ $("again").addEventListener("click", () => {
 });
 for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
   $(id).addEventListener("click", () => {
-    openQuestion(state.question + aside);
+    openQuestion(offered()[offered().indexOf(state.question) + aside]);
     $("ask").focus();
   });
 }

@@ -1,43 +1,72 @@
-// What the page says of the choices beyond the paper, in sentences. The sentence about one kind of sheet is `sentence` in
-// povgen/sheets/.
+// What the page says of the choices beyond the paper, in sentences.
 
 import * as geometry from "../live/geometry.js";
-import { imageDepth } from "./aim.js";
+import { bending } from "../live/sheets.js";
+import { fieldOf, imageDepth } from "./aim.js";
+import { kinds } from "./beyond.js";
 import { abs, arg, minus, quotient } from "./complex.js";
-import { data } from "./data.js";
-import { unsure } from "./moment.js";
-import { brief, briefly, timesText } from "./numbers.js";
-import { absent, doubt, imagePlace, poleSentence, thing, turnedBy } from "./phrases.js";
-import { RANGES, state } from "./state.js";
 import { contents } from "./contents.js";
+import { data } from "./data.js";
+import { entry, say } from "./language.js";
+import { NEAR_POLE, unsure } from "./moment.js";
+import { angle, brief, briefly, timesText } from "./numbers.js";
+import { absent, bare, doubt, imagePlace, ofKind, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
+import { RANGES, state } from "./state.js";
 
 const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than the height of one of 100 prisms
 
 export function seenThrough(now) {
-  const { sheet, M, turned } = now;
-  if (sheet === "none" && contents(now).has("thing")) return `Nothing is in the windows: the ${thing()} is seen as it is, ${timesText(M)} times as large as if it stood in the first window.`;
+  const { M, turned } = now;
+  if (kinds().every((sheet) => sheet === "none") && contents(now).has("thing")) return say("seen.free_series", { thing: thing(), times: timesText(M) });
   if (now.Z) return seenInSeries(now);
-  const does = work(now);
+  const does = now.d ? workOfTwo(now) : work(now);
+  if (now.beside) return `${does} ${besideSentence()}`;
   if (now.nearPole) return `${does} ${poleSentence(now)}`;
   if (!contents(now).has("thing")) return `${does} ${absent(now)}`;
   if (!(M > 0) || !Number.isFinite(M)) return does;
-  const which = state.scene === "spheres" ? ` at z₁ = ${brief(now.z1)}` : "";
+  const values = { thing: thingAt(now.z1) };
   const seen = Number.isFinite(turned)
-    ? `appears ${turnedBy(turned)}, and ${timesText(M)} times as large as if it stood in the window.`
-    : `has ${timesText(M * M)} times the area that it would have in the window.`;  // it can be distorted
-  return `${does} The ${thing()}${which} ${seen}`;
+    ? say("seen.turned", { ...values, turned: turnedBy(turned, thing()), times: timesText(M / bare(now)) })
+    : say("seen.area", { ...values, times: timesText((M / bare(now)) ** 2) });  // it can be distorted
+  return `${does} ${seen}${doubtIfUnsure(now)}`;
 }
+
+const theWindow = ({ d }) => (d ? "first_window" : "window");
+const doubtIfUnsure = (now) => (now.glass && unsure(now) && now.M <= NEAR_POLE ? ` ${doubt(now)}` : "");
+const besideSentence = () => say("seen.beside", { thing: thing() });
 
 // What a sheet beyond the paper does.
 function work(now) {
-  const { sentence, remark } = now.kind;
-  const turned = rotationBy(now.bend);
-  if (turned !== null && Math.abs(turned) < 1e-9) return "With these values the sheet does nothing.";
-  const does = sentence.replace(/\{(\w+)(?:\/(\d+))?\}/g, (_, name, part) => briefly(name, part ? now.scene[name] / part : now.scene[name]));
-  if (turned !== null) return `${does} That is the paper’s window.`;
-  const W = imageDepth(now.window, now.z1);
-  const place = Number.isFinite(W) ? imagePlace(W, now.z2, "the window") : "infinitely far away";
-  return [does, ...(remark ? [remark] : []), ...(Number.isNaN(W) ? [] : [`The ${thing()}’s image is ${place}.`])].join(" ");
+  if (now.lenses) return workOfLenses(now.windows[0]);
+  const turned = rotationBy(bending(now.windows[0]));
+  if (turned !== null && Math.abs(turned) < 1e-9) return say("seen.does_nothing");
+  const does = sentence(now.windows[0]);
+  if (turned !== null) return `${does} ${say("seen.papers_window")}`;
+  return [does, ...(entry(`kinds.${now.sheet}.remark`) ? [ofKind(now.sheet, "remark")] : []), ...image(now)].join(" ");
+}
+
+// What sheets of lenses do, and up to which angle.
+function workOfLenses(window) {
+  const field = angle(Math.atan(fieldOf(window.values)));
+  return `${sentence(window, window.values.ratio === 1 ? "sentence" : "sentence_ratio")} ${ofKind("lenticular", "remark", { field })}`;
+}
+
+function workOfTwo(now) {
+  const [first, second] = now.windows.map((window) => sentence(window));
+  return [say("seen.first_and_second", { first, second }), ...image(now)].join(" ");
+}
+
+// What the sheet in a window does.
+const sentence = ({ sheet, values }, part = "sentence") => ofKind(sheet, part, {
+  ...Object.fromEntries(Object.keys(data.parameters).map((name) => [name, briefly(name, values[name])])),
+  "alpha/2": briefly("alpha", values.alpha / 2),
+});
+
+// Where the image is, if there is one.
+function image(now) {
+  const W = imageDepth(now.windows, now.z1);
+  const place = Number.isFinite(W) ? imagePlace(W, now.z2, theWindow(now)) : say("image.infinite");
+  return Number.isNaN(W) ? [] : [say("image.is", { thing: thing(), place })];
 }
 
 // The angle by which a sheet turns all light about its normal; null if it does something else.
@@ -49,25 +78,24 @@ function rotationBy(bend) {
 }
 
 function seenInSeries(now) {
-  const { sheet, M, nu, z1 } = now;
-  if (now.beside) return `Light from L to the eye passes beside the second window: there the ${thing()} is not where the windows would show it.`;
+  const { M, nu, z1 } = now;
+  if (now.beside) return besideSentence();
   if (now.nearPole) return poleSentence(now);
   if (!contents(now).has("thing")) return absent(now);
-  const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(z1)} appears, about E,` : `${thing()} appears`;
-  const large = `${timesText(M)} times as large as if it stood in the first window`;
-  const unsafe = sheet === "detailed" && unsure(now) ? ` ${doubt(now)}` : "";
-  return `Through both windows, the ${which} ${turnedBy(nu)}, and ${large}. ${imageSentence(now)}${unsafe}`;
+  const values = { thing: thingAt(z1), turned: turnedBy(nu, thing()), times: timesText(M / bare(now)) };
+  const seen = say(state.scene === "spheres" ? "seen.through_both_about_eye" : "seen.through_both", values);
+  return `${seen} ${imageSentence(now)}${doubtIfUnsure(now)}`;
 }
 
 // Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.
 function imageSentence({ scene, Z, z1, z2, total }) {
   if (Math.abs(Z[1]) <= REAL) {
     const W = Z[0] - z2;
-    if (Math.abs(W) < REAL) return "Z is real: the image is in the first window.";
-    return `Z is real: the image is ${imagePlace(W, z2, "the first window")}.`;
+    if (Math.abs(W) < REAL) return say("image.real_in_window");
+    return say("image.real", { place: imagePlace(W, z2, "first_window") });
   }
   const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
   const least = geometry.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
-  const instead = imaged > least && imaged < RANGES.z1[1] ? ` What stands at z₁ = ${brief(imaged)} has one.` : "";
-  return `Z is not real: the ${thing()} has no image.${instead}`;
+  const instead = imaged > least && imaged < RANGES.z1[1] ? ` ${say("image.instead", { z1: brief(imaged) })}` : "";
+  return say("image.none", { thing: thing() }) + instead;
 }

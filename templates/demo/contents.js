@@ -1,34 +1,20 @@
 // What is in the window: what the lines of sight through it meet.
 
-import { abs, finite, minus, plus, scaled, times, turn } from "./complex.js";
+import { landing, meets } from "./aim.js";
+import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
 import { data } from "./data.js";
-import * as equations from "./equations.js";
-import { apparentPosition, outside } from "./moment.js";
+import { apparentOutline, apparentPosition, isBesideSecond, outside } from "./moment.js";
 import { outlineOf, within } from "./outline.js";
 import { FLOOR, state } from "./state.js";
-
-const NO_DEPTH = { slab_shift: 0, separation: 0 };  // of sheets without thickness
 
 // The line of sight through a place of the plane z = 0, behind the last window: its slope, and where it crosses the plane at
 // the distance z1. `beside` if it misses the second window. null if no light passes.
 function sight(now, place) {
-  const { scene, sheet, E, z1, z2, alpha, prism, behind } = now;
-  const slope = scaled(1 / z2, minus(place, E));
-  if (now.bend) {
-    const after = now.bend(slope, place);
-    return after && { slope: after, point: plus(place, scaled(z1, after)) };
-  }
-  if (sheet === "single") {
-    const [x, y] = slope;
-    return { slope: [x, -y], point: plus(E, [x * (z2 + z1 - prism.slab_shift), y * (z2 - z1)]) };
-  }
-  if (behind.length && outside(equations.atSecondWindow({ ...now, place }), scene)) {
-    const after = times(slope, turn(-alpha));
-    return { slope: after, point: plus(place, scaled(now.d + z1, after)), beside: true };
-  }
-  const depths = sheet === "detailed" ? prism : NO_DEPTH;
-  const after = times(slope, turn(-(now.total ?? alpha)));
-  return { slope: after, point: equations.behind(place, E, z1, z2, alpha, depths, behind) };
+  const { windows, z1 } = now;
+  const path = now.follow(scaled(1 / now.z2, minus(place, now.E)));
+  if (isBesideSecond(now, place)) return { ...meets(path, 1), point: place, beside: true };
+  const point = landing(path, windows, z1);
+  return point && { slope: path.at(-1).slope, point };
 }
 
 // What a line of sight meets: "thing" (the object at L), or one of the names in SHOWN.
@@ -53,11 +39,12 @@ function met(now, line) {
 }
 
 const MOUNTAINS = 0.05;  // slope: most mountains are higher
-export const SHOWN = {
-  pedestal: "the pedestal", others: "other spheres", floor: "the floor", ground: "the ground", mountains: "mountains", sky: "sky",
-  dark: "black parts",
-};
+// in the order in which they are said
+export const SHOWN = ["pedestal", "others", "floor", "ground", "mountains", "sky", "dark"];
 const PLACES = [-0.98, -0.8, -0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 0.98];  // of half the window
+
+// What the eye sees through a place of the window.
+export const seenAt = (now, place) => met(now, sight(now, place));
 
 // The names of what the window shows: of what it shows at a grid of places, and of small objects.
 export const contents = (now) => (now.contents ??= foundInWindow(now));
@@ -66,14 +53,15 @@ function foundInWindow(now) {
   const half = now.scene.aperture / 2;
   /** @type {Set<string>} */
   const found = new Set(PLACES.flatMap((x) => PLACES.map((y) => met(now, sight(now, [x * half, y * half])))));
-  const seen = (d, z1) => isInWindow({ ...now, z1 }, apparentPosition(now, plus(now.L, d), { ...now, z1 }));
-  if (!found.has("thing") && outlinePoints(now).some((d) => seen(d, now.z1))) found.add("thing");
-  if (now.objects.some((z1) => z1 !== now.z1 && seen([0, 0], z1))) found.add("others");
+  const outline = () => apparentOutline(now, outlinePoints(now).map((d) => plus(now.L, d)));
+  if (!found.has("thing") && outline().some((place) => isInWindow(now, place))) found.add("thing");
+  const seen = (z1) => isInWindow({ ...now, z1 }, apparentPosition(now, now.L, { ...now, z1 }));
+  if (now.objects.some((z1) => z1 !== now.z1 && seen(z1))) found.add("others");
   return found;
 }
 
 const isInWindow = (now, place) =>
-  finite(place) && !outside(place, now.scene) && !(now.Z && outside(equations.atSecondWindow({ ...now, place }), now.scene));
+  finite(place) && !outside(place, now.scene) && !isBesideSecond(now, place);
 
 // Points of the object's outline, from L.
 function outlinePoints({ objects, z1, radii }) {

@@ -2,18 +2,19 @@
 
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
-import { chooseBeyond, chosenBeyond, labels, replace, replacedNames } from "./beyond.js";
+import { chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, replace } from "./beyond.js";
 import { abs, arg, finite, minus } from "./complex.js";
 import { $, clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { refresh } from "./frame.js";
+import { choose, entry, fill, LANGUAGES, localised, marked, say, spoken } from "./language.js";
 import { moment } from "./moment.js";
-import { angle, brief, placeText, point, prismsText, quantity, readNumber, SETTINGS, size } from "./numbers.js";
+import { angle, brief, placeText, point, prismsText, quantity, readNumber, SETTINGS, size, unitText } from "./numbers.js";
 import { drawOverlay } from "./overlay.js";
-import { pieceName } from "./phrases.js";
+import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { change, session, state, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, session, state, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -36,7 +37,7 @@ const OF_SHEETS = Object.keys(data.parameters);
 const DIRECTIONS = OF_SHEETS.filter((name) => data.parameters[name].kind === "direction");
 const FIELDS = Object.entries({ L: "xy", E: "xy", ...Object.fromEntries(DIRECTIONS.map((name) => [name, "xyz"])) });
 const SLIDERS = {
-  z1: log(0.3, 300), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(-180, 180, 0.5), d: log(0.4, 20),
+  z1: log(0.3, 50), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(-180, 180, 0.5), d: log(0.4, 20),
   ...Object.fromEntries(OF_SHEETS.filter((name) => !DIRECTIONS.includes(name)).map((name) => [name, sliderOf(data.parameters[name])])),
 };
 const valueOf = (name) => {
@@ -45,7 +46,7 @@ const valueOf = (name) => {
 };
 
 // A number as an input shows it.
-const typed = (x) => String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)));
+const typed = (x) => localised(String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0))));
 
 for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
   const slider = Object.assign($(`slider-${name}`), { min, max, step });
@@ -74,11 +75,11 @@ function numberField(input, step, values) {
     if (!Number.isFinite(x)) return;
     given(values(x));
     const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
-    if (noSphere) session.refusals = [`No sphere is at z₁ = ${brief(x)}: the nearest one is chosen.`];
+    if (noSphere) session.refusals = [say("controls.no_sphere", { z1: brief(x) })];
   });
   input.addEventListener("change", () => {
     session.typing = null;
-    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [`“${input.value}” is not a number.`];
+    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
     refresh();
   });
   input.addEventListener("keydown", (event) => {
@@ -94,6 +95,7 @@ function numberField(input, step, values) {
 function given(values) {
   player.pause();
   change(values);
+  session.replaced = null;
   refresh();
 }
 
@@ -104,23 +106,46 @@ for (const input of document.querySelectorAll(".choice input")) {
     refresh();
   });
 }
-for (const name of data.pieces) $("piece").append(new Option(pieceName(name), name));
+for (const name of data.pieces) $("piece").append(new Option("", name));
 $("beyond").addEventListener("change", () => {
   player.reset();
   chooseBeyond($("beyond").value);
   refresh();
 });
+for (const name of ["sheet", "sheet2"]) {
+  $(`of-${name}`).addEventListener("change", (event) => {
+    player.pause();
+    chooseSheet(name, event.target.value);
+    refresh();
+  });
+}
+$("level").addEventListener("change", () => given({ level: $("level").checked ? "expert" : "simple" }));
 $("undo").addEventListener("click", () => {
-  given(pick(session.replaced.before, "scene", ...Object.keys(SETTINGS)));
-  session.replaced = null;
+  given(pick(session.replaced.before, "scene", ...SETTINGS));
   $("scrub").focus();  // the button Undo is gone
 });
-$("piece").addEventListener("change", () => given({ piece: $("piece").value }));
+for (const name of ["piece", "light"]) $(name).addEventListener("change", () => given({ [name]: $(name).value }));
 for (const name of SWITCHES) {
   $(`show-${name}`).addEventListener("change", (event) => {
     state[name] = event.target.checked;
     refresh();
   });
+}
+
+const named = (name) => data.languages[name].name;
+for (const name of [...LANGUAGES].sort((a, b) => named(a).localeCompare(named(b), "en"))) $("language").append(Object.assign(new Option(named(name), name), { lang: name }));
+$("language").addEventListener("change", () => {
+  choose($("language").value, true);
+  refresh();
+});
+
+// Write all sentences that do not depend on the state: the language has changed.
+export function fillPage() {
+  fill();
+  $("language").value = spoken.language;
+  for (const part of document.querySelectorAll("[data-unit]")) part.textContent = unitText(part.dataset.unit);
+  $("measure-help").replaceChildren(...entry("measure.help").map((textContent) => Object.assign(document.createElement("li"), { textContent })));
+  for (const option of $("piece").options) option.textContent = pieceName(option.value);
 }
 
 // Show the state in all inputs, except in a field that someone is typing in.
@@ -133,23 +158,41 @@ export function showInputs(now) {
     put(`number-${name}`, x);
   }
   for (const [name, letters] of FIELDS) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
-  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = now.sheet === "none" || now.sheet === "single";
-  $("row-prisms").hidden = now.beyond && now.sheet !== "detailed";
-  for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = now.sheet === "none";
-  const beyond = chosenBeyond();
+  const [first, second] = kinds().map((sheet) => sheet === "none" || sheet === "single");
+  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = first;
+  for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = second;
+  for (const name of ["sheet", "sheet2"]) $(`of-${name}`).value = state[name];
+  for (const option of $("of-sheet2").options) option.hidden = option.disabled = state.sheet === "detailed" && !BEHIND_PRISMS.includes(option.value);
+  const beyond = chosenBeyond(), simple = state.level === "simple";
+  document.body.classList.toggle("simple", simple);
+  document.body.classList.toggle("measuring", session.measuring && state.question < 0);
+  document.body.classList.toggle("asking", state.question >= 0);
+  document.body.classList.toggle("compact", !simple || session.measuring || state.question >= 0);
+  $("level").checked = !simple;
+  $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
+  $("beyond-choice").hidden = simple && beyond === "none";
   $("beyond").value = beyond;
   for (const [name, text] of Object.entries(labels(beyond))) {
-    if (!SLIDERS[name]) continue;
     $(`label-${name}`).textContent = text;
-    $(`slider-${name}`).setAttribute("aria-label", `${name}: ${text}`);
-    $(`number-${name}`).setAttribute("aria-label", `${name}, as a number: ${text}`);
+    if (!SLIDERS[name]) {
+      for (const input of $(`label-${name}`).parentNode.querySelectorAll("input")) {
+        const { axis } = input.dataset;
+        input.setAttribute("aria-label", say(DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate", { name, label: text, axis }));
+      }
+      continue;
+    }
+    const said = { name: name === "prisms" ? "N" : name, label: text };
+    $(`slider-${name}`).setAttribute("aria-label", say("controls.slider", said));
+    $(`number-${name}`).setAttribute("aria-label", say("controls.number", said));
   }
-  for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").includes(beyond);
-  for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = now.sheet !== "detailed" && now.sheet !== "single";
+  const shown = partsShown();
+  for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").some((name) => shown.includes(name));
+  for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = !now.glass;
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
-  $("piece").value = state.piece;
+  for (const name of ["piece", "light"]) $(name).value = state[name];
   $("piece-choice").hidden = state.scene !== "chess";
   for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
+  $("show-stray").disabled = !now.glass && state.light !== "prism";
   $("show-circles").disabled = !now.two;
   $("show-image").disabled = !now.two && !now.beyond;
 }
@@ -158,7 +201,12 @@ function put(id, x) {
   if ($(id) !== session.typing) $(id).value = typed(x);
 }
 
+// What a word means is spoken when it is shown.
+for (const part of document.querySelectorAll(".explained")) part.addEventListener("toggle", ({ newState }) => newState === "open" && part.focus());
+
 // ---- Numbers ----
+
+const wideAndHigh = ({ M, height }, unit = 1) => say("numbers.wide_and_high", { width: brief(M / unit), height: Number.isFinite(height) ? brief(height / unit) : say("numbers.no_limit") });
 
 export function showNumbers(now) {
   const some = now.two || now.Z || now.sheet === "none";
@@ -167,17 +215,19 @@ export function showNumbers(now) {
   const where = finite(now.place) ? `(${placeText(now.place)})` : now.nearPole ? "∞" : "–";
   const same = abs(minus(now.L, now.E)) < 1e-9;  // then no point is L = 0 and E = 1
   $("value-P").textContent = now.beyond ? where : some && !same ? point(now.P) : "–";
-  $("about-P").textContent = now.Z ? "crosses the first window" : "crosses the sheets";
-  $("value-nu").textContent = some ? angle(now.nu) : "–";
-  $("value-M").textContent = now.sheet === "single" ? `${brief(now.M)} wide, ${Number.isFinite(now.height) ? brief(now.height) : "no limit"} high` : size(now.M);
-  const real = now.sheet === "detailed" && `for ${prismsText(now.scene.prisms)}; the equation gives `;
+  $("about-P").innerHTML = marked(say(now.d ? "numbers.P_series" : now.beyond ? "numbers.P_in_tiles" : "numbers.P"));
+  $("value-nu").textContent = some ? angle(now.nu) : now.sheet === "single" ? say("numbers.mirrored") : "–";
+  $("value-M").textContent = now.sheet === "single" ? wideAndHigh(now) : size(now.M);
+  $("value-bare").textContent = now.sheet === "single" ? wideAndHigh(now, bare(now)) : some && Number.isFinite(now.M) ? size(now.M / bare(now)) : now.nearPole ? "∞" : "–";
+  const real = some && now.glass;
+  const byEquation = (value) => say("numbers.for_prisms", { prisms: prismsText(now.scene.prisms), value });
   const fine = now.Z ? { nu: -arg(now.Z), M: now.z2 / abs(now.Z) } : { nu: equations.nu(now.r, now.alpha), M: equations.M(now.r, now.alpha) };
-  $("about-nu").textContent = real ? real + angle(fine.nu) : "angle by which the object appears turned";
-  $("about-M").textContent = real ? real + size(fine.M) : "times as large as if it stood in the " + (now.Z ? "first " : "") + "window";
-  $("paper-diagram").textContent = now.Z ? "complex depth" : "as in the paper";
-  $("of-prisms").hidden = now.sheet !== "detailed";
+  $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : say("numbers.nu");
+  $("about-M").textContent = real ? byEquation(size(fine.M)) : say(now.Z ? "numbers.M_series" : "numbers.M");
+  $("paper-diagram").textContent = say(now.Z ? "page.complex_depth" : "page.as_paper");
+  $("of-prisms").hidden = !real;
   $("sentence").textContent = explanation(now);
-  $("undo").hidden = isAsked() || !replacedNames().length;
+  $("undo").hidden = isAsked() || !isReplaced();
 }
 
 // ---- Marked quantities: in the picture, the diagram and the sketch ----
@@ -210,10 +260,11 @@ for (const button of document.querySelectorAll("button.symbol")) {
 
 // ---- Tabs ----
 
-const TABS = [$("tab-explore"), $("tab-questions")];
+$("skip").addEventListener("click", () => TABS.find(({ tabIndex }) => tabIndex === 0).focus());
+const TABS = [$("tab-explore"), $("tab-questions"), $("tab-measure")];
 
 export function drawTabs() {
-  const open = state.question >= 0 ? 1 : 0;
+  const open = state.question >= 0 ? 1 : session.measuring ? 2 : 0;
   TABS.forEach((tab, n) => {
     tab.setAttribute("aria-selected", n === open);
     tab.tabIndex = n === open ? 0 : -1;
@@ -222,12 +273,17 @@ export function drawTabs() {
 }
 
 TABS.forEach((tab, n) => {
-  tab.addEventListener("click", () => openQuestion(n ? session.lastQuestion : -1));
+  tab.addEventListener("click", () => {
+    session.measuring = n === 2;
+    openQuestion(n === 1 ? session.lastQuestion : -1);
+    refresh();
+  });
   tab.addEventListener("keydown", (event) => {
     if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
     event.preventDefault();
-    TABS[1 - n].focus();
-    TABS[1 - n].click();
+    const other = TABS[(n + (event.key === "ArrowRight" ? 1 : TABS.length - 1)) % TABS.length];
+    other.focus();
+    other.click();
   });
 });
 

@@ -1,9 +1,11 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
 import { radians } from "../live/geometry.js";
+import { isGeneral } from "./beyond.js";
 import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
-import { $, clamped, data } from "./data.js";
+import { $, clamped } from "./data.js";
 import * as equations from "./equations.js";
+import { say } from "./language.js";
 import { angle, fixed, point, size } from "./numbers.js";
 import { curve, dot, heading, line, RATIOS, step, svg, TURNS, vector, words } from "./shapes.js";
 import { session, state } from "./state.js";
@@ -11,7 +13,7 @@ import { corner, corners, triangle } from "./triangle.js";
 
 const diagram = $("diagram");
 
-export const orientation = () => (state.sheet in data.kinds ? "picture" : state.diagram);
+export const orientation = () => (isGeneral() ? "picture" : state.diagram);
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
 function mapOf(width, height, { L, E, P, two }) {
@@ -74,12 +76,12 @@ function showDiagram(parts, now) {
 }
 
 function diagramName(now) {
-  if (now.Z && orientation() === "paper") return `The complex depth Z = ${point(now.Z)}, as the sum of three steps.`;
-  if (!now.two) return "The points L and E, projected onto the window.";
-  if (abs(minus(now.L, now.E)) < 1e-9) return "L and E are at the same point: no triangle.";
-  const P = finite(now.P) ? point(now.P) : "∞, infinitely far away";
+  if (now.Z && orientation() === "paper") return say("diagram.depth", { Z: point(now.Z) });
+  if (!now.two) return say("diagram.points");
+  if (abs(minus(now.L, now.E)) < 1e-9) return say("diagram.same");
+  const P = finite(now.P) ? point(now.P) : say("diagram.infinite");
   const nu = angle(equations.nu(now.r, now.alpha));
-  return `Triangle of L = 0, E = 1 and P = ${P}; α = ${fixed(now.degrees, 1)}° at P, ν = ${nu} at E, r = ${size(now.r)}.`;
+  return say("diagram.triangle", { P, alpha: `${fixed(now.degrees, 1)}°`, nu, r: size(now.r) });
 }
 
 // Below L and E, or between them: the switch is above.
@@ -88,7 +90,7 @@ function poleWords(points, height, rem) {
   const [y] = [0.36, 0].map((part) => part * height).sort((a, b) => room(b) - room(a));
   const x = y === 0 && height < 14 * rem ? 4.3 * rem : 0;  // to the right of the switch
   return [
-    words("far", [x, y - 0.7 * rem], "P is infinitely far away:"), words("far", [x, y + 0.7 * rem], "no light from L reaches E"),
+    words("far", [x, y - 0.7 * rem], say("diagram.far")), words("far", [x, y + 0.7 * rem], say("diagram.far_light")),
   ];
 }
 
@@ -179,7 +181,7 @@ function depthDiagram({ z1, z2, alpha, total, d }, { width, height }, rem) {
   const at = (z) => [left / 2 - 1.5 * rem + unit * (z[0] - middle[0]), above / 2 + unit * (middle[1] - z[1])];
   const [O, , , Z] = ends.map(at), centre = at(middle);
   const parts = [
-    line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], "real axis"),
+    line("axis", [left - width / 2, O[1]], [width, O[1]]), words("scale", [width / 2 - 2 * rem, O[1] + 0.8 * rem], say("diagram.real_axis")),
     line("base q q-Z q-nu q-M q-P", O, Z), dot("dot", O, 0.2 * rem), words("scale", plus(O, [-0.8 * rem, 0]), "0"),
   ];
   steps.forEach(([name, , kind], k) => {

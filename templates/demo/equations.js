@@ -1,7 +1,7 @@
 // The paper's equations.
 //
 // Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
-// povgen/optics/rotation.py and povgen/optics/paraxial.py. The tests compare these functions with these modules.
+// povgen/optics/equations.py and povgen/optics/aim.py. The tests compare these functions with these modules.
 
 import { abs, arg, conj, minus, plus, quotient, scaled, times, turn } from "./complex.js";
 
@@ -44,7 +44,7 @@ export function ideal(L, E, z1, z2, alpha, behind = []) {
 }
 
 // The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
-// first one: the distance from the window before, and the angle. povgen/optics/rotation.py
+// first one: the distance from the window before, and the angle. povgen/optics/equations.py
 export function depth(z1, z2, alpha, behind = []) {
   if (!behind.length) return sum(z2, z1, -alpha);
   let [Z, angle, all] = [[z2, 0], -alpha, Math.abs(z2) + Math.abs(z1)];
@@ -66,22 +66,14 @@ export function prisms(L, E, z1, z2, alpha, prism, behind = []) {
   return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
 }
 
-// The point of the object's plane that is seen at a place of the plane z = 0: the inverse of `prisms`. At the pole of
-// an infinitely fine sheet, it is E for every place.
-export function behind(place, E, z1, z2, alpha, prism, windows = []) {
-  const { A, B } = depths(z1, z2, alpha, prism, windows);
-  const D = minus(place, E);
-  return plus(E, scaled(1 / z2, plus(times(A, D), times(B, conj(D)))));
-}
-
-// The angle by which two sheets of prisms show an object rotated, and its magnification: paraxial.nu_and_M.
+// The angle by which two sheets of prisms show an object rotated, and its magnification: aim.nu_and_M.
 export function turned(z1, z2, alpha, prism, behind = []) {
   const { A, B } = depths(z1, z2, alpha, prism, behind);
   const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
   return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
 }
 
-// `prism` is the shape of the prisms in all windows, or a list with that of each.
+// `prism` is the shape of the prisms in all windows, or a list with that of each: of an ideal sheet, both lengths are 0.
 export function depths(z1, z2, alpha, prism, behind = []) {
   const shapes = (Array.isArray(prism) ? prism : [alpha, ...behind].map(() => prism)).map(sheet);
   let [B, total] = [scaled(shapes[0].b, turn(alpha)), alpha];
@@ -93,35 +85,6 @@ export function depths(z1, z2, alpha, prism, behind = []) {
   if (!behind.length) return { A: plus([near, 0], scaled(far, turn(-alpha))), B };
   const shorter = behind.map(([distance, next], k) => [distance - shapes[k].h - shapes[k + 1].h, next]);
   return { A: depth(far, near, alpha, shorter), B };
-}
-
-// How far an object appears at most from the predicted place, and the numbers of prisms that this depends on: possible_error
-// and frequencies of povgen/optics/paraxial.py.
-export function possibleError(k, scale, radius, tangent, z2, { reach, slab_shift }, index) {
-  const share = (frequency, least) => Math.min(1, (least / (abs(frequency) * radius)) ** 4);
-  const shares = k.map((one, i) => {
-    const pairs = k.filter((_, j) => j !== i).flatMap((other) => [plus(one, other), minus(one, other)]);
-    return Math.max(share(one, 1), ...pairs.map((pair) => share(pair, 0.6)));
-  });
-  const beyond = (k.length * slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2);
-  const spread = scale * reach;
-  const displaced = spread * Math.max(2 * Math.max(...shares), shares.reduce((a, b) => a + b));
-  return displaced + scale * beyond + spread ** 2 / (0.15 * z2);
-}
-
-export function frequencies(z2, alpha, prism, behind = []) {
-  const { separation: a, slab_shift: g, pitch } = prism;
-  let turned = 0;
-  return [alpha, ...behind.map(([, next]) => next)].flatMap((next, n) => {
-    const before = behind.slice(0, Math.max(0, n - 1));
-    const { A, B } = n ? depths(behind[n - 1][0], z2, alpha, prism, before) : { A: [z2, 0], B: [0, 0] };
-    const slope = turn(-turned);
-    turned += next;
-    const near = [minus(A, scaled(a / 2, slope)), B];
-    const far = [minus(A, scaled((a + g) / 2, slope)), plus(B, scaled(a - g / 2, turn(turned)))];
-    return /** @type {any[][]} */ ([[near, next / 2], [far, 0]]).map(([[c, d], angle]) => (
-      scaled(1 / (z2 * pitch), minus(times(c, turn(-angle)), conj(times(d, turn(-angle)))))));
-  });
 }
 
 function sheet({ slab_shift, separation }) {
@@ -148,10 +111,4 @@ export function infiniteAlpha(z1, z2, prism) {
   const cosine = (b ** 2 - (z2 - h) ** 2 - (z1 - h) ** 2) / (2 * (z2 - h) * (z1 - h));
   const alpha = Math.acos(Math.min(1, Math.max(-1, cosine)));
   return [-alpha, alpha];
-}
-
-// Where the light from L to E crosses the second window.
-export function atSecondWindow({ E, place, z2, d, alpha }) {
-  const slope = scaled(1 / z2, minus(place, E));
-  return plus(place, scaled(d, times(slope, turn(-alpha))));
 }

@@ -4,7 +4,8 @@ import { abs, finite, minus, plus, scaled } from "./complex.js";
 import { $, clamped } from "./data.js";
 import { orientation } from "./diagram.js";
 import { refresh } from "./frame.js";
-import { apparentPosition, appearance, moment, objectStep } from "./moment.js";
+import { say } from "./language.js";
+import { apparentPosition, appearance, moment, objectStep, outside } from "./moment.js";
 import { placeText } from "./numbers.js";
 import { onStage, stage, tilePixels } from "./overlay.js";
 import { player, povray } from "./player.js";
@@ -13,11 +14,15 @@ import { change, session, state } from "./state.js";
 const KEY_STEP = 0.05;  // tiles; with Shift five times as far
 const KEY_STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
+// The place in the plane z = 0, in tiles, of a point of the stage.
+const placeAt = ([x, y]) => scaled(1 / tilePixels(), [x, -y]);
 const pointerAt = (event, box) => [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
 
 // What a pointer takes hold of in the picture: the object's image, or else the eye.
 function underPointer(event, at, now) {
   const handle = event.target.closest(".handle");
+  if (state.light === "aim" && !handle && !outside(placeAt(at), now.scene)) change({ W: placeAt(at) });
+  if (state.light === "aim" && (handle?.dataset.moves === "W" || !outside(placeAt(at), now.scene))) return "W";
   if (handle && state.position) return handle.dataset.moves;  // otherwise it is not seen
   if (state.scene === "spheres") {
     const found = sphereAt(at, now);
@@ -41,14 +46,23 @@ function sphereAt(at, now) {
   return least < 12 ? gaps.indexOf(least) : undefined;
 }
 
+let tapped = { time: -Infinity, at: [0, 0] };  // when and where the picture was last pressed
+
 function holdInPicture(event) {
-  if (event.button || povray.shown) return;
+  if (event.button || povray.shown || event.target.id === "curtain") return;
   const at = pointerAt(event, stage.getBoundingClientRect());
   const what = underPointer(event, at, moment());
+  const again = event.timeStamp - tapped.time < 350 && abs(minus(at, tapped.at)) < 24;
+  tapped = { time: event.timeStamp, at };
+  if (again && what === "E") {  // a double tap beside the object
+    player.pause();
+    change({ E: [0, 0] });
+    refresh();
+  }
   const now = moment();
   hold(event, what, (step) => {
     const tiles = scaled(1 / tilePixels(), [step[0], -step[1]]);
-    return what === "E" ? tiles : objectStep(now, tiles);
+    return what !== "L" ? tiles : objectStep(now, tiles);
   });
 }
 
@@ -81,6 +95,7 @@ function drag(event) {
 
 function release(event) {
   if (session.held?.pointer !== event.pointerId) return;
+  if (event.type === "pointercancel") change({ [session.held.what]: session.held.from });  // the browser scrolls the page instead
   session.held = null;
   document.body.classList.remove("dragging");
   refresh();
@@ -92,7 +107,7 @@ for (const [place, take] of new Map([[stage, holdInPicture], [$("diagram-box"), 
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) place.addEventListener(end, release);
 }
 
-for (const handle of document.querySelectorAll(".handle")) {
+for (const handle of document.querySelectorAll(".handle[data-moves]")) {
   handle.addEventListener("keydown", (event) => {
     const step = KEY_STEPS[event.key];
     if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -111,11 +126,13 @@ export function placeHandles(now) {
   const put = (id, at, box) => {
     const [x, y] = inside(at, box);
     $(id).style.transform = `translate(${x}px, ${y}px)`;
-    const name = id.startsWith("eye") ? "E" : "L";
-    $(id).setAttribute("aria-label", `${name === "E" ? "Eye E" : "Object L"} at ${placeText(state[name])} tiles${id.endsWith("diagram") ? ", in the diagram" : ""}: arrow keys move it`);
+    const sentence = `controls.${id.replace("-picture", "").replace("-", "_")}`;
+    $(id).setAttribute("aria-label", say(sentence, { place: placeText(state[$(id).dataset.moves]) }));
   };
   put("eye-picture", onStage(now.E), stage);
   put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);
+  $("aim-picture").hidden = state.light !== "aim";
+  put("aim-picture", onStage(state.W), stage);
   const turns = orientation() === "picture";
   for (const id of ["eye-diagram", "object-diagram"]) $(id).hidden = !turns;
   if (!turns || !session.diagramMap) return;

@@ -2,21 +2,38 @@
 
 import { benchText } from "../live/readout.js";
 import { fromHash, toHash } from "./address.js";
-import { drawQuestion, endGlide } from "./asking.js";
-import { drawTabs, showInputs, showMarks, showNumbers } from "./controls.js";
+import { drawQuestion, endGlide, rewriteQuestion } from "./asking.js";
+import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./controls.js";
 import { $ } from "./data.js";
+import { drawCompare } from "./compare.js";
 import { drawDiagram } from "./diagram.js";
 import { drawBy, refresh } from "./frame.js";
 import { placeHandles } from "./handles.js";
+import { say, spoken } from "./language.js";
+import { drawMeasure } from "./measure.js";
 import { moment } from "./moment.js";
+import "./handouts.js";
+import "./look.js";
+import "./own.js";
+import "./room.js";
 import { drawOverlay, stage } from "./overlay.js";
 import { view } from "./picture.js";
-import { player, povray } from "./player.js";
-import { drawSketch, sketch } from "./sketch.js";
+import { player, povray, reducedMotion } from "./player.js";
+import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
-import { describe } from "./text.js";
+import { describe, heard } from "./text.js";
+import { tour } from "./tour.js";
+
+let written = "";  // the language of the page's sentences
+
+function rewrite() {
+  written = spoken.language;
+  fillPage();
+  rewriteQuestion();
+}
 
 export function draw() {
+  if (written !== spoken.language) rewrite();
   const now = moment();
   view.set(now.scene);
   drawTabs();
@@ -25,11 +42,15 @@ export function draw() {
   showNumbers(now);  // before the drawings: the length of the text decides how large they are
   drawOverlay(now);
   drawDiagram(now);
-  drawSketch(now);
+  drawSpace(now);
+  drawCompare(now);
+  drawMeasure(now);
   placeHandles(now);
   showMarks();
   player.draw();
+  tour.draw();
   povray.draw();
+  if (tour.isStill()) speak(now);
   later("speak", 900, () => speak(now));
   later("address", 400, keepAddress);
 }
@@ -37,16 +58,20 @@ export function draw() {
 // Do something when the page has been still for some time, milliseconds.
 const timers = {};
 function later(name, time, action) {
+  const still = () => !player.playing && tour.step < 0;
   clearTimeout(timers[name]);
-  if (!player.playing) timers[name] = setTimeout(action, time);
+  if (still()) timers[name] = setTimeout(() => still() && action(), time);  // a movement may begin before it is drawn
 }
 
-let silent = true;  // until something has changed
+let silent = true;  // until something has changed since the page was opened
+let told = [];   // what has been spoken last
 function speak(now) {
   const text = describe(now);
   $("view").setAttribute("aria-label", text);
-  if (!silent && $("spoken").textContent !== text) $("spoken").textContent = text;
-  silent = false;
+  silent &&= toHash() === opened;
+  const sentences = heard(now), news = sentences.filter((sentence) => sentence && !told.includes(sentence));
+  if (!silent && news.length) $("spoken").textContent = news.join(" ");
+  told = sentences;
 }
 
 // Whether something is being dragged, such as a slider: the address follows when it is released.
@@ -75,12 +100,14 @@ addEventListener("popstate", () => {
 
 drawBy(draw);
 fromHash(location.hash);
-let kept = toHash();  // the state that the address has
-for (const part of [stage, $("diagram-box"), sketch]) new ResizeObserver(refresh).observe(part);
+const opened = toHash();
+let kept = opened;  // the state that the address has
+for (const part of [stage, $("diagram-box"), $("space-turn")]) new ResizeObserver(refresh).observe(part);
 document.fonts?.ready.then(refresh);
 view.ready.then(() => {
-  $("hint").textContent = "Drag the object, or drag beside it to move your eye";
+  $("hint").textContent = say($("hint").dataset.say = "page.hint");
   refresh();
+  if (view.gl && !location.hash && !reducedMotion.matches) tour.start();
 });
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = benchText(view)));

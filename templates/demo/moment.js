@@ -1,22 +1,27 @@
-// The numbers that follow from the state. Lengths are in tiles, points are [x, y] as the eye sees them.
+// The numbers that follow from what the user has set (state.js): positions, angles, magnifications. Lengths are in tiles,
+// points are [x, y] as the eye sees them.
 
 import * as geometry from "../live/geometry.js";
-import { bending, windows } from "../live/sheets.js";
-import { crossing, pole } from "./aim.js";
-import { behindFirst, inSeries } from "./beyond.js";
-import { abs, arg, determinant, minus, plus, resolved, scaled, times } from "./complex.js";
+import { hasPrisms, windows } from "../live/sheets.js";
+import { crossing, crossings, following, landing, meets, pole } from "./aim.js";
+import { inSeries, isGeneral } from "./beyond.js";
+import { abs, arg, determinant, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 import { clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { FLOOR, state } from "./state.js";
 
-// The least distance of the eye: just in front of the window frame, or far enough to see through a deep one.
+// The least z2. `back` is half the depth of the window frame. The eye is just in front of it, or farther away if the frame is
+// deep, so that it sees through.
 const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
 
-// The values of povgen's scene, for the live view. z1 and z2 are large enough for the sheets' depth.
+// The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
-  const { scene, piece, L, E, alpha2, d } = state;
+  const { scene, piece, L, E, sheet2, alpha2, d } = state;
   const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
-  if (inSeries()) values.window = [{ alpha: alpha2, z: Math.max(d, geometry.depth(values) + 0.011), sheet: null }];
+  if (inSeries()) {
+    values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
+    values.window[0].z = Math.max(d, geometry.depth(values) + 0.011);
+  }
   const back = geometry.depth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
   if (scene === "spheres") return { ...values, line: L };
@@ -25,7 +30,7 @@ export function sceneValues() {
   return { ...values, piece, pedestal_halves: data.pedestals, z1, x: L[0], pedestal: L[1] - FLOOR };
 }
 
-// All numbers that the page shows. Angles are in radians, but `degrees`.
+// All numbers that the page shows. Angles are in radians, except `degrees`.
 export function moment() {
   const scene = sceneValues();
   const { z2, alpha: degrees, sheet } = scene;
@@ -36,56 +41,69 @@ export function moment() {
   /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
   now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
-  [now.window] = windows(scene);
-  now.kind = data.kinds[sheet];  // of the sheets beyond the paper's
-  if (now.kind) now.bend = bending(now.window);
-  now.behind = behindFirst(scene);
-  if (now.behind.length) {
-    [[now.d]] = now.behind;
+  now.windows = windows(scene);
+  now.lenses = sheet === "lenticular";
+  now.glass = !now.lenses && now.windows.some(hasPrisms);
+  now.prisms = now.windows.map((window) => (now.glass && hasPrisms(window) ? geometry.prism(window.values) : NO_PRISMS));
+  now.follow = following(now.windows, state.E, z2);
+  now.general = isGeneral();  // whether `aim.js` follows rays, because the equations are for windows that rotate light
+  // the distance from the first window to the second, and its angle: as `behind` in equations.js
+  now.behind = now.windows.slice(1).map(({ z, sheet, values }) => [z, sheet === "none" ? 0 : geometry.radians(values.alpha)]);
+  now.d = now.behind[0]?.[0];
+  if (now.d && !now.general) {
     now.Z = equations.depth(z1, z2, alpha, now.behind);
     now.total = alpha + now.behind[0][1];
   }
   // the paper's window; or a choice beyond the paper
-  now.two = (sheet === "ideal" || sheet === "detailed") && !now.Z;
-  now.beyond = Boolean(now.Z || now.kind);
+  now.two = (sheet === "ideal" || sheet === "detailed") && !now.d && !now.general;
+  now.beyond = Boolean(now.d || now.general);
   now.P = equations.P(r, alpha);
   now.place = markedPosition(now);
   Object.assign(now, appearance(now));
   // whether the line of sight to L through the first window misses the second one
-  now.beside = Boolean(now.Z) && now.M <= NEAR_POLE && !outside(now.place, scene) && outside(equations.atSecondWindow(now), scene);
-  // near the pole, the window shows a small part of the object's plane: its width
-  now.nearPole = now.M > NEAR_POLE && (now.two || Boolean(now.Z) || Number.isFinite(now.turned) || now.M === Infinity);
+  now.beside = !(now.M > NEAR_POLE) && !outside(now.place, scene) && isBesideSecond(now, now.place);
+  // Near the pole, where M is infinite, the window shows a small part of the object's plane: its width is `seen`.
+  now.nearPole = now.M > NEAR_POLE && (now.two || now.Z || Number.isFinite(now.turned) || now.M === Infinity);
   now.seen = scene.aperture / now.M;
   return now;
 }
+const NO_PRISMS = { slab_shift: 0, separation: 0 };  // a sheet without thickness
 export const NEAR_POLE = 12;  // a larger M is near the pole
 
-// The point of the plane z = 0 at which the sheets show a point, by default L.
-// Through the other sheets, light that passes the point at a distance of up to `near` counts too.
+// The point of the plane z = 0 at which the sheets show a point, by default L. Through a sheet beyond the paper, light that
+// passes L at a distance of up to `near` counts too.
 export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near = 0) {
-  const { E, prism, behind } = now;
+  const { E, prism, prisms, behind } = now;
   if (imagingPole(now, z1, z2)) return [Infinity, 0];
-  if (now.kind) return crossing(L, E, z1, z2, now.window, near);
+  if (now.general) return crossing(L, E, z1, z2, now.windows, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
-  if (now.sheet === "detailed") return equations.prisms(L, E, z1, z2, alpha, prism, behind);
+  if (now.glass) return equations.prisms(L, E, z1, z2, alpha, prisms, behind);
   return equations.ideal(L, E, z1, z2, alpha, behind);
+}
+
+// The same for the points of an outline.
+export function apparentOutline(now, points) {
+  if (now.general && !imagingPole(now, now.z1, now.z2)) return crossings(points, now.E, now.z1, now.z2, now.windows);
+  return points.map((point) => apparentPosition(now, point));
 }
 
 // Where an object is marked: where its middle is seen, or a place close to it if only a part beside the middle is seen.
 export const markedPosition = (now) => apparentPosition(now, now.L, now, now.radii[now.objects.indexOf(now.z1)]);
 
-// The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, and M is that
-// of the width; `height` is that of the height. For the other sheets, M is the square root of the area's magnification;
-// `turned` is the angle if the object appears undistorted.
+// The angle nu by which an object appears rotated, and its magnification M. A single sheet mirrors: nu is NaN, M
+// is the magnification of the width, and `height` that of the height. For sheets beyond the paper, nu is NaN, and M is the
+// square root of the area's magnification. `turned` is their angle of rotation, or NaN if the object appears distorted.
 export function appearance(now) {
-  const { sheet, z1, z2, alpha, prism, behind } = now;
+  const { sheet, z1, z2, alpha, prism, prisms, behind } = now;
   if (imagingPole(now, z1, z2)) return { nu: NaN, M: Infinity };
-  if (now.kind) {
+  if (now.general) {
     const [right, up] = shownSteps(now);
-    return { nu: NaN, M: Math.sqrt(Math.abs(determinant([right, up]))), turned: abs(minus(up, times([0, 1], right))) < 1e-6 * abs(right) ? arg(right) : NaN };
+    const same = (now.lenses ? 0.2 : 1e-6) * abs(right);  // sheets of lenses distort a little, as those of prisms do
+    const whole = plus(right, times([0, -1], up));
+    return { nu: NaN, M: Math.sqrt(Math.abs(determinant([right, up]))), turned: abs(minus(up, times([0, 1], right))) < same ? arg(whole) : NaN };
   }
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
-  if (sheet === "detailed") return equations.turned(z1, z2, alpha, prism, behind);
+  if (now.glass) return equations.turned(z1, z2, alpha, prisms, behind);
   if (behind.length) {
     const Z = equations.depth(z1, z2, alpha, behind);
     return { nu: abs(Z) === 0 ? NaN : -arg(Z), M: z2 / abs(Z) };
@@ -96,7 +114,7 @@ export function appearance(now) {
 // The columns of the Jacobian d(apparent position)/d(L), by central differences.
 const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
 
-// Where the object must be moved to appear moved by a step, tiles: the inverse of the linear map of `apparentPosition`.
+// How the object must move, in tiles, to appear to move by `step`.
 export function objectStep(now, step) {
   const steps = shownSteps(now);
   const area = determinant(steps);
@@ -104,28 +122,60 @@ export function objectStep(now, step) {
   return resolved(step, steps);
 }
 
-// Whether the prediction can be wrong by pixels. The limits are in povgen/limits.py.
+// Whether the prediction can be wrong by more than povgen/limits.py allows.
 export function unsure(now) {
-  if (now.sheet === "none" || now.kind) return false;
-  if (now.sheet === "ideal") return now.M > data.limits.condition;
-  return !(possibleError(now) <= data.limits.error);
+  if (now.lenses) return true;
+  if (now.glass) return !(possibleError(now) <= data.limits.error);
+  return !now.general && now.M > data.limits.condition;
 }
 
-// By how many pixels of 1280x960 the prediction can be wrong, for one sheet or windows of prisms: povgen/scene/warnings.py.
+// By how many pixels of 1280x960 the prediction can be wrong, for windows of which some have prisms: povgen/scene/warnings.py and
+// povgen/optics/uncertainty.py.
 export function possibleError(now) {
-  const { sheet, scene, E, z1, z2, alpha, behind, prism, place, radii, objects } = now;
-  const { M, height } = appearance(now);
-  const single = sheet === "single";
-  const k = single ? [[1 / prism.pitch, 0]] : equations.frequencies(z2, alpha, prism, behind);
-  const { A, B } = equations.depths(z1, z2, alpha, prism, behind);
-  const scale = z2 / Math.abs(single ? z2 - z1 : abs(A) - abs(B));
-  if (!Number.isFinite(scale)) return Infinity;
+  const { scene, E, z1, z2, windows, place, radii, objects } = now;
+  const slope = scaled(1 / z2, minus(place, E));
+  // the derivatives by the slope at the eye: of a complex number f of a ray's path, to the right and up
+  const steps = [[STEP, 0], [-STEP, 0], [0, STEP], [0, -STEP]];
+  const [path, ...paths] = [[0, 0], ...steps].map((step) => now.follow(plus(slope, step)));
+  const derivative = (f) => [0, 2].map((k) => scaled(0.5 / STEP, minus(f(paths[k]), f(paths[k + 1]))));
+  if (paths.some((each) => !landing(each, windows, z1))) return Infinity;
+  const [right, up] = derivative((each) => landing(each, windows, z1));
+  const [a, b] = [1, -1].map((sign) => abs(plus(right, times([0, -sign], up))) / 2);
+  const sizes = [a + b, Math.abs(a - b)];  // the singular values of the map a s + b conj(s)
+  if (!(sizes[1] > 1e-9 * z2)) return Infinity;
+  const scale = z2 / sizes[1];
   const [least, most] = data.limits.radii;
-  const apparent = Math.min(Math.max((single ? height : M) * radii[objects.indexOf(z1)], least), most);
-  return (equations.possibleError(k, scale, apparent, abs(minus(place, E)) / z2, z2, prism, scene.index) / scene.view) * 960;
+  const apparent = clamped(((z2 / sizes[0] + scale) / 2) * radii[objects.indexOf(z1)], [least, most]);
+  // the sheets of prisms: `Layer` in uncertainty.py
+  const glass = path.flatMap(({ sheet }, n) => {
+    if (!sheet?.prism) return [];
+    const { angle, prism, number } = sheet;
+    const [x, y] = derivative((each) => each[n].place).map((step) => times(step, turn(-angle))[1] / (z2 * prism.pitch));
+    return [{ k: [y, x], prism, tangent: abs(meets(path, number).slope) }];
+  });
+  const share = (frequency, periods) => Math.min(1, (periods / (abs(frequency) * apparent)) ** 4);
+  const spreads = glass.map(({ prism }) => scale * prism.reach);
+  const shares = glass.map(({ k }, n) => {
+    const pairs = glass.filter((_, m) => m !== n).flatMap((other) => [plus(k, other.k), minus(k, other.k)]);
+    return spreads[n] * Math.max(share(k, 1), ...pairs.map((pair) => share(pair, 0.6)));
+  });
+  const sum = (numbers) => numbers.reduce((total, x) => total + x, 0);
+  const beyond = sum(glass.map(({ prism: { slab_shift, index }, tangent }) => (slab_shift * tangent ** 3 * (index + 1)) / (2 * index ** 2)));
+  const error = Math.max(2 * Math.max(...shares), sum(shares)) + scale * beyond + Math.max(...spreads) ** 2 / (0.15 * z2);
+  return (error / scene.view) * 960;
 }
+const STEP = 1e-6;  // of the slopes of neighbouring rays
+
+// Whether the line of sight through a place in the plane of the first window passes beside the second one.
+export function isBesideSecond(now, place) {
+  const at = atSecondWindow(now, place);
+  return Boolean(at) && outside(at, now.scene);
+}
+
+// Where this line of sight crosses the second window; undefined if there is none, or if no light passes.
+export const atSecondWindow = ({ follow, E, z2 }, place) => meets(follow(scaled(1 / z2, minus(place, E))), 1)?.place;
 
 export const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
 
-// What a sheet with a linear law shows of the object's plane at its pole: a "point" or a "line". Otherwise "".
-export const imagingPole = (now, z1, z2) => (now.bend ? pole(now.window, now.E, z1, z2) : "");
+// At their pole, sheets with linear laws show only a "point" or a "line" of the object's plane. Otherwise "".
+export const imagingPole = (now, z1, z2) => (now.general ? pole(now.windows, now.E, z1, z2) : "");

@@ -3,19 +3,21 @@
 import { radians } from "../live/geometry.js";
 import { finite } from "./complex.js";
 import { data } from "./data.js";
+import { entry, localised, say, separator } from "./language.js";
 
 const ofSheets = (what) => Object.fromEntries(Object.entries(data.parameters).map(([name, parameter]) => [name, parameter[what]]));
-export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", windows: "The number of windows", alpha2: "α₂", d: "d" };
+/** @type {Record<string, string>} */
+export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", alpha2: "α₂", d: "d" };
 const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles" };
 
-// The names of the settings that can be replaced.
-export const SETTINGS = { ...SYMBOL, L: "L", E: "E", piece: "piece", sheet: "sheets", windows: "windows" };
+// The settings that can be replaced.
+export const SETTINGS = [...Object.keys(SYMBOL), "L", "E", "piece", "sheet", "sheet2", "windows"];
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
 // The number that someone has typed, with a decimal point or comma, as a fraction, or with a unit. NaN if it is none.
 export function readNumber(text) {
-  const plain = text.replaceAll(",", ".").replaceAll("−", "-").replace(/(°|degrees?|tiles?|times)\s*$/, "");
+  const plain = text.replaceAll(",", ".").replaceAll("−", "-").replace(new RegExp(`(°|${entry("units.typed").split(" ").join("|")})\\s*$`), "");
   const parts = plain.split("/");
   if (parts.length > 2 || !parts.every((part) => part.trim())) return NaN;
   const [above, below = 1] = parts.map(Number);
@@ -26,22 +28,24 @@ export function readNumber(text) {
 export function printed(text) {
   const [digits, power] = text.replace(/^-/, "").split("e");
   const sign = text.startsWith("-") && Number(digits) ? "−" : "";
-  return sign + digits + (power ? ` × 10${raised(Number(power))}` : "");
+  return sign + localised(digits) + (power ? ` × 10${raised(Number(power))}` : "");
 }
 
 export const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2));
 export const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x.toExponential(2)) : "∞");
 export const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
 export const rough = (x) => printed(String(Number(x.toPrecision(2))));
-export const angle = (x) => (Number.isNaN(x) ? "undefined" : `${fixed(x / radians(1), 1)}°`);
-
+export const angle = (x) => (Number.isNaN(x) ? say("numbers.undefined") : `${fixed(x / radians(1), 1)}°`);
 
 export const isAngle = (name) => Boolean(UNIT[name]?.startsWith("°"));
-export const quantity = (name, x) => (isAngle(name) ? fixed(x, 1) + UNIT[name] : `${size(x)} ${UNIT[name] ?? ""}`.trim());
+// The unit behind a number: "°/tile" and "tiles" are said in words.
+export const unitText = (unit) => unit.replace(/tiles?/, (word) => say(`units.${word}`));
+export const quantity = (name, x) => (isAngle(name) ? fixed(x, 1) + unitText(UNIT[name]) : `${size(x)} ${unitText(UNIT[name] ?? "")}`.trim());
 // A number, or a direction's three. Lengths are without their unit.
-export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(", ")})` : isAngle(name) ? quantity(name, x) : brief(x));
+export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(separator())})` : isAngle(name) ? quantity(name, x) : brief(x));
 
-export const prismsText = (n) => (n === 1 ? "1 prism" : `${n} prisms`);
+export const prismsText = (n) => say("counts.prisms", { count: n, number: n });
+export const tilesText = (x, text = brief) => say("counts.tiles", { count: Number(x.toPrecision(3)), number: text(x) });
 
 // A complex number. Both parts have the same number of decimals, so that the larger has five digits at most.
 export function point(a) {
@@ -52,4 +56,4 @@ export function point(a) {
 }
 
 export const timesText = (x) => printed(x < 1e4 ? x.toPrecision(3) : x.toExponential(2));
-export const placeText = (point) => point.map((x) => fixed(x, 2)).join(", ");
+export const placeText = (point) => point.map((x) => fixed(x, 2)).join(separator());

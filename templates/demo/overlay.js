@@ -3,16 +3,18 @@
 import { abs, finite, minus, plus, scaled } from "./complex.js";
 import { $, data } from "./data.js";
 import * as equations from "./equations.js";
-import { apparentPosition, appearance, imagingPole, markedPosition, NEAR_POLE, unsure } from "./moment.js";
+import { ghostPoint } from "./ghost.js";
+import { say } from "./language.js";
+import { apparentOutline, apparentPosition, appearance, imagingPole, markedPosition, NEAR_POLE, unsure } from "./moment.js";
 import { rough } from "./numbers.js";
 import { outlineOf } from "./outline.js";
 import { thing } from "./phrases.js";
 import { povray } from "./player.js";
 import { isAsked } from "./questions.js";
-import { arrowhead, branches, curve, dot, edge, line, step, svg, words } from "./shapes.js";
+import { branches, curve, dot, edge, line, step, svg, words } from "./shapes.js";
 import { session, state } from "./state.js";
 import { caption } from "./text.js";
-import { corner, corners, triangle } from "./triangle.js";
+import { awayP, corner, corners, triangle } from "./triangle.js";
 import { contents } from "./contents.js";
 
 export const overlay = $("overlay");
@@ -28,7 +30,7 @@ export function drawOverlay(now) {
   const rem = Math.max(12, box.height / 36);
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
-  parts.push(...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
+  parts.push(...ghost(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.nearPole && !isAsked()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
@@ -37,7 +39,7 @@ export function drawOverlay(now) {
   if (state.caption) drawCaption(caption(now), box, rem);
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
-  $("hint").classList.toggle("covered", state.caption || povray.shown);
+  $("hint").classList.toggle("covered", state.caption || povray.shown || state.question >= 0 || session.measuring || !$("tour").hidden);
   stage.classList.toggle("has-marks", state.position);
 }
 
@@ -57,10 +59,10 @@ function drawCaption(parts, { width, height }, rem) {
 
 function poleText(now) {
   const { M, seen } = now;
-  if (imagingPole(now, now.z1, now.z2) === "line") return `one line of the ${thing()}’s plane fills the window`;
-  const what = contents(now).has("thing") ? thing() : contents(now).has("pedestal") ? "pedestal" : "";
-  if (!what) return `nothing of the ${thing()} is seen`;
-  return Number.isFinite(M) ? `${rough(seen)} tiles of the ${what} fill the window` : `one point of the ${what} fills the window`;
+  if (imagingPole(now, now.z1, now.z2) === "line") return say("overlay.line", { thing: thing() });
+  const what = contents(now).has("thing") ? "" : contents(now).has("pedestal") ? "_of_pedestal" : null;
+  if (what === null) return say("overlay.nothing", { thing: thing() });
+  return say(`overlay.${Number.isFinite(M) ? "part" : "point"}${what}`, { thing: thing(), count: Number(seen.toPrecision(2)), number: rough(seen) });
 }
 
 const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
@@ -75,7 +77,7 @@ function paths(now) {
     curve("of-alpha q q-z1 q-z2", branches(ofAlpha, -8, 8, infinite)),
     curve("of-r q q-r q-alpha", branches(ofR, -Math.PI, Math.PI, equations.infiniteAlpha(now.z1, now.z2, prism))),
   ];
-  return lines.flatMap((path) => {
+  return lines.filter(() => state.circles || state.level === "expert").flatMap((path) => {
     const shown = state.circles ? "" : " aid";
     const halo = path.cloneNode();
     halo.setAttribute("class", `halo ${path.getAttribute("class")}${shown}`);
@@ -90,18 +92,25 @@ const hasImage = (now) => state.image && state.scene === "chess" && (now.two || 
 function image(now) {
   if (state.scene !== "chess" || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
   const d = outlineOf(state.piece).map((line) => {
-    const points = line.map((d) => onStage(apparentPosition(now, plus(now.L, d))).map((x) => x.toFixed(1)));
+    const points = apparentOutline(now, line.map((d) => plus(now.L, d))).map((place) => onStage(place).map((x) => x.toFixed(1)));
     return `M${points.map((point) => point.join(" ")).join("L")}Z`;
   });
   const kind = `image q q-nu q-M${hasImage(now) ? "" : " hidden"}`;
   return [svg("path", { class: kind, id: "image", d: d.join("") })];
 }
 
+// The outline that a question asks for, or that a user draws.
+function ghost() {
+  if (!session.ghost) return [];
+  const d = outlineOf(state.piece).map((line) => `M${line.map((d) => onStage(ghostPoint(session.ghost, d)).map((x) => x.toFixed(1)).join(" ")).join("L")}Z`);
+  return [svg("path", { class: "halo ghost", d: d.join("") }), svg("path", { class: "ghost", d: d.join("") })];
+}
+
 // The triangle of figure 5, which is shown while one of its quantities is marked.
 function construction(now, rem, box) {
   const [L, E] = [onStage(now.L), onStage(now.E)];
   const P = finite(now.place) ? onStage(now.place) : null;
-  if (abs(minus(L, E)) < 1) return [];
+  if (abs(minus(L, E)) < 1 || state.level === "simple") return [];
   const nu = Number.isNaN(now.nu) ? 0 : now.nu;
   const parts = triangle(L, E, P, { alpha: now.two ? now.alpha : 0, nu }, rem, box);
   if (!state.position) {
@@ -144,29 +153,23 @@ function eyeMark(E, L, rem) {
   ];
 }
 
-function nameOfP(at, out, others, rem, reach) {
-  if (!out) return [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]];
-  return [
-    arrowhead("arrow q q-P", out.tip, out.angle, rem),
-    words("point q q-P", step(out.tip, out.angle + Math.PI, 1.9 * rem), "P"),
-  ];
-}
+const nameOfP = (at, out, others, rem, reach) => (out ? awayP(out, rem, rem) : [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]]);
 
 // The key, in the picture's upper left corner.
 function key(now, rem, { width, height }) {
   const lines = [];
-  if (state.position) lines.push(["mark", "P: predicted position"], ["dot", "L: the object"], ["ring", "E: the eye"]);
-  if (state.circles && now.two) lines.push(["of-alpha", "α constant, z₁ changes"], ["of-r", "r constant, α changes"]);
-  if (hasImage(now)) lines.push(["image", "predicted image"]);
+  if (state.position) lines.push(["mark", "P"], ["dot", "L"], ["ring", "E"]);
+  if (state.circles && now.two) lines.push(["of-alpha", "of_alpha"], ["of-r", "of_r"]);
+  if (hasImage(now)) lines.push(["image", "image"]);
   if (!lines.length) return [];
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
   const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
-  lines.forEach(([kind, text], n) => {
+  lines.forEach(([kind, name], n) => {
     /** @type {any} */
     const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
     if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));
     else parts.push(dot(`${kind}${kind === "mark" ? " chosen" : ""}`, middle, (kind === "dot" ? 0.3 : 0.42) * rem));
-    parts.push(words("keyword", plus(middle, [1.2 * rem, 0]), text));
+    parts.push(words("keyword", plus(middle, [1.2 * rem, 0]), say(`overlay.${name}`)));
   });
   return parts;
 }

@@ -3,60 +3,79 @@
 import { radians } from "../live/geometry.js";
 import { linear } from "./aim.js";
 import { abs, arg, minus } from "./complex.js";
-import { imagingPole, possibleError } from "./moment.js";
-import { angle, brief, fixed, placeText, rough } from "./numbers.js";
-import { state } from "./state.js";
 import { contents, SHOWN } from "./contents.js";
+import { data } from "./data.js";
+import { entry, forms, listed, say } from "./language.js";
+import { imagingPole, possibleError } from "./moment.js";
+import { angle, brief, fixed, placeText, rough, tilesText } from "./numbers.js";
+import { lightInWindow } from "./rays.js";
+import { state } from "./state.js";
 
-export const pieceName = (piece) => piece.split("/").pop().replace(/\.\w+$/, "");
-export const thing = () => (state.scene === "spheres" ? "sphere" : pieceName(state.piece));
+export const pieceName = (piece) => pieceForms(piece).name;
+const pieceForms = (piece) => (entry(`things.${piece}`) ? forms(piece) : forms("own", { piece: piece.split("/").pop().replace(/\.\w+$/, "") }));
 
-export function turnedBy(nu) {
-  const text = angle(Math.abs(nu));
-  return text === "0.0°" ? "not turned" : `turned by ${text}${text === "180.0°" ? "" : nu > 0 ? " counter-clockwise" : " clockwise"}`;
+// The magnification without sheets.
+export const bare = ({ z1, z2, d = 0 }) => z2 / (z2 + d + z1);
+
+// The forms of the name of the object at L. Of the spheres, that at a distance z1 is meant.
+export const thing = () => (state.scene === "spheres" ? forms("sphere") : pieceForms(state.piece));
+export const thingAt = (z1) => (state.scene === "spheres" ? forms("sphere_at", { z1: brief(z1) }) : thing());
+
+// `of`: the forms of the name of what appears turned. In some languages its gender counts.
+export function turnedBy(nu, of) {
+  const degrees = (Math.abs(nu) / radians(1)).toFixed(1);
+  const way = { "0.0": "none", "180.0": "half" }[degrees] ?? (nu > 0 ? "counter_clockwise" : "clockwise");
+  return say(`turned.${way}`, { angle: angle(Math.abs(nu)), thing: of });
 }
 
-export const doubt = (now) => "Here the prediction can be wrong by "
-  + `${possibleError(now) < 1280 ? `up to ${rough(possibleError(now))} pixels of 1280x960` : "more than the picture’s width"}: `
-  + "the prisms are large, those of two sheets are nearly parallel, or the pole is near.";
+export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { pixels: rough(possibleError(now)) }) : say("seen.doubt_wide"));
 
-export function listed(words) {
-  return words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0];
+const percent = (part) => `${Math.round(100 * part)} %`;
+
+// How much of the window shows the picture, and how much stray light.
+const percents = ({ designed, stray }) => ({ picture: percent(designed), stray: percent(stray), lost: `${100 - Math.round(100 * designed) - Math.round(100 * stray)} %` });
+export const lightShares = (now) => say("light.shares", percents(lightInWindow(now)));
+
+// The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.
+export function lightWarnings(now) {
+  const light = lightInWindow(now), { designed, moire } = data.limits, found = [];
+  if (light && light.designed < designed) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
+  const parallel = now.windows.filter(({ values }) => Math.abs(((values.alpha + 540) % 360) - 180) < moire).map(({ sheet }) => sheet);
+  for (const [sheet, sentence] of [["detailed", "bands"], ["lenticular", "bands_lenses"]]) {
+    if (parallel.includes(sheet)) found.push(say(`seen.${sentence}`, { least: moire }));
+  }
+  return found;
 }
 
-const windowShows = (now) => listed(Object.keys(SHOWN).filter((name) => contents(now).has(name)).map((name) => SHOWN[name]));
+const windowShows = (now) => listed(SHOWN.filter((name) => contents(now).has(name)).map((name) => say(`shown.${name}`)));
+
+// What a kind of sheet is called, and what its texts say: `part` is a part of the table `kinds`.
+export const ofKind = (sheet, part, values) => say(`kinds.${sheet}.${part}`, values);
 
 // Where nothing of the object is in the window.
 export function absent(now) {
-  if (contents(now).size === 1 && contents(now).has("dark")) return "No light passes: the window is black.";
-  const which = state.scene === "spheres" ? `sphere at z₁ = ${brief(now.z1)}` : thing();
-  return `Nothing of the ${which} is in the window, which shows ${windowShows(now)}.`;
+  if (contents(now).size === 1 && contents(now).has("dark")) return say("absent.dark");
+  return say("absent.other", { thing: thingAt(now.z1), list: windowShows(now) });
 }
 
 export function poleSentence(now) {
   const { M, seen } = now;
-  const exact = !Number.isFinite(M), name = thing();
-  const pole = exact ? "The pole" : "Near the pole";
-  const { from, columns } = (exact && now.kind && linear(now.window, now.E, now.z1, now.z2)) || { from: now.E, columns: [] };
-  const where = abs(minus(from, now.E)) < 1e-6 ? "straight before the eye" : `at (${placeText(from)})`;
-  const part = exact ? `one point, ${where}` : `a part that is only ${rough(seen)} tiles wide`;
+  const exact = !Number.isFinite(M);
+  const { from, columns } = (exact && now.general && linear(now.windows, now.E, now.z1, now.z2)) || { from: now.E, columns: [] };
+  const where = abs(minus(from, now.E)) < 1e-6 ? say("pole.before_eye") : say("pole.at", { place: placeText(from) });
+  const values = { thing: thing(), where, tiles: tilesText(seen, rough), list: windowShows(now) };
+  const sentence = (name) => say(`pole.${exact ? "" : "near_"}${name}`, values);
   if (imagingPole(now, now.z1, now.z2) === "line") {
     const along = columns.reduce((best, column) => (abs(column) > abs(best) ? column : best));
     const degrees = ((arg(along) / radians(1)) % 180 + 180) % 180;
-    return `The pole: all light to the eye passes the ${name}’s plane in a line at ${fixed(degrees, 1)}°, through the point ${where}.`
-      + (contents(now).has("thing") ? " Each of its points is drawn out across the window." : ` ${absent(now)}`);
+    const line = say("pole.line", { ...values, angle: `${fixed(degrees, 1)}°` });
+    return `${line} ${contents(now).has("thing") ? say("pole.drawn_out") : absent(now)}`;
   }
-  if (!contents(now).has("thing") && !contents(now).has("pedestal")) {
-    return `${pole}: all light to the eye passes the ${name}’s plane in ${part}. The ${name} is not there: the window shows ${windowShows(now)}.`;
-  }
-  if (!contents(now).has("thing")) return `${pole}: of the pedestal, ${part}, fills the window. Nothing of the ${name} is seen.`;
-  return exact
-    ? `The pole: one point of the ${name} fills the whole window, the point ${where}.`
-    : `Near the pole: a part of the ${name}’s plane that is only ${rough(seen)} tiles wide fills the window.`;
+  if (contents(now).has("thing")) return sentence("thing");
+  return sentence(contents(now).has("pedestal") ? "pedestal" : "elsewhere");
 }
 
 // "2 tiles in front of the first window". An image behind the eye cannot be seen standing in the air.
-export function imagePlace(W, z2, name) {
-  const distance = `${brief(Math.abs(W))} ${Math.abs(W) === 1 ? "tile" : "tiles"}`;
-  return `${distance} ${W < 0 ? "in front of" : "behind"} ${name}${-W > z2 ? ", behind your eye" : ""}`;
+export function imagePlace(W, z2, window) {
+  return say(`image.${W >= 0 ? "behind" : -W > z2 ? "behind_eye" : "front"}`, { tiles: tilesText(Math.abs(W)), window: forms(window) });
 }

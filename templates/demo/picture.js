@@ -1,37 +1,45 @@
 // The canvas, its picture as a file, and what is shown where there is none.
 
+import { still } from "../live/readout.js";
 import { LiveView } from "../live/view.js";
 import { toHash } from "./address.js";
 import { replace } from "./beyond.js";
+import { drawOther } from "./compare.js";
 import { $, data } from "./data.js";
 import { refresh } from "./frame.js";
+import { say } from "./language.js";
 import { moment, sceneValues } from "./moment.js";
 import { outlinesOf } from "./outline.js";
 import { drawOverlay, overlay } from "./overlay.js";
 import { player } from "./player.js";
 import { svg } from "./shapes.js";
-import { OPENING, session, START, state } from "./state.js";
+import { OPENING, session, state } from "./state.js";
 
-function failed(sentence) {
-  $("message").textContent = sentence ? `${sentence}${data.presets.some(({ movie }) => movie) ? " Meanwhile you see POV-Ray’s movies." : ""}` : "";
-  document.body.classList.toggle("failed", Boolean(sentence));
+function failed(why, reason = "") {
+  const hasMovies = data.presets.some(({ movie }) => movie);
+  const sentences = why ? [say(`failures.${why}`, { reason }), ...(hasMovies ? [say("failures.movies")] : [])] : [];
+  $("message").textContent = sentences.join(" ");
+  document.body.classList.toggle("failed", Boolean(why));
   refresh();
 }
 
-export const view = new LiveView($("view"), sceneValues(), data.volumes, failed);
+export const view = new LiveView($("view"), { ...sceneValues(), pictures: data.scenes.chess.pictures }, data.volumes, failed);
 view.loading.then(outlinesOf, () => {});
 
-// Save the picture with its overlay and its numbers.
+// Save the picture with its overlay and its numbers, at least 1920 pixels wide.
 async function savePicture() {
-  const canvas = Object.assign(document.createElement("canvas"), { width: view.canvas.width, height: view.canvas.height });
+  const width = Math.max(1920, view.canvas.width);
+  const canvas = still(view, width, Math.round((width * view.canvas.height) / view.canvas.width));
   const pen = canvas.getContext("2d");
-  view.context.repaint();
-  pen.drawImage(view.canvas, 0, 0);
+  drawOther(pen, canvas);
   pen.drawImage(await overlayImage(canvas), 0, 0);
-  const link = document.createElement("a");
-  link.href = canvas.toDataURL("image/png");
-  link.download = `povgen ${toHash().slice(1).replace(/&?(show|diagram|question)=[^&]*/g, "").replaceAll("&", " ")}.png`;
-  link.click();
+  savedAs(canvas.toDataURL("image/png"), "png");
+}
+
+// Save what an address holds as a file, whose name has the numbers.
+export function savedAs(href, ending) {
+  const numbers = toHash().slice(1).replace(/&?(show|diagram|question|own|light|level)=[^&]*/g, "").replaceAll("&", " ");
+  Object.assign(document.createElement("a"), { href, download: `povgen ${numbers}.${ending}` }).click();
 }
 
 // The overlay with its caption, as an image of the canvas's size.
@@ -57,9 +65,9 @@ $("full-screen").addEventListener("click", () => (document.fullscreenElement ? d
 $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
 $("reset").addEventListener("click", () => {
-  player.reset();
+  player.pause();
   [session.explored, session.own] = [null, {}];
-  const { scene } = state;
-  replace({ ...OPENING, scene, ...START[scene] });
+  replace(OPENING);
+  player.reset();
   refresh();
 });

@@ -3,9 +3,11 @@
 import { chosenBeyond, replace, usesAlpha } from "./beyond.js";
 import { $, clamped, data } from "./data.js";
 import { refresh } from "./frame.js";
+import { say } from "./language.js";
 import { brief, quantity, SYMBOL } from "./numbers.js";
 import { change, OPENING, START, state } from "./state.js";
 
+const SLOWER = 4;  // how many times as long a movie takes, if it is to be slow
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
 export const player = {
@@ -73,7 +75,7 @@ export const player = {
   tick(time) {
     if (!this.playing) return;
     // with reduced motion the picture jumps every second
-    const step = (time - this.since) / 1000 / this.preset.seconds;
+    const step = (time - this.since) / 1000 / this.preset.seconds / ($("slow").checked ? SLOWER : 1);
     if (!reducedMotion.matches || time - this.since > 1000) {
       this.since = time;
       const part = this.part() + Math.max(0, step);
@@ -105,18 +107,21 @@ export const player = {
     for (const button of $("presets").children) {
       button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && chosenBeyond() === "none");
     }
-    $("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    $("play").setAttribute("aria-label", say(this.playing ? "page.pause" : "page.play"));
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
     $("scrub").value = 1000 * this.part();
-    $("scrub").setAttribute("aria-label", `${SYMBOL[parameter]} from ${quantity(parameter, start)} to ${quantity(parameter, stop)}`);
+    $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
     $("scrub").setAttribute("aria-valuetext", quantity(parameter, state[parameter]));
-    $("scrub-value").textContent = `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`;
+    const shown = `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`;
+    if ($("scrub-value").textContent !== shown) $("scrub-value").textContent = shown;
   },
 };
 
 for (const [n, { name, scene, parameter }] of data.presets.entries()) {
   const button = document.createElement("button");
-  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, textContent: scene === "chess" ? `vary ${SYMBOL[parameter]}` : name });
+  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, });
+  button.dataset.say = scene === "chess" ? "controls.vary" : "controls.vary_spheres";
+  button.dataset.symbol = SYMBOL[parameter];
   button.addEventListener("click", () => player.choose(data.presets[n]));
   $("presets").append(button);
 }

@@ -1,14 +1,18 @@
 // Questions for a class: predict, then reveal. The page's equations compute every answer.
 
-import { radians } from "../live/geometry.js";
+import { prism, radians } from "../live/geometry.js";
+import { windows } from "../live/sheets.js";
+import { fieldOf, imageDepth } from "./aim.js";
 import { BEYOND } from "./beyond.js";
+import { data } from "./data.js";
 import * as equations from "./equations.js";
+import { entry, forms, say } from "./language.js";
 import { brief, fixed } from "./numbers.js";
 import { turnedBy } from "./phrases.js";
 import { START, state } from "./state.js";
 
 const UP = { scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L };
-const WAYS = ["counter-clockwise", "clockwise", "it does not turn"];
+const ANGLES = [0, 15, 66];
 const nuDegrees = (z1, z2, degrees) => equations.nu(z2 / z1, radians(degrees)) / radians(1);
 const way = (x) => (Math.abs(x) < 0.5 ? 2 : x > 0 ? 0 : 1);
 const degreesText = (x) => `${fixed(x, 1)}°`;
@@ -36,73 +40,160 @@ function mostTurned(z1, z2) {
   return best;
 }
 
-// Each: the question; what the page shows with it; the choices and the number of the right one, or a number; what the page
-// then shows; why; and what the sentence beside the picture says first.
+// The numbers that make the picture of "match"; and the sheets of lenses.
+const MATCH = { alpha: 120, z1: 4 };
+const LENSES = { lenses: 100, ratio: 1, f_number: 3, index: data.scenes.chess.index };
+const fieldText = (values) => degreesText(Math.atan(fieldOf(values)) / radians(1));
+// The magnification of heights by one infinitely fine sheet.
+const heightOf = (z1, z2) => equations.mirrored([0, 1], [0, 0], z1, z2, { slab_shift: 0 })[1];
+// How far in front of a lens of focal length 4 the image of what is at z1 is.
+const imageAt = (z1) => -imageDepth(windows({ ...data.scenes.chess, sheet: "lens", focal_length: 4, window: [] }), z1);
+
+// Each: its name in the tables of sentences, where `choices`, `unit` and `why` are; what the page shows with it; the number of the
+// right choice, or a number; what the page then shows; the numbers in `why`, and in `formula`, which only
+// experts read; and what the sentence beside the picture says first. `expert`: only experts are asked.
 export const QUESTIONS = [
   {
-    ask: "A single sheet of prisms is put into the window. What happens to the sky and the floor?",
+    name: "sky",
     before: { ...UP, sheet: "none" }, after: { sheet: "single" },
-    choices: ["they stay", "they turn by a quarter", "they change places"],
     answer: () => (equations.mirrored([0, 100], [0, 0], 1e4, 6, { slab_shift: 0 })[1] < 0 ? 2 : 0),
-    why: () => "A sheet reverses the light's slope across its prisms, and leaves the slope along them. Two sheets mirror twice: that is a rotation.",
   },
   {
-    ask: "Two sheets turn the light counter-clockwise by α = 66° on its way to the eye. Which way does the knight turn?",
-    before: UP, after: { alpha: 66 }, choices: WAYS,
+    name: "near",
+    before: UP, after: { alpha: 66 }, ways: true,
     answer: () => way(nuDegrees(2, 6, 66)),
-    why: () => `It turns by ν = ${degreesText(nuDegrees(2, 6, 66))} only, because it is near the sheets: z₁ is a third of z₂.`,
+    numbers: () => ({ nu: degreesText(nuDegrees(2, 6, 66)) }),
   },
   {
-    ask: "And the mountains, which are very far away? By which angle do they turn at α = 66°?",
-    before: { ...UP, alpha: 0 }, after: { alpha: 66 }, choices: ["0°", "15°", "66°"],
-    answer: () => [0, 15, 66].map((x) => Math.abs(nuDegrees(1e9, 6, 66) - x)).reduce((best, gap, k, gaps) => (gap < gaps[best] ? k : best), 0),
-    why: () => "Far away, r = z₂/z₁ tends to 0, and ν to α: the light comes from one direction, which the sheets turn by α.",
-    says: ({ alpha }) => `The mountains appear ${turnedBy(alpha)}.`,
+    name: "far",
+    before: { ...UP, alpha: 0 }, after: { alpha: 66 },
+    degrees: ANGLES,
+    answer: () => ANGLES.map((x) => Math.abs(nuDegrees(1e9, 6, 66) - x)).reduce((best, gap, k, gaps) => (gap < gaps[best] ? k : best), 0),
+    says: ({ alpha }) => say("questions.far.says", { turned: turnedBy(alpha, forms("mountains")) }),
   },
   {
-    ask: "At α = 90° the knight moves away, from z₁ = 2 to 12 tiles. What happens to its angle?",
-    before: { ...UP, alpha: 90 }, after: { z1: 12 }, choices: ["it turns further", "the angle stays", "it turns back"],
+    name: "away",
+    before: { ...UP, alpha: 90 }, after: { z1: 12 },
     answer: () => (nuDegrees(12, 6, 90) > nuDegrees(2, 6, 90) + 0.1 ? 0 : 2),
-    why: () => `ν = arctan(z₁/z₂) at α = 90°: it grows from ${degreesText(nuDegrees(2, 6, 90))} to ${degreesText(nuDegrees(12, 6, 90))}.`,
+    numbers: () => ({ from: degreesText(nuDegrees(2, 6, 90)), to: degreesText(nuDegrees(12, 6, 90)) }),
   },
   {
-    ask: "At α = 90° and z₂ = 6, where must the knight stand to appear turned by 45°?",
-    before: { ...UP, alpha: 90 }, unit: "tiles behind the sheets (z₁)", tolerance: 0.1,
+    name: "half", expert: true,
+    before: { ...UP, alpha: 90 }, tolerance: 0.1,
     answer: () => solved((z1) => nuDegrees(z1, 6, 90), 45, 0.1, 1000),
     after: () => ({ z1: QUESTIONS[4].answer() }),
-    why: () => "As far behind the sheets as the eye is in front of them: 1 − P = 1/(1 − i z₁/z₂) has the angle 45° for z₁ = z₂.",
   },
   {
-    ask: "At α = 180° the knight is upright again. How many times as large as at α = 0 does it appear?",
-    before: UP, unit: "times", tolerance: 0.1, after: { alpha: 180 },
+    name: "upright",
+    before: UP, tolerance: 0.1, after: { alpha: 180 },
     answer: () => equations.M(3, Math.PI) / equations.M(3, 0),
-    why: () => `M = z₂/(z₂ − z₁) = ${brief(equations.M(3, Math.PI))} instead of z₂/(z₂ + z₁) = ${brief(equations.M(3, 0))}: its image is nearer to the eye than the window.`,
+    numbers: () => ({ after: brief(equations.M(3, Math.PI)), before: brief(equations.M(3, 0)) }),
   },
   {
-    ask: "At α = 180° you move your eye to the right. Which way does the knight move in the window?",
-    before: { ...UP, alpha: 180 }, after: { E: [0.8, 0] }, choices: ["to the right", "it stays", "to the left"],
+    name: "parallax",
+    before: { ...UP, alpha: 180 }, after: { E: [0.8, 0] },
     answer: () => (parallax(2, 6, 180) > 0 ? 0 : 2),
-    why: () => `To the left, by ${brief(-parallax(2, 6, 180))} of your step; without sheets, to the right by ${brief(parallax(2, 6, 0))}. So the image floats in front of the window.`,
+    numbers: () => ({ left: brief(-parallax(2, 6, 180)), right: brief(parallax(2, 6, 0)) }),
   },
   {
-    ask: "At which α from 0° to 180° does the knight at z₁ = 2, seen from z₂ = 6, appear turned the most?",
-    before: UP, unit: "degrees", tolerance: 5, after: () => ({ alpha: QUESTIONS[7].answer() }),
+    name: "most",
+    before: UP, tolerance: 5, after: () => ({ alpha: QUESTIONS[7].answer() }),
     answer: () => mostTurned(2, 6),
-    why: () => `There cos α = −z₁/z₂, and sin ν = z₁/z₂: ν = ${degreesText(nuDegrees(2, 6, mostTurned(2, 6)))}. Beyond, it turns back.`,
+    numbers: () => ({ nu: degreesText(nuDegrees(2, 6, mostTurned(2, 6))) }),
   },
   {
-    ask: "At α = 180° the knight moves to z₁ = z₂ = 6. What fills the window?",
-    before: { ...UP, alpha: 180 }, after: { z1: 6 }, choices: ["nothing: it is dark", "the whole knight, very small", "one point of the knight"],
+    name: "pole",
+    before: { ...UP, alpha: 180 }, after: { z1: 6 },
     answer: () => (Number.isFinite(equations.M(1, Math.PI)) ? 1 : 2),
-    why: () => "You see only wood: one spot of the knight, straight before the eye, fills the window. All light to the eye passes through it, because the knight's image lies in the eye: the pole, where P is infinite.",
   },
   {
-    ask: "Two windows of 120° each stand 2 tiles apart. How far in front of the first window is the image of a knight 2 tiles behind the second one?",
-    before: { ...UP, ...BEYOND.series }, unit: "tiles", tolerance: 0.1, after: { E: [0.8, 0] },
+    name: "prisms", expert: true,
+    before: { ...UP, sheet: "detailed", alpha: 66, prisms: 100 }, after: { prisms: 20 }, tolerance: 0.2,
+    answer: () => prism({ ...data.scenes.chess, prisms: 20 }).reach / prism({ ...data.scenes.chess, prisms: 100 }).reach,
+  },
+  {
+    name: "single",
+    before: { ...UP, sheet: "single", z2: 4 }, after: { z1: 8 },
+    answer: () => (heightOf(8, 4) < 0 ? 1 : 0),
+    numbers: () => ({ height: brief(heightOf(8, 4)) }),
+  },
+  {
+    name: "circles", expert: true,
+    before: { ...UP, alpha: 60, z1: 6, diagram: "paper", circles: true }, after: { position: true }, tolerance: 2,
+    answer: () => nuDegrees(6, 6, 60),
+  },
+  {
+    name: "negative",
+    before: { ...UP, alpha: 66 }, after: { alpha: -66 },
+    answer: () => {
+      const same = Math.abs(equations.M(3, radians(-66)) - equations.M(3, radians(66))) < 1e-9;
+      return nuDegrees(2, 6, -66) * nuDegrees(2, 6, 66) > 0 ? 2 : same ? 0 : 1;
+    },
+    numbers: () => ({ before: degreesText(nuDegrees(2, 6, 66)), after: degreesText(nuDegrees(2, 6, -66)) }),
+  },
+  {
+    name: "nearer",
+    before: { ...UP, alpha: 180 }, after: { z2: 3 },
+    answer: () => 1 - Math.sign(equations.M(3 / 2, Math.PI) - equations.M(6 / 2, Math.PI)),
+    numbers: () => ({
+      before: brief(equations.M(3, Math.PI)), after: brief(equations.M(1.5, Math.PI)),
+      free_before: brief(equations.M(3, 0)), free_after: brief(equations.M(1.5, 0)),
+    }),
+  },
+  {
+    name: "match", expert: true,
+    before: { ...UP, alpha: 40 }, after: { ...MATCH }, match: MATCH,
+    answer: () => MATCH,
+    numbers: () => ({ alpha: `${fixed(MATCH.alpha, 0)}°`, z1: brief(MATCH.z1) }),
+  },
+  {
+    name: "law", expert: true,
+    before: { ...UP, sheet: "none", z1: 8, z2: 12 }, after: { sheet: "lens", focal_length: 4, E: [0.3, 0] }, tolerance: 0.2,
+    answer: () => imageAt(8),
+    numbers: () => ({ b: brief(imageAt(8)) }),
+  },
+  {
+    name: "tolerance",
+    before: { ...UP, alpha: 66 }, after: { alpha: 68 }, tolerance: 0.1,
+    answer: () => nuDegrees(1e9, 6, 66 + 2 * 1) - nuDegrees(1e9, 6, 66),
+    numbers: () => ({ near: degreesText(nuDegrees(2, 6, 68) - nuDegrees(2, 6, 66)) }),
+  },
+  {
+    name: "lenses", expert: true,
+    before: { ...UP, sheet: "detailed", alpha: 66 }, after: { ...LENSES, sheet: "lenticular" }, tolerance: 0.5,
+    answer: () => Math.atan(fieldOf(LENSES)) / radians(1),
+    numbers: () => ({ depth: brief((1 + LENSES.ratio) * LENSES.f_number), slope: brief(fieldOf(LENSES)) }),
+  },
+  {
+    name: "slower", expert: true,
+    before: { ...UP, ...LENSES, sheet: "lenticular", alpha: 66 }, after: { f_number: 6 },
+    answer: () => 1 + Math.sign(fieldOf(LENSES) - fieldOf({ ...LENSES, f_number: 6 })),
+    numbers: () => ({ before: fieldText(LENSES), after: fieldText({ ...LENSES, f_number: 6 }) }),
+  },
+  {
+    name: "series", expert: true,
+    before: { ...UP, ...BEYOND.series }, tolerance: 0.1, after: { E: [0.8, 0] },
     answer: () => 8 - equations.depth(2, 8, radians(120), [[2, radians(120)]])[0],
-    why: () => "In Z, d is turned by −120° and z₁ by −240°: together they are −2 tiles, which is real. Your eye moves, and the image stays in the air.",
   },
 ];
+
+// The choices of a question, or undefined if a number is asked for; and why its answer is right.
+// A question of a teacher's own: { ask, choices, why, before, after }, with the right choice first, and values of the state.
+// The choices are shown in the order of the alphabet.
+const COUNT = QUESTIONS.length;
+export function setOwn({ ask, choices, why, before, after }) {
+  const shown = [...choices].sort((a, b) => a.localeCompare(b));
+  QUESTIONS.splice(COUNT, 1, /** @type {any} */ ({ name: "own", own: { ask, choices, why }, shown, before, after, answer: () => shown.indexOf(choices[0]) }));
+  return COUNT;
+}
+/** @type {(question: any) => string} */
+export const ask = ({ name, own }) => own?.ask ?? say(`questions.${name}.ask`);
+
+/** @type {(question: any) => string[]} */
+export const choices = ({ name, ways, degrees, shown }) => shown ?? degrees?.map((x) => `${x}°`) ?? entry(ways ? "asking.ways" : `questions.${name}.choices`);
+/** @type {(question: any) => string} */
+export const why = ({ name, numbers, own }) => own?.why ?? ["why", ...(state.level === "expert" && entry(`questions.${name}.formula`) ? ["formula"] : [])]
+  .map((part) => say(`questions.${name}.${part}`, numbers?.())).join(" ");
 
 export const revealed = new Map();  // the numbers of the questions, and the predictions that were made
 

@@ -16,13 +16,13 @@ export function triangle(L, E, P, { alpha, nu }, rem, box) {
   const parts = [base, ...vector("ray q q-r q-P q-alpha", L, end, rem), ...vector("ray of-nu q q-r q-nu q-M", end, E, rem)];
   parts.push(...angleAtE(L, E, end, nu, rem));
   const out = edge(P, box, 1.2 * rem);
-  if (out) {
-    parts.push(arrowhead("arrow q q-P", out.tip, out.angle, 1.1 * rem));
-    parts.push(words("point q q-P", step(out.tip, out.angle + Math.PI, 1.9 * rem), "P"));
-    return parts;
-  }
-  return [...parts, ...angleAtP(L, E, P, alpha, rem)];
+  return [...parts, ...(out ? awayP(out, 1.1 * rem, rem) : angleAtP(L, E, P, alpha, rem))];
 }
+
+// An arrow to P, which is outside the drawing, and its name: `edge`.
+export const awayP = ({ tip, angle }, length, rem) => [
+  arrowhead("arrow q q-P", tip, angle, length), words("point q q-P", step(tip, angle + Math.PI, 1.9 * rem), "P"),
+];
 
 // The angle nu from the line to L to the line to P.
 function angleAtE(L, E, P, nu, rem) {

@@ -14,10 +14,30 @@ export class Context {
     this.failed = failed;
     this.programs = {};
     this.targets = {};
+    this.textures = {};    // of the pictures
     this.kinds = null;     // what the programs are compiled for
     this.parallel = gl.getExtension("KHR_parallel_shader_compile");
     gl.bindVertexArray(gl.createVertexArray());
+  }
+
+  // Make the textures of what has been read.
+  fill() {
     this.makeVolumes();
+    for (const part of Object.keys(this.shapes.images)) this.makePicture(part);
+  }
+
+  // Make the texture of a picture, in the place of an earlier one. Its colours become linear light before they are interpolated.
+  makePicture(part) {
+    const { gl } = this, image = this.shapes.images[part];
+    gl.deleteTexture(this.textures[part] ?? null);
+    this.textures[part] = gl.createTexture();
+    gl.activeTexture(part === "sky" ? gl.TEXTURE2 : gl.TEXTURE3);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[part]);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, image.width, image.height);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, image);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, part === "sky" ? gl.CLAMP_TO_EDGE : gl.REPEAT);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    gl.activeTexture(gl.TEXTURE0);
   }
 
   // All distance fields in one texture: three a row along x, the rows along z.
@@ -88,7 +108,7 @@ export class Context {
     const { program, shaders } = made;
     if (made.uniforms) return made.uniforms;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-      this.failed("This graphics processor cannot draw the live view.");
+      this.failed("program");
       throw new Error(shaders.map((shader) => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(program));
     }
     made.uniforms = {};

@@ -5,35 +5,65 @@ import { hasPrisms, windows } from "./sheets.js";
 
 export const radians = (degrees) => degrees * (Math.PI / 180);
 
-// The shape of the prisms: povgen/optics/prism.py.
-export function prism(scene) {
-  const pitch = scene.aperture / scene.prisms;
-  const base = radians(scene.base_angle);
-  const slope = Math.PI / 2 - base - Math.asin(Math.cos(base) / scene.index);
-  const height = pitch * (1 - scene.gap);
-  const length = height * scene.aspect * (1 / Math.tan(base) + 1 / Math.tan(slope));
+// The shape of the prisms with these values of a scene or a window: povgen/optics/prism.py.
+export function prism(values) {
+  const { aperture, prisms, index, base_angle, gap, aspect } = values;
+  const pitch = aperture / prisms;
+  const base = radians(base_angle);
+  const slope = Math.PI / 2 - base - Math.asin(Math.cos(base) / index);
+  const height = pitch * (1 - gap);
+  const length = height * aspect * (1 / Math.tan(base) + 1 / Math.tan(slope));
   return {
-    pitch, height, length,
-    slab_shift: height * scene.aspect * Math.tan(base),
-    separation: length + scene.gap * pitch,
-    reach: height * Math.min(scene.aspect, 2 - scene.aspect),  // the farthest that light is displaced across the ridges
+    pitch, height, length, index,
+    slab_shift: height * aspect * Math.tan(base),
+    separation: length + gap * pitch,
+    reach: height * Math.min(aspect, 2 - aspect),  // the farthest that light is displaced across the ridges
   };
 }
 
-// The sheets of prisms in a window, those near the eye first: the angle about z, radians, and z of the middle plane, from
-// the middle of the window. povgen/optics/trace.py
-export function sheets(scene, window) {
+// A face of lenses that bulge to smaller z (side -1) or to greater z (1), up to z = `vertex`: u and z of an edge's start, u and z
+// of its end, its radius.
+function lenses(vertex, focal, index, side) {
+  const radius = focal * (index - 1) / index, corner = vertex - side * (radius - Math.sqrt(radius * radius - 0.25));
+  return side < 0 ? [0, corner, 1, corner, radius] : [1, corner, 0, corner, radius];
+}
+
+// The cross-section of the sheets in a window, in pitches, and their number across the window; null for Dove prisms.
+// povgen/optics/profile.py. That of the kind "profile" is made in Python (povgen/liveview/values.py).
+function profile({ sheet, values }) {
+  if (sheet === "profile") return { ...values.profile, count: values.periods };
+  if (sheet !== "lenticular") return null;
+  const { index, gap, ratio, f_number, lenses: count } = values, half = (1 + ratio) * f_number / 2;
+  const edges = [lenses(-half, f_number, index, -1), lenses(half, ratio * f_number, index, 1)];
+  return { edges, half, index, gap, count };
+}
+
+// The shape of the prisms or lenses in a window. Prisms have no `edges`.
+export function shape(window) {
+  const made = profile(window);
+  if (!made) return { ...prism(window.values), edges: [] };
+  const pitch = window.values.aperture / made.count, length = 2 * made.half * pitch;
+  return { pitch, length, separation: length + made.gap * pitch, index: made.index, edges: made.edges };
+}
+
+const isSingle = ({ sheet, values }) => sheet === "single" || (sheet === "profile" && values.arrangement === "single");
+
+// The sheets of prisms or lenses in a window, those near the eye first: the angle about z, radians, z of the middle plane, from
+// the middle of the window, and the thickness. povgen/optics/trace.py
+export function sheets(window) {
   if (!hasPrisms(window)) return [];
-  const aside = prism(scene).separation / 2;
-  if (window.sheet === "single") return [{ angle: 0, centre: 0 }];
-  return [{ angle: radians(window.values.alpha) / 2, centre: -aside }, { angle: 0, centre: aside }];
+  const { separation, length } = shape(window), aside = separation / 2;
+  if (isSingle(window)) return [{ angle: 0, centre: 0, length }];
+  return [{ angle: radians(window.values.alpha) / 2, centre: -aside, length }, { angle: 0, centre: aside, length }];
 }
 
 // Extent of a window frame along z.
 export function depth(scene) {
-  const { length, separation } = prism(scene);
-  const thickness = { detailed: length + separation, single: length };
-  return Math.max(scene.aperture / 10, ...windows(scene).map(({ sheet }) => 1.02 * (thickness[sheet] ?? 0)));
+  const thickness = windows(scene).filter(hasPrisms).map((window) => {
+    const { length, separation } = shape(window);
+    return isSingle(window) ? length : length + separation;
+  });
+  return Math.max(scene.aperture / 10, ...thickness.map((extent) => 1.02 * extent));
 }
 
 // z of the last window, from which the objects' z1 counts.
@@ -70,7 +100,7 @@ const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1
 
 // POV-Ray's units per tile. povgen/limits.py
 export function tile(scene) {
-  return Math.max(1000, windows(scene).some(hasPrisms) ? Math.round(1.2 / prism(scene).pitch) : 0);
+  return Math.max(1000, ...windows(scene).filter(hasPrisms).map((window) => Math.round(1.2 / shape(window).pitch)));
 }
 
 export const horizon = (scene) => 1e7 / tile(scene);  // POV-Ray does not show what is farther away

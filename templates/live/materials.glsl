@@ -34,14 +34,24 @@ float Trunk(float x, float y, float z) { return length(vec2(TrunkX(x, y, z), Tru
 vec3 Heights(float A) { return vec3(Mountain(A), SnowLine(A), 0); }
 
 // ---- floor.pov.j2 ----
+#ifdef FLOOR_PICTURE
+uniform sampler2D floorPicture;
+uniform vec2 floorTiles;  // width and height of a copy
+uniform vec3 floorMean;   // the mean colour
+#endif
 Finish FloorTexture(vec3 p) {
+#ifdef FLOOR_PICTURE
+  vec3 pigment = textureLod(floorPicture, vec2(p.x, -p.z) / floorTiles, 0.0).rgb, mean = floorMean;
+#else
+  vec3 mean = vec3({{ materials.FADE.colour }});
   vec2 at = p.xz - vec2(0.5, 0);
   vec2 tile = floor(at);
   vec3 pigment = mod(tile.x + tile.y, 2.0) == 0.0
     ? DarkTile(StoneVein(at.y, 0.0, at.x)) : LightTile(StoneVein(at.x, 0.0, at.y));
+#endif
   float nearness = 1.0 - length(p - vec3(0, floorY, 0)) / {{ materials.FADE.distance | floats }};
   float share = clamp((nearness - {{ materials.FADE.gone }}) / ({{ materials.FADE.whole }} - {{ materials.FADE.gone }}), 0.0, 1.0);
-  return Finish(mix(vec3({{ materials.FADE.colour }}), pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
+  return Finish(mix(mean, pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
 }
 
 // ---- frame.pov.j2 ----
@@ -50,11 +60,18 @@ Finish FrameTexture(vec3 p) {
   vec2 q = abs(p.x) > abs(p.y) ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
   float beyond = q.y - window / 2.0;
   float z = p.z - windowZ[0];  // from the middle of the nearest window
-  for (int w = 1; w < WINDOWS; w++) if (abs(p.z - windowZ[w]) < abs(z)) z = p.z - windowZ[w];
+  bool further = false;
+  for (int w = 1; w < WINDOWS; w++) {
+    if (abs(p.z - windowZ[w]) < abs(z)) {
+      z = p.z - windowZ[w];
+      further = true;
+    }
+  }
   if (beyond > 0.0 && beyond < frameLip && z < 1e-4 - frameDepth / 2.0) {
     return Finish(vec3({{ materials.LIP }}), {{ materials.FINISHES.lip | join(", ") }}, true);
   }
-  return Finish(Frame(Fibres(q.x, q.y, z)), {{ materials.FINISHES.frame | join(", ") }}, false);
+  float fibres = Fibres(q.x, q.y, z);
+  return Finish(further ? FurtherFrame(fibres) : Frame(fibres), {{ materials.FINISHES.frame | join(", ") }}, false);
 }
 
 // ---- pedestal.pov.j2; the point is relative to the middle of the pedestal's foot ----
@@ -102,18 +119,24 @@ vec3 shadowDirection() {
 const int BLACK = 1, WHITE = 2, TRANSPARENT = 3;
 uniform int background;  // one of these; 0: the sky
 
+#ifdef SKY_PICTURE
+uniform sampler2D skyPicture;
+#endif
+
 // The direction d is a unit vector.
 vec3 skyColour(vec3 d) {
   if (background == BLACK || background == WHITE) return vec3(background - BLACK);
+#ifdef SKY_PICTURE
+  return textureLod(skyPicture, vec2(0.5 + atan(d.x, d.z) / (2.0 * pi), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / pi), 0.0).rgb;
+#else
   float top = 2.0 * {{ materials.MOUNTAIN_TOP }} - 1.0, land = 2.0 * {{ materials.LAND_TOP }} - 1.0;
   if (d.y > top) return SkyPigment(d.y);
-#if PIECES == 0
-  if (d.y < 0.0) return PlainPigment(-d.y);
-#endif
+  if (d.y < 0.0 && !hasFloor) return PlainPigment(-d.y);
   float azimuth = atan(d.x, d.z) / pi, rise = Rise(d.x, d.y, d.z), sunlit = Sunlit(azimuth, rise);
   vec3 heights = Heights(azimuth);
   vec3 mountain = mix(RockPigment(sunlit), SnowPigment(sunlit), Above(rise - heights.y));
   vec3 far = mix(mountain, SkyPigment(d.y), Above(rise - heights.x));
   if (d.y > land) return far;
   return mix(FoothillPigment(FoothillHaze(d.x, d.y, d.z)), far, Above(rise - Foothill(azimuth)));
+#endif
 }

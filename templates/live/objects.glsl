@@ -1,6 +1,6 @@
 // What stands in the scene, and where a ray meets it. Lengths are in tiles.
 //
-// A piece is a distance field, made from its own text in POV-Ray's language (povgen/liveview/volumes.py): a 3D texture
+// A piece is a distance field, made from its own text in POV-Ray's language (povgen/rendering/volumes.py): a 3D texture
 // of the distance to the piece's surface, in voxels, below 0 inside.
 
 const int SKY = 0;

@@ -7,5 +7,7 @@ out vec4 result;
 
 void main() {
   vec4 before = first ? vec4(0) : texelFetch(sum, ivec2(gl_FragCoord.xy), 0);
-  result = before + colourOf(see(placeOf(gl_FragCoord.xy)));
+  Seen seen = see(placeOf(gl_FragCoord.xy));
+  vec4 light = colourOf(seen);
+  result = before + light;
 }

@@ -1,7 +1,8 @@
-// The ray trace through sheets of Dove prisms, as in povgen/optics/trace.py.
+// The ray trace through sheets of Dove prisms, and of other profiles, as in povgen/optics/trace.py.
 //
 // A ray is kept in the coordinates of the prism that it is at: the number `cell` of the prism, and the height u above
-// its base, in units of the pitch. So 32-bit numbers are precise enough for any number of prisms.
+// its base, in units of the pitch. So 32-bit numbers are precise enough for any number of prisms. The cells of another profile
+// are its periods.
 
 const int THROUGH = 0;     // leaves the sheets away from the eye
 const int BACK = 1;        // leaves them towards the eye
@@ -10,16 +11,63 @@ const int UNFINISHED = 3;  // has met the greatest allowed number of faces
 
 const int BLACKENED = 4;   // has met a blackened top
 
-uniform int sheets;             // how many sheets of prisms a window has: 1 or 2; 0: none
-uniform vec2 sheetTurn[2 * WINDOWS];  // cosine and sine of each sheet's angle
-uniform float sheetCentre[2];   // z of the sheets' middle planes, from the middle of their window, tiles
-uniform float pitch;            // from one prism to the next, tiles
-uniform float firstBase;        // y of the base of prism 0, in pitches
-uniform float prismHeight;      // from base to top, in pitches
-uniform float prismHalf;        // half of the length along z, in pitches
-uniform vec2 slant;             // cosine and sine of the base angle
-uniform float glassIndex;
-uniform bool blackTops;
+// for each window
+uniform int sheetCounts[WINDOWS];        // how many sheets of prisms: 1 or 2; 0: none
+uniform vec2 sheetTurns[2 * WINDOWS];    // cosine and sine of each sheet's angle
+uniform vec3 sheetAxes[6 * WINDOWS];     // three for each sheet: its axes, if it is tilted but not turned
+uniform float sheetCentres[2 * WINDOWS]; // z of the sheets' middle planes, from the middle of their window, tiles
+uniform float pitches[WINDOWS];          // from one prism to the next, tiles
+uniform float firstBases[WINDOWS];       // y of the base of prism 0, in pitches
+uniform float prismHeights[WINDOWS];     // from base to top, in pitches
+uniform float prismHalves[WINDOWS];      // half of the length along z, in pitches
+uniform vec2 slants[2 * WINDOWS];        // cosine and sine of the base angle, for each sheet
+uniform float glassIndices[2 * WINDOWS]; // for each sheet
+uniform bool blackTops[WINDOWS];
+
+#ifdef PROFILE_EDGES
+uniform int profileCounts[WINDOWS];                  // edges of the profile of a window's sheets; 0: Dove prisms
+uniform vec4 profileEdges[WINDOWS * PROFILE_EDGES];  // start and end of each edge: u and z, in pitches
+uniform float profileRadii[WINDOWS * PROFILE_EDGES]; // above 0: an arc where the glass bulges; 0: a straight edge
+const int BORDER = -1;                               // in place of a face: the border between two cells
+
+// Where a ray in a cell first meets an edge or a border, which one, and the normal out of the glass. Only edges count that
+// it crosses in the right direction: so it does not meet the edge again that it has just met.
+void meetEdge(int number, bool glass, vec2 o, vec2 d, inout float t, inout int face, inout vec2 normal) {
+  const float LEAST = 1e-6;
+  float outwards = glass ? 1.0 : -1.0;
+  t = ((d.x > 0.0 ? 1.0 : 0.0) - o.x) / d.x;
+  face = BORDER;
+  for (int e = 0; e < profileCounts[number]; e++) {
+    vec4 ends = profileEdges[number * PROFILE_EDGES + e];
+    float radius = profileRadii[number * PROFILE_EDGES + e], chord = distance(ends.xy, ends.zw);
+    vec2 along = (ends.zw - ends.xy) / chord, across = vec2(along.y, -along.x), n = across;
+    float reach;
+    bool meets;
+    if (radius == 0.0) {
+      float speed = dot(across, d);
+      reach = dot(across, ends.xy - o) / speed;
+      meets = speed * outwards > 0.0;
+    } else {
+      float depth = sqrt(max(radius * radius - chord * chord / 4.0, 0.0)) * sign(radius);
+      vec2 q = o - (ends.xy + ends.zw) / 2.0 + depth * across;
+      float a = dot(d, d), b = dot(q, d), root = b * b - a * (dot(q, q) - radius * radius);
+      reach = (outwards * sign(radius) * sqrt(max(root, 0.0)) - b) / a;
+      meets = root > 0.0;
+      n = (q + reach * d) / radius;
+    }
+    vec2 at = o + reach * d - ends.xy;
+    float place = dot(along, at);
+    meets = meets && reach > -LEAST && reach < t && place > -LEAST && place < chord + LEAST;
+    if (meets && sign(radius) * dot(across, at) > -LEAST) {
+      t = reach;
+      face = e + 1;
+      normal = n;
+    }
+  }
+  t = max(t, 0.0);
+}
+#endif
+
 uniform int maxFaces;           // as POV-Ray's max_trace_level: a ray that meets as many is dark
 
 struct Passage {
@@ -29,9 +77,15 @@ struct Passage {
   int faces;       // how many faces it has met
 };
 
+mat3 axesOf(int sheet) { return mat3(sheetAxes[3 * sheet], sheetAxes[3 * sheet + 1], sheetAxes[3 * sheet + 2]); }
+
 // Follow a ray through the sheets of a window. It comes from outside. `ray.position` is any point of its line.
 Passage passage(Passage ray, int number) {
   const float FAR = 1e30;
+  int sheets = sheetCounts[number];
+  float pitch = pitches[number], firstBase = firstBases[number], prismHeight = prismHeights[number];
+  float prismHalf = prismHalves[number], glassIndex = 1.0;
+  vec2 slant = vec2(1, 0);
   float halfWindow = window / 2.0 / pitch;
   vec3 middle = vec3(0, 0, windowZ[number]);
   vec3 p = (ray.position - middle) / pitch;  // the window's axes while the ray is between sheets; in a sheet its own, with u for y
@@ -39,7 +93,11 @@ Passage passage(Passage ray, int number) {
   int at = d.z > 0.0 ? 0 : sheets - 1;
   float cell = 0.0;
   vec2 turn = vec2(1, 0);
-  bool between = true, glass = false;
+  bool between = true, glass = false, dove = true;
+  vec2 normal = vec2(0);
+#ifdef PROFILE_EDGES
+  dove = profileCounts[number] == 0;
+#endif
   ray.end = UNFINISHED;
 
   for (int step = 0; step < 400; step++) {  // maxFaces ends it earlier
@@ -49,12 +107,18 @@ Passage passage(Passage ray, int number) {
         break;
       }
       float surface = d.z > 0.0 ? -prismHalf : prismHalf;
-      p += d * ((surface + sheetCentre[at] / pitch - p.z) / d.z);
+      p.z -= sheetCentres[2 * number + at] / pitch;
+      mat3 axes = axesOf(2 * number + at);
+      p = p * axes;
+      d = d * axes;
+      p += d * ((surface - p.z) / d.z);
       if (max(abs(p.x), abs(p.y)) > halfWindow) {
         ray.end = FRAME;
         break;
       }
-      turn = sheetTurn[2 * number + at];
+      turn = sheetTurns[2 * number + at];
+      slant = slants[2 * number + at];
+      glassIndex = glassIndices[2 * number + at];
       float v = turn.x * p.y - turn.y * p.x - firstBase;
       cell = floor(v);
       p = vec3(turn.x * p.x + turn.y * p.y, v - cell, surface);
@@ -63,32 +127,41 @@ Passage passage(Passage ray, int number) {
     }
     if (abs(d.y) < 1e-12) d.y = 1e-12;
 
-    // The four planes of a prism: how fast the ray approaches the slanted ones from inside, and when it meets each.
-    bool up = d.y > 0.0;
-    float level = ((up ? prismHeight : 0.0) - p.y) / d.y;
-    vec2 along = vec2(slant.x * d.y - slant.y * d.z, slant.x * d.y + slant.y * d.z);
-    vec2 reach = (slant.y * prismHalf - vec2(slant.x * p.y - slant.y * p.z, slant.x * p.y + slant.y * p.z)) / along;
     float t;
     int face;
-    if (glass) {
-      t = level;
-      face = up ? 2 : 1;
-      if (along.x > 0.0 && reach.x < t) { t = reach.x; face = 3; }
-      if (along.y > 0.0 && reach.y < t) { t = reach.y; face = 4; }
-      t = max(t, 0.0);
-    } else {
-      float first = up ? (p.y > prismHeight ? FAR : -FAR) : (prismHeight - p.y) / d.y;
-      float last = level;
-      face = 2;
-      if (along.x > 0.0) last = min(last, reach.x);
-      else if (reach.x > first) { first = reach.x; face = 3; }
-      if (along.y > 0.0) last = min(last, reach.y);
-      else if (reach.y > first) { first = reach.y; face = 4; }
-      t = first > -1e-6 && first < last && last >= 0.0 ? max(first, 0.0) : FAR;
-      float base = up ? max((1.0 - p.y) / d.y, 0.0) : FAR;  // of the prism above
-      if (base < t) { t = base; face = 1; }
-      float side = max(((d.z > 0.0 ? prismHalf : -prismHalf) - p.z) / d.z, 0.0);
-      if (side <= t) { t = side; face = 0; }  // leaves the sheet
+    float side = max(((d.z > 0.0 ? prismHalf : -prismHalf) - p.z) / d.z, 0.0);
+#ifdef PROFILE_EDGES
+    if (!dove) {
+      meetEdge(number, glass, p.yz, d.yz, t, face, normal);
+      if (!glass && (side < t || side == t && face == BORDER)) { t = side; face = 0; }
+    } else
+#endif
+    {
+      // The four planes of a prism: how fast the ray approaches the slanted ones from inside, and when it meets each.
+      bool up = d.y > 0.0;
+      float level = ((up ? prismHeight : 0.0) - p.y) / d.y;
+      vec2 along = vec2(slant.x * d.y - slant.y * d.z, slant.x * d.y + slant.y * d.z);
+      vec2 reach = (slant.y * prismHalf - vec2(slant.x * p.y - slant.y * p.z, slant.x * p.y + slant.y * p.z)) / along;
+      if (glass) {
+        t = level;
+        face = up ? 2 : 1;
+        if (along.x > 0.0 && reach.x < t) { t = reach.x; face = 3; }
+        if (along.y > 0.0 && reach.y < t) { t = reach.y; face = 4; }
+        t = max(t, 0.0);
+      } else {
+        float first = up ? (p.y > prismHeight ? FAR : -FAR) : (prismHeight - p.y) / d.y;
+        float last = level;
+        face = 2;
+        if (along.x > 0.0) last = min(last, reach.x);
+        else if (reach.x > first) { first = reach.x; face = 3; }
+        if (along.y > 0.0) last = min(last, reach.y);
+        else if (reach.y > first) { first = reach.y; face = 4; }
+        t = first > -1e-6 && first < last && last >= 0.0 ? max(first, 0.0) : FAR;
+        float base = up ? max((1.0 - p.y) / d.y, 0.0) : FAR;  // of the prism above
+        if (base < t) { t = base; face = 1; }
+        if (side <= t) { t = side; face = 0; }  // leaves the sheet
+      }
+      normal = face == 1 ? vec2(-1, 0) : face == 2 ? vec2(1, 0) : vec2(slant.x, face == 3 ? -slant.y : slant.y);
     }
 
     // Move on. Inside the window frame the ray ends, where it met the frame's inner faces.
@@ -98,26 +171,36 @@ Passage passage(Passage ray, int number) {
     vec2 beyond = abs(place) - halfWindow;
     if (face == 0 || max(beyond.x, beyond.y) > 0.0) {
       d.xy = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
-      p = vec3(place, p.z + sheetCentre[at] / pitch);
+      p = vec3(place, p.z);
       if (max(beyond.x, beyond.y) > 0.0) {
         vec2 back = max(beyond / max(abs(d.xy), 1e-9), 0.0);
         p -= d * min(max(back.x, back.y), t);
         ray.end = FRAME;
-        break;
       }
+      mat3 axes = axesOf(2 * number + at);
+      p = axes * p;
+      d = axes * d;
+      p.z += sheetCentres[2 * number + at] / pitch;
+      if (ray.end == FRAME) break;
       between = true;
       at += d.z > 0.0 ? 1 : -1;
       continue;
     }
 
+#ifdef PROFILE_EDGES
+    if (face == BORDER) {
+      cell += d.y > 0.0 ? 1.0 : -1.0;
+      p.y = d.y > 0.0 ? 0.0 : 1.0;
+      continue;
+    }
+#endif
     ray.faces++;
-    if (face == 2 && blackTops) {
+    if (face == 2 && blackTops[number]) {
       ray.end = BLACKENED;
       break;
     }
 
     // Refract the ray, or reflect it totally. `cosine` is positive for a ray that leaves the prism.
-    vec2 normal = face == 1 ? vec2(-1, 0) : face == 2 ? vec2(1, 0) : vec2(slant.x, face == 3 ? -slant.y : slant.y);
     float eta = glass ? glassIndex : 1.0 / glassIndex;
     float cosine = dot(normal, d.yz);
     float square = 1.0 - eta * eta * (1.0 - cosine * cosine);
@@ -126,7 +209,7 @@ Passage passage(Passage ray, int number) {
     float scale = total ? 1.0 : eta;
     d = vec3(scale * d.x, scale * d.yz + change * normal);
     if (!total) {
-      if (face == 1) {  // through the gap between two prisms
+      if (dove && face == 1) {  // through the gap between two prisms
         cell += glass ? -1.0 : 1.0;
         p.y = glass ? 1.0 : 0.0;
       }

@@ -1,10 +1,10 @@
 // Numbers from a live view: what its shaders find, its pictures, and how long a picture takes.
 
-// What the shader finds for every pixel of a picture of this size: { ray, shown }, four numbers each, see
+// What the shader finds for every pixel of a picture of this size: { ray, shown, met }, four numbers each, see
 // readout.glsl. The rows begin at the bottom.
 export function readout({ context }, width, height) {
   const { gl } = context;
-  const target = context.target("readout", width, height, 2);
+  const target = context.target("readout", width, height, 3);
   const size = [width, height];
   context.draw("readout", target, size, { size, jitter: [0, 0], rayNumber: 0 });
   const read = (k) => {
@@ -13,7 +13,7 @@ export function readout({ context }, width, height) {
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
     return numbers;
   };
-  return { ray: read(0), shown: read(1) };
+  return { ray: read(0), shown: read(1), met: read(2) };
 }
 
 // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
@@ -26,6 +26,25 @@ export function light({ context }, width, height, rays, part = 1) {
   const numbers = new Float32Array(4 * width * height);
   gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
   return numbers;
+}
+
+const STILL = { RAYS: 16, MOST: 4000 };  // rays a pixel of a picture to save; fewer if they take so many ms
+
+// A picture of this size, on a canvas of its own.
+export function still({ context, canvas }, width, height) {
+  const { gl } = context, start = performance.now(), size = [width, height], before = [canvas.width, canvas.height, context.shown];
+  let sum, count = 0;
+  while (count < STILL.RAYS && (count === 0 || performance.now() - start < STILL.MOST)) {
+    sum = context.addRay("still", size, count++);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.FLOAT, new Float32Array(4));  // waits for the graphics processor
+  }
+  const made = Object.assign(document.createElement("canvas"), { width, height });
+  [canvas.width, canvas.height] = size;
+  context.show(sum, size, count);
+  made.getContext("2d").drawImage(canvas, 0, 0);
+  [canvas.width, canvas.height, context.shown] = before;
+  context.repaint();
+  return made;
 }
 
 // Milliseconds of each of some frames of the canvas's size, one ray a pixel.

@@ -16,7 +16,7 @@ export class Schedule {
   canvas = null;
   gl = null;
   context = null;
-  budget = 1e5;    // pixels that are drawn at once
+  budget = 3e4;    // pixels that are drawn at once
   count = 0;       // rays a pixel in the sum
   row = 0;         // of the sum, up to which the next ray has been added
 

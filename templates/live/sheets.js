@@ -19,7 +19,8 @@ export function windows(scene) {
   return [{ ...scene, z: 0 }, ...further].map((values) => ({ sheet: values.sheet, z: values.z, values }));
 }
 
-export const hasPrisms = ({ sheet }) => sheet === "detailed" || sheet === "single";
+// Whether a window's sheets consist of prisms, or of lenses.
+export const hasPrisms = ({ sheet }) => ["detailed", "single", "lenticular", "profile"].includes(sheet);
 
 // The windows in front of all prisms, if one of them has a sheet. Ideal sheets come first.
 export function idealWindows(scene) {

@@ -8,6 +8,7 @@ uniform vec2 jitter;         // the ray's place in its pixel, from the centre, p
 
 struct Seen {
   vec3 origin, direction;  // of the ray that leaves the sheets; without sheets, of the eye's ray
+  vec3 eyeDirection;       // of the eye's ray
   Hit hit;                 // what this ray meets first
   bool lost;               // the ray has met too many faces
   Passage passage;         // through the prisms
@@ -46,8 +47,8 @@ void passIdealSheets(inout Seen seen) {
 // The window of prisms that a ray meets before anything else; -1: none.
 int windowMet(vec3 o, vec3 d, float before) {
   int met = -1;
-  float half_ = prismHalf * pitch - sheetCentre[0];  // of the sheets' extent along z
   for (int w = simulated; w < WINDOWS; w++) {
+    float half_ = prismHalves[w] * pitches[w] - sheetCentres[2 * w];  // of the sheets' extent along z
     float t = (windowZ[w] - sign(d.z) * half_ - o.z) / d.z;
     if (t > 0.0 && t < before && isInWindow(o.xy + t * d.xy)) {
       met = w;
@@ -64,9 +65,10 @@ const int MOST_PASSAGES = 20;  // through windows of prisms; almost every ray ha
 Seen see(vec3 place) {
   Seen seen;
   vec3 d = normalize(place - eye);
-  bool enters = sheets + simulated > 0 && entersWindow(place.xy, d, simulated > 0 ? 0.0 : sheetCentre[0] - prismHalf * pitch);
+  float front = simulated > 0 ? 0.0 : sheetCentres[0] - prismHalves[0] * pitches[0];
+  bool enters = sheetCounts[WINDOWS - 1] + simulated > 0 && entersWindow(place.xy, d, front);
   seen.origin = enters ? place : eye;
-  seen.direction = d;
+  seen.direction = seen.eyeDirection = d;
   seen.lost = false;
   seen.passage = Passage(eye, d, THROUGH, 0);
   int met = enters && simulated == 0 ? 0 : -1;
@@ -91,7 +93,7 @@ Seen see(vec3 place) {
       seen.hit = meet(seen.origin, seen.direction);
     }
 #if WINDOWS > 1
-    met = seen.lost || seen.passage.end == FRAME || sheets == 0 ? -1 : windowMet(seen.origin, seen.direction, seen.hit.t);
+    met = seen.lost || seen.passage.end == FRAME || sheetCounts[WINDOWS - 1] == 0 ? -1 : windowMet(seen.origin, seen.direction, seen.hit.t);
     if (met < 0) break;
 #endif
   }
@@ -119,5 +121,9 @@ vec4 colourOf(Seen seen) {
       highlight *= mix(finish.pigment, vec3(1), clamp(0.014567225 / (grazing * grazing) - 0.011612903, 0.0, 1.0));
     }
   }
-  return vec4(min(finish.pigment * light + highlight, 1.0), 1);
+  light = finish.pigment * light + highlight;
+#ifndef UNCLIPPED  // for a picture of bytes, whose pixels are not brighter than white
+  light = min(light, 1.0);
+#endif
+  return vec4(light, 1);
 }

@@ -10,22 +10,22 @@ import { field } from "./volume.js";
 
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
-  // `failed` is called with a sentence if the view cannot be shown, and with null when it can be shown again.
-  /** @param {(sentence: string | null) => void} failed */
+  // If the view cannot be shown, `failed` is called with a name of the table `failures` (templates/demo/languages/), and with what
+  // the browser says; with null when it can be shown again.
+  /** @param {(why: string | null, reason?: string) => void} failed */
   constructor(canvas, scene, volumes, failed = () => {}) {
     super();
     this.scene = { ...scene };
+    this.sky = this.ownSky = null;  // a picture in the place of the scene's sky; the scene's own
     this.failed = failed;
     this.attach(canvas);
-    this.loading = load(volumes);
-    this.ready = this.loading.then(
-      (shapes) => new Promise((done) => {
-        this.shapes = shapes;
-        this.loaded = done;
-        this.hold();
-      }),
-      (error) => this.failed(`This browser cannot draw the live view: ${error.message}. A newer version may.`),
-    );
+    this.shapes = named(volumes);
+    this.loading = load(this.shapes, volumes, scene.pictures);
+    this.ready = /** @type {Promise<void>} */ (new Promise((done) => (this.settled = done)));
+    this.loading.catch((error) => {
+      this.failed("browser", error.message);
+      this.settled();
+    });
   }
 
   // Show the view on this canvas, and on no other any more.
@@ -37,7 +37,7 @@ export class LiveView extends Schedule {
       this.pending = null;
       this.lost = true;
       if (this.released) setTimeout(() => this.hold());  // the canvas may be in sight again; a handler cannot restore it
-      else this.failed("The browser has stopped this view. It starts again if you scroll it out of sight and back, or reload the page.");
+      else this.failed("stopped");
     });
     listen("webglcontextrestored", () => this.start());
     this.observers?.forEach((observer) => observer.disconnect());
@@ -57,12 +57,11 @@ export class LiveView extends Schedule {
 
   // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16.
   hold() {
-    if (!this.loaded) return;
     if (!this.inSight) {
       if (!this.gl || this.gl.isContextLost()) return;
       this.released = true;
       this.loss.loseContext();
-    } else if (!this.gl) {
+    } else if (!this.context) {
       this.start();
     } else if (this.lost && this.released) {
       this.loss.restoreContext();
@@ -74,9 +73,26 @@ export class LiveView extends Schedule {
     }
   }
 
-  // Change values of the scene. The view is drawn soon after.
+  // Change values of the scene. The view is drawn soon after, if they are new.
   set(values) {
+    if (!this.sky && Object.entries(values).every(([name, value]) => same(value, this.scene[name]))) return;
     Object.assign(this.scene, values);
+    if (this.sky) this.scene.pictures = { ...this.scene.pictures, sky: this.sky };
+    this.again();
+  }
+
+  // Show a picture of all directions, an image or a canvas, in the place of the scene's sky; with null, the sky again.
+  setSky(picture) {
+    if (!this.gl) return;
+    const { images } = this.shapes;
+    this.ownSky ??= { image: images.sky, value: this.scene.pictures.sky };
+    images.sky = picture ?? this.ownSky.image;
+    this.sky = picture ? {} : null;
+    const shown = this.sky ?? this.ownSky.value;
+    this.scene.pictures = { ...this.scene.pictures, sky: shown };
+    if (!shown) delete this.scene.pictures.sky;
+    if (images.sky) this.context?.makePicture("sky");
+    else delete images.sky;
     this.again();
   }
 
@@ -84,25 +100,49 @@ export class LiveView extends Schedule {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.
     const float = gl?.getExtension("EXT_color_buffer_float");
-    this.loaded(true);
     if (!float && !gl?.getExtension("EXT_color_buffer_half_float")) {
-      this.failed("This browser cannot draw the live view: it needs WebGL 2 with EXT_color_buffer_float.");
+      this.failed("webgl");
+      this.settled();
       return;
     }
-    this.gl = gl;
-    this.context = new Context(gl, float ? gl.RGBA32F : gl.RGBA16F, this);
-    this.loss = gl.getExtension("WEBGL_lose_context");
-    this.lost = this.released = false;
-    this.failed(null);
+    const context = (this.context = new Context(gl, float ? gl.RGBA32F : gl.RGBA16F, this));
     this.resize();
-    this.again();
-    this.hold();
+    this.warmUp(context);
+    this.loading.then(() => {
+      if (this.context !== context || gl.isContextLost()) return;
+      context.fill();
+      this.gl = gl;
+      this.loss = gl.getExtension("WEBGL_lose_context");
+      this.lost = this.released = false;
+      this.failed(null);
+      this.again();
+      this.settled();
+      this.hold();
+    }, () => {});
+  }
+
+  // Draw a pixel as soon as the shaders are compiled, which makes them ready, while the pieces are being read.
+  warmUp(context) {
+    if (this.gl || this.context !== context || context.gl.isContextLost()) return;
+    if (["picture", "display"].every((name) => context.compiled(name))) context.addRay("sum", [1, 1], 0);
+    else setTimeout(() => this.warmUp(context), 10);
   }
 }
 
-// Read the pieces' distance fields: their names, their places, and the numbers on the grid of each.
-async function load({ grid, pieces }) {
+const same = (a, b) => a === b || (typeof a === "object" && JSON.stringify(a) === JSON.stringify(b));
+
+// The pieces' names, and their places on a grid. `load` adds the rest.
+function named({ grid, pieces }) {
   const names = Object.keys(pieces);
-  const fields = await Promise.all(names.map((name) => field(pieces[name], grid)));
-  return { names, grid, fields, places: names.map((name) => pieces[name].place) };
+  return { names, grid, places: names.map((name) => pieces[name].place), fields: [], images: {} };
+}
+
+// Read the pieces' distance fields: the numbers on the grid of each. And decode the pictures.
+async function load(shapes, { grid, pieces }, pictures) {
+  shapes.fields = await Promise.all(shapes.names.map((name) => field(pieces[name], grid)));
+  await Promise.all(Object.entries(pictures).map(async ([part, { data }]) => {
+    shapes.images[part] = Object.assign(new Image(), { src: data });
+    await shapes.images[part].decode();
+  }));
+  return shapes;
 }

@@ -2,9 +2,11 @@
 
 import errno
 import os
+import subprocess
+import sys
 
 import pytest
-from conftest import povgen
+from conftest import PROJECT, povgen
 
 from povgen.cli import checkup
 from povgen.errors import PovrayError
@@ -34,6 +36,28 @@ def test_without_povray(tmp_path, monkeypatch):
     faults, untested, remedies = checked(tmp_path)
     assert (faults, untested) == (["POV-Ray"], ["frame"])
     assert remedies == ["       remedy: install it: apt-get install povray"]
+
+
+def test_without_povray_the_renderer_gl_draws(tmp_path, monkeypatch):
+    """Its own pieces and scenes need no POV-Ray. A user's piece does, and the message says so."""
+    (tmp_path / "mine.inc").write_text("#declare Piece = sphere { 0.5*y, 0.4 }\n")
+    missing = failing(PovrayError("POV-Ray is not installed"))
+    for name in ("version", "run", "binary"):
+        monkeypatch.setattr(povray, name, missing)
+    frame = ["frame", "chess", "--size", "64x48", "--quiet"]
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    for more in (["--piece", "king"], ["--sheet", "ideal", "--predicted-image", "--caption=full", "--overlay"]):
+        assert povgen([*frame, *more, "--renderer", "gl"], tmp_path) == (0, "", "")
+    assert povgen(["demo", "--quiet"], tmp_path) == (0, "", "") and (tmp_path / "demo.html").exists()
+    status, _, message = povgen([*frame, "--renderer", "gl", "--piece", "mine.inc"], tmp_path)
+    assert status == 1 and "POV-Ray is not installed" in message
+    assert "the shape of the piece 'mine.inc' is measured by POV-Ray" in message
+
+
+def test_windows_is_told_of_its_linux(tmp_path):
+    code = "import sys; sys.platform = 'win32'; import povgen.__main__ as started; started.main()"
+    done = subprocess.run([sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True)
+    assert done.returncode == 1 and "Windows Subsystem for Linux" in done.stderr and "Traceback" not in done.stderr
 
 
 def test_no_folder_for_temporary_files(tmp_path, monkeypatch):

@@ -3,20 +3,17 @@
 import os
 import re
 import sys
-from types import SimpleNamespace
 
 import pytest
 from conftest import povgen, refused, run_povgen
-from PIL import Image
 
-from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, movie, to_pov
+from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
 from povgen.liveview.view import Live
 from povgen.rendering import auto, povray
-from povgen.scene.models import piece_files
 from povgen.scene.spec import MOVIES
-from povgen.sheets import SHEETS, USED_BY
-from povgen.video import still
+from povgen.sheets import PARAMETERS, SHEETS, USED_BY
+from povgen.video import build, still
 
 SPEC = """
 title = "A movie"
@@ -234,7 +231,7 @@ def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
         (tmp_path / name).write_text(PIECE)
     (tmp_path / "a.mp4").write_text(SPEC)
     scenes = {name: Chess(piece=name) for name in ("p.png", "p.mp4", "p.html")}
-    shown = Live("", SimpleNamespace(width=64, height=48), piece_files([scenes["p.html"]]))
+    shown = Live(scenes["p.html"], None)
     for write in (
         lambda: still.save(scenes["p.png"], "p.png"),
         lambda: movie([Chess(), scenes["p.mp4"]], "p.mp4"),
@@ -289,7 +286,7 @@ def test_other_commands(arguments, words, tmp_path):
     [
         (
             ["--ratio", "2", "--prisms", "9"],
-            ["ratio = 2: no effect with sheet = detailed; it is for lenslets or refraction"],
+            ["ratio = 2: no effect with sheet = detailed; it is for lenslets, lenticular or refraction"],
         ),
         (
             ["--sheet", "ideal", "--prisms", "9"],
@@ -301,6 +298,7 @@ def test_other_commands(arguments, words, tmp_path):
         (["--sheet", "axis", "--axis", "1,0,0"], []),
         (["--sheet", "ideal", "--fresnel"], ["fresnel = true: no effect"]),
         (["--sheet", "ideal", "--no-fresnel"], []),
+        (["--sheet", "ideal", "--glass", "F2"], ["glass = F2: no effect"]),
     ],
 )
 def test_options_without_effect(options, unused, tmp_path):
@@ -319,13 +317,17 @@ def test_which_options_have_an_effect(sheet):
 
     other = {
         "law": "x, y, z*2", "parameter": {"k": 2}, "focal_length": 5, "object_focal_length": 7, "twist": 9,
-        "view_distance": 3,
+        "view_distance": 3, "glass": "F2",
         "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
-        "axis": (0, 1, 0), "ratio": 2, "alpha": 9,
+        "axis": (0, 1, 0), "ratio": 2, "alpha": 9, "error": {"pitch" if sheet == "lenticular" else "turn": 0.05},
+        "lenses": 50, "f_number": 4, "profile": "wedges", "periods": 50, "arrangement": "single",
     }  # fmt: skip
-    assert other.keys() == {*USED_BY, "fresnel"}
+    assert other.keys() <= {*USED_BY, "fresnel"}
+    for name in USED_BY.keys() - other.keys():  # of a sheet that has been added
+        parameter = PARAMETERS[name][0]
+        other[name] = parameter.most if parameter.default != parameter.most else parameter.least
     for name, value in other.items():
-        used = SHEETS[sheet].layers > 0 if name == "fresnel" else sheet in USED_BY[name]
+        used = Chess(sheet=sheet).has_prisms if name == "fresnel" else sheet in USED_BY[name]
         assert (text() != text(**{name: value})) == used, name
 
 
@@ -340,13 +342,30 @@ def test_quiet_says_nothing_of_options_without_effect(command, tmp_path):
 
 def test_the_list_states_defaults(tmp_path):
     listed = povgen(["list"], tmp_path)[1]
-    assert "--prisms           Dove prisms across the window, in each sheet, 1 to 3000 (default 100)\n" in listed
-    assert "the default spheres move with it (default 6)\n" in listed
+    listed = " ".join(listed.split())
+    assert "--prisms Dove prisms across the window in each sheet, 1 to 3000 (default 100) --" in listed
+    assert (
+        "the default spheres move with it (default 6) --" in listed
+        and "axis turns light by alpha about the axis" in listed
+    )
+
+
+@pytest.mark.parametrize("command", ["frame", "movie"])
+def test_the_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    text = povgen([command, "-h"], tmp_path)[1]
+    lines = text.splitlines()
+    assert text == povgen([command, "--help"], tmp_path)[1]
+    assert max(map(len, lines)) <= 80 and len(lines) <= (120 if command == "frame" else 140)
+    others = "Parameters of other sheets, which povgen list explains:"
+    headings = ["Options:", "The sheets:", others, "The eye:", "The picture:", "The objects:"]
+    assert "--focal-length" in lines[lines.index(others) + 1]
+    assert [line for line in lines if line in headings] == headings
 
 
 def test_the_help_says_which_options_can_be_repeated(tmp_path):
     text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
-    assert text.count("; can be repeated") == 6  # z1, x, piece, color, window, parameter
+    assert text.count("; can be repeated") == 6  # z1, x, piece, color, window, deviation
 
 
 @pytest.mark.parametrize(
@@ -369,7 +388,19 @@ def test_without_an_extra(arguments, extra, tmp_path, monkeypatch):
         package, _, module = name.rpartition(".")
         monkeypatch.delattr(sys.modules[package], module, raising=False)
     message = refused(arguments, tmp_path)
-    assert f"with {extra}, which is not installed: pip install 'povgen[" in message and not list(tmp_path.iterdir())
+    assert f"with {extra}, which is not installed: pip install -e {remedies.CHECKOUT}[" in message.replace(
+        "'", ""
+    ) and not list(tmp_path.iterdir())
+
+
+def test_without_ffmpeg_a_movie_is_refused_before_a_frame_is_rendered(tmp_path, monkeypatch):
+    """As after pip install --no-binary imageio-ffmpeg, on a system without ffmpeg. GIFs need no ffmpeg."""
+    monkeypatch.delenv("IMAGEIO_FFMPEG_EXE", raising=False)
+    monkeypatch.setattr("imageio_ffmpeg._utils._get_ffmpeg_exe", lambda: None)
+    monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
+    for arguments in (["movie", "vary-z1"], ["demo", "--movies"]):
+        assert "allowed without it: .gif" in refused(arguments, tmp_path)
+    build.checked_movie(tmp_path / "a.gif", 10, 10, [])
 
 
 @pytest.mark.parametrize("arguments", [["figure", "2"], ["verify", "--stability"]])
@@ -398,8 +429,8 @@ def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
 
 def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):
     text = run_povgen("cache", "--help", cwd=tmp_path, env={**os.environ, "COLUMNS": "80"}).stdout
-    *full, _ = text[text.index("The cache keeps") : text.index("Arguments")].strip("\n \u256d\u2500").splitlines()
-    assert len(full) >= 4 and all(len(line.strip()) > 60 for line in full), full
+    *full, _ = text[text.index("The cache keeps") : text.index("Options:")].strip().splitlines()
+    assert len(full) >= 4 and all(len(line) > 60 for line in full), full
 
 
 @pytest.mark.parametrize("title", ["<b>&\"'</b>", "{{ 7*7 }} %s \\ ; = # $HOME `id` title=x", "-α−é 😀", "x" * 200])
@@ -415,8 +446,7 @@ def test_a_title_is_text_in_the_metadata(title, tmp_path):
     size = int.from_bytes(data[start : start + 4], "big")
     assert data[start + 16 : start + size].decode() == title
     assert title.encode() in (tmp_path / "movie.webm").read_bytes()
-    with Image.open(tmp_path / "movie.gif") as gif:
-        assert gif.info["comment"].decode().startswith(title)
+    assert info(tmp_path / "movie.gif").title == title
 
 
 FAR = [
@@ -442,8 +472,8 @@ FAR = [
 
 @pytest.mark.parametrize("scene", FAR)
 def test_the_ends_of_what_is_allowed(scene):
-    rendering = Rendering(size=(32, 32), antialias="off", caption=True, overlay=True, timeout=200)
-    assert still.png(scene, rendering).startswith(b"\x89PNG")
+    rendering = Rendering(size=(32, 32), antialias="off", caption="full", overlay=True, timeout=200)
+    assert still.as_file(scene, rendering).startswith(b"\x89PNG")
 
 
 def test_a_window_that_its_frame_hides(tmp_path):
@@ -469,12 +499,13 @@ def test_a_flag_in_a_spec_is_taken_back(tmp_path):
     single = ["movie", "spec.toml", "--sheet", "single", "--shard", "9/9"]
     assert "predicted_image = true" in refused(single, tmp_path)
     assert povgen([*single, "--no-predicted-image"], tmp_path)[0] == 0
-    plain, predicted, none = (
-        povgen(["pov", "chess", *flag], tmp_path)[1] for flag in ([], ["--predicted-image"], ["--no-predicted-image"])
+    (_, plain, quiet), (_, predicted, warned), (_, none, _) = (
+        povgen(["pov", "chess", *flag], tmp_path) for flag in ([], ["--predicted-image"], ["--no-predicted-image"])
     )
-    assert plain == none != predicted
+    assert plain == predicted == none
+    assert "predicted_image" not in quiet and "predicted_image = true: no effect in a .pov file" in warned
     assert "predicted_image" in refused(["pov", "spheres", "--no-predicted-image"], tmp_path)
-    assert "--no-caption" in povgen(["frame", "--help"], tmp_path)[1]
+    assert "--no-overlay" in povgen(["frame", "--help"], tmp_path)[1]
 
 
 def test_a_spec_with_a_byte_order_mark(tmp_path):

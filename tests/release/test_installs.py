@@ -43,7 +43,7 @@ def works(povgen, folder, *more):
     for arguments in (
         ["check"],
         ["list"],
-        ["frame", "spheres", "--size", "64x48", "--caption", "--overlay"],
+        ["frame", "spheres", "--size", "64x48", "--caption=full", "--overlay"],
         ["movie", "vary-z1", "--size", "64x48", "--sheet", "none", "--quality", "draft", "-o", "a.webm"],
         ["movie", "vary-z1", "--size", "64x48", "--sheet", "none", "--quality", "draft", "-o", "a.gif"],
         *more,

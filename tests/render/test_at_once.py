@@ -38,7 +38,7 @@ def test_a_failure_in_one_thread(expected, tmp_path, monkeypatch):
     monkeypatch.setattr(
         povray,
         "command",
-        lambda binary, rendering: [*command(binary, rendering), *["+Iother.pov"] * (rendering.timeout == 9)],
+        lambda *given: [*command(*given), *["+Iother.pov"] * (given[1].timeout == 9)],
     )
     with ThreadPoolExecutor(8) as pool:
         right = [pool.submit(render, scene, **SMALL) for scene in SCENES]

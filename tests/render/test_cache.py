@@ -24,7 +24,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, to_pov
 from povgen.rendering import cache, frames, surveys
-from povgen.scene import survey
+from povgen.scene import survey, warnings
 from povgen.video import encode, still
 
 SCENE = Chess(sheet="none")
@@ -271,7 +271,7 @@ def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
     )
     picture = still.render(Chess(prisms=9), size=(32, 34))
     assert done.returncode == 0 and np.array_equal(frames.read_png(tmp_path / "z.png"), picture)
-    assert still.png(Chess(sheet="none"))
+    assert still.as_file(Chess(sheet="none"))
     assert not cache.by_last_use()
 
 
@@ -383,7 +383,8 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
-    monkeypatch.setattr(survey, "survey", lambda scene: pytest.fail("traced again"))
+    for module in (survey, warnings):  # loaded before, so that they keep no replaced function
+        monkeypatch.setattr(module, "survey", lambda scene: pytest.fail("traced again"))
     warn({}, [scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
 

@@ -5,7 +5,7 @@ import json
 import os
 import sys
 from base64 import b64decode
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from inspect import signature
 from types import SimpleNamespace
 
@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from povgen import Chess, InputError, Movie, live, movie, progress, render, save, show, to_pov
+from povgen import Chess, InputError, Movie, Rendering, live, movie, progress, render, save, show, to_pov
 from povgen.liveview.page import demo
-from povgen.video import build
+from povgen.video import still
 
 SCENE = Chess(sheet="none")
 SMALL = {"size": (32, 32), "antialias": "off"}
@@ -24,13 +24,44 @@ SCENES = [SCENE.replace(x=x) for x in (0, 0.5, 1)]
 
 
 def test_the_same_picture_as_array_image_and_file(tmp_path):
-    array = render(SCENE, **SMALL, caption=True)
-    assert array.shape == (32, 32, 3) and array.dtype == np.uint8
-    image = show(SCENE, **SMALL, caption=True)
+    array = render(SCENE, **SMALL, caption="full")
+    assert array.shape[1:] == (32, 3) and len(array) > 32 and array.dtype == np.uint8
+    image = show(SCENE, **SMALL, caption="full")
     assert isinstance(image, Image.Image) and (np.asarray(image) == array).all()
-    path = save(SCENE, str(tmp_path / "a.png"), **SMALL, caption=True)
+    path = save(SCENE, str(tmp_path / "a.png"), **SMALL, caption="full")
     assert path == tmp_path / "a.png" and (np.asarray(Image.open(path)) == array).all()
     assert os.listdir(tmp_path) == ["a.png"]
+
+
+def test_the_pictures_of_several_scenes_are_those_of_each(capsys):
+    """Also if scenes through prisms need another antialiasing than the others."""
+    scenes = [SCENE, Chess(prisms=20), Chess(sheet="none", background="transparent")]
+    several = render((scene for scene in scenes), quality="standard", size=(32, 32), caption="full")
+    assert capsys.readouterr().err == "".join(f"pictures: {n}/3 pictures\n" for n in (1, 2, 3))
+    for picture, scene in zip(several, scenes, strict=True):
+        alone = render(scene, quality="standard", size=(32, 32), caption="full")
+        assert picture.shape == alone.shape and (picture == alone).all() and picture.flags.writeable
+    assert render([]) == [] and not capsys.readouterr().err
+
+
+def test_a_png_file_of_every_frame(tmp_path):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "a002.png").write_bytes(b"old")
+    for output in ("new/a%03d.png", "other/%d.png"):
+        made = movie(iter(SCENES), tmp_path / output, **SMALL, progress=False)
+        assert made == Movie(tmp_path / output) and made._repr_html_() is None
+    assert sorted(os.listdir(tmp_path / "new")) == ["a001.png", "a002.png", "a003.png"]
+    assert sorted(os.listdir(tmp_path / "other")) == ["1.png", "2.png", "3.png"]
+    for number, scene in enumerate(SCENES, 1):
+        with Image.open(tmp_path / "other" / f"{number}.png") as image:
+            assert (np.asarray(image) == render(scene, **SMALL)).all()
+
+
+def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(still, "render_all", lambda *_: (_ for _ in [[0][1]]))
+    with pytest.raises(IndexError):
+        movie(SCENES, tmp_path / "new" / "%d.png", **SMALL, progress=False)
+    assert not os.listdir(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +90,13 @@ def test_the_same_picture_as_array_image_and_file(tmp_path):
         (lambda: movie([SCENE], None), ["output = None", ".mp4"]),
         (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
         (lambda: movie([SCENE], "a.mp4", scheduler=5), ["scheduler = 5", "tcp://"]),
+        (lambda: movie([SCENE], "a.png"), ["output = 'a.png': one picture", "a%04d.png"]),
+        (lambda: movie([SCENE], "new/%d%d.png"), ["output = 'new/%d%d.png'"]),
+        (lambda: movie([SCENE], "nowhere/new/%d.png"), ["output = 'nowhere"]),
+        (lambda: movie([SCENE], "new/%d.png", renderer="x"), ["renderer = 'x'"]),
+        (lambda: movie(SCENE, "a.mp4"), ["spec = Chess("]),
+        (lambda: render([SCENE, 3]), ["scene = 3"]),
+        (lambda: render([SCENE], workers=0), ["workers = 0", "256"]),
     ],
 )
 def test_an_error_has_one_line_and_nothing_is_written(call, words, tmp_path, monkeypatch):
@@ -76,22 +114,22 @@ def test_as_many_frames_at_once_as_the_cluster_takes(workers, at_once, tmp_path,
     def render_all(scenes, rendering, workers, *_):
         raise InputError(f"{workers} at once")
 
-    monkeypatch.setattr("povgen.rendering.cluster.Cluster", lambda _: nullcontext(SimpleNamespace(frames=6)))
-    monkeypatch.setattr(build, "render_all", render_all)
+    monkeypatch.setattr("povgen.rendering.cluster.Cluster", lambda *_: nullcontext(SimpleNamespace(frames=6)))
+    monkeypatch.setattr(still, "render_all", render_all)
     with pytest.raises(InputError, match=f"^{at_once} at once$"):
         movie([SCENE], tmp_path / "a.gif", workers=workers, scheduler="tcp://192.0.2.1:8786", progress=False)
 
 
-@pytest.mark.parametrize(("kind", "start"), [("mp4", "<video"), ("webm", "<video"), ("gif", "<img")])
+@pytest.mark.parametrize(("kind", "start"), [("mp4", "<video"), ("webm", "<video"), ("webp", "<img"), ("gif", "<img")])
 def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
     made = movie(SCENES, tmp_path / f"a.{kind}", frame_rate=10, **SMALL)
     assert made == Movie(tmp_path / f"a.{kind}") and os.fspath(made) == str(made.path)
     assert made._repr_html_().startswith(start)
     data = b64decode(made._repr_html_().split("base64,")[1].split('"')[0])
     assert data == open(made, "rb").read()
-    if kind == "gif":
+    if kind in ("gif", "webp"):
         with Image.open(io.BytesIO(data)) as image:
-            assert (image.n_frames, image.info["duration"]) == (3, 100)
+            assert (image.n_frames, image.load() and image.info["duration"]) == (3, 100)
     else:
         assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
 
@@ -127,8 +165,8 @@ def test_another_frame_rate_of_a_spec(tmp_path):
         '[[sweep]]\nparameter = "z1"\nstart = 2\nstop = 3\n'
     )
     made = movie(toml, tmp_path / "a.gif", frame_rate=40, **options)
-    with Image.open(made.path) as image:  # a quarter of the frames, and of the rate
-        assert (image.n_frames, image.info["duration"]) == (3, 100)
+    with Image.open(made.path) as image:  # four fifths of the 8 steps, and of the rate
+        assert (image.n_frames, image.info["duration"]) == (7, 30)
 
 
 def test_the_progress_in_a_script(tmp_path, capsys):
@@ -145,6 +183,40 @@ def test_the_progress_on_a_terminal(monkeypatch):
         done()
         done()
     assert "[b]a.gif" in terminal.getvalue() and "2/2" in terminal.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("renderer", "options", "pictures"),
+    [("povray", {}, 1), ("povray", {"stereo": "pair", "size": (640, 240)}, 2), ("gl", {"size": (1500, 1100)}, 1)],
+)
+def test_the_parts_of_a_picture(renderer, options, pictures, monkeypatch, tmp_path):
+    """They come one after another, and together are the whole picture."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    found = []
+
+    @contextmanager
+    def parts(what, total, quiet):
+        assert (what, total, quiet) == ("chess", pictures, False)
+        yield found.append
+
+    monkeypatch.setattr(still, "parts", parts)
+    rendering = Rendering(**{"size": (320, 240), "antialias": "off", "renderer": renderer, **options})
+    still.as_file(Chess(prisms=20), rendering, quiet=False)
+    assert len(found) > pictures and sum(found) == pytest.approx(pictures) and min(found) >= 0
+
+
+def test_the_parts_on_a_terminal(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", terminal := io.StringIO())
+    with progress.parts("[b]chess", 2) as part:
+        assert part is None  # a script sees nothing
+    monkeypatch.setattr(terminal, "isatty", lambda: True)
+    with progress.parts("chess", 2, quiet=True) as part:
+        assert part is None
+    with progress.parts("[b]chess", 2) as part:
+        part(0.5)
+        part(0.5)
+    assert "[b]chess" in terminal.getvalue() and "50%" in terminal.getvalue()
 
 
 NOTEBOOK = """

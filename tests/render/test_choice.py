@@ -7,14 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import PROJECT, povgen, refused
+from PIL import Image
 
-from povgen import Chess, Rendering, Spheres, to_pov
+from povgen import Chess, Rendering, Spheres, cheapest, render, to_pov
 from povgen.errors import InputError
 from povgen.measure import speed
 from povgen.measure.probes import APERTURE, VIEW, Positions
 from povgen.measure.targets import located
-from povgen.optics import rotation
-from povgen.rendering.auto import IDEAL_SAMPLINGS, PRISM_SAMPLINGS, Tolerance, choose
+from povgen.optics import equations
+from povgen.rendering import gl_runner
+from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
 from povgen.scene.camera import window
 from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
@@ -55,8 +57,8 @@ def position_error(scene, sheet):
     for position in (0.7 + 0.7j, 0.1 - 0.8j):
         for z1 in (*scene.distances, 30.0):
             alpha = np.radians(scene.alpha)
-            L = rotation.object_position(position, scene.E, z1, scene.z2, alpha)
-            shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / rotation.M(scene.z2 / z1, alpha))
+            L = equations.object_position(position, scene.E, z1, scene.z2, alpha)
+            shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / equations.M(scene.z2 / z1, alpha))
             right, shown = (apparent(kind, scene.prisms, **shared) for kind in ("detailed", sheet))
             worst = max(worst, abs(shown - right))
     return worst * SIZE[1] / scene.view
@@ -134,19 +136,61 @@ def test_the_error_of_a_reduced_picture_is_estimated(sampling):
     assert chosen.antialias == sampling and abs(chosen.flip - error) < 0.25 * error
 
 
+@pytest.mark.parametrize("tolerance", [0.25, 0.12])
+def test_the_renderer_is_chosen_too(tolerance, drawing):
+    chosen, why = choose([Chess()], SMALL, Tolerance(flip=tolerance), renderers=RENDERERS)
+
+    def error(antialias):
+        picture = render(Chess(), renderer="gl", size=SMALL.size, antialias=antialias)
+        return speed.picture_error(picture, converged(Chess()), Chess())[1]
+
+    assert (chosen.renderer, chosen.sheet) == ("gl", "detailed") and why.startswith("renderer gl, sheet detailed, ")
+    found = error(chosen.antialias)
+    assert found <= tolerance and abs(chosen.flip - found) < 0.2 * found
+    place = GL_PRISM_SAMPLINGS.index(chosen.antialias)
+    assert not place or error(GL_PRISM_SAMPLINGS[place - 1]) > tolerance
+
+
+def test_the_choice_in_python():
+    scene, options = cheapest(Chess(prisms=300), "2px", size=(160, 120), antialias="off")
+    assert (scene.sheet, options) == ("ideal", {"size": (160, 120), "antialias": "off"})
+    assert cheapest(Chess(sheet="ideal"), "0.001px", antialias=(1, 0.3, 2))[0].sheet == "detailed"
+    assert cheapest(Chess(alpha=0), "5px")[0].sheet == "none"
+    with pytest.raises(InputError, match="tolerance = '1': not a tolerance"):
+        cheapest(Chess(), "1")
+
+
+def test_povray_is_chosen_where_gl_cannot_draw(monkeypatch):
+    def renderer(**values):
+        return choose([Chess(**values)], SMALL, Tolerance(px=0.01), renderers=RENDERERS)[0].renderer
+
+    assert renderer() == "gl" and renderer(fresnel=True) == "povray"
+    with monkeypatch.context() as patch:
+        patch.setattr(gl_runner, "find_spec", lambda _: None)  # moderngl is not installed
+        gl_runner.device.cache_clear()
+        assert renderer() == "povray"
+    gl_runner.device.cache_clear()
+
+
 def test_flip_is_needed_for_pictures_alone(monkeypatch):
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
-    with pytest.raises(InputError, match=r"povgen\[charts\]"):
+    with pytest.raises(InputError, match=r"install .*\[charts\]"):
         choose([Chess()], SMALL, Tolerance(flip=0.2))
     assert choose([Chess()], SMALL, Tolerance(px=0.1))[0].sheet == "detailed"
 
 
-def test_the_command(tmp_path):
+def test_the_command(tmp_path, drawing):
     arguments = ["frame", "chess", "--sheet", "auto", "--tolerance", "9px", "--size", "64x48"]
     status, _, errors = povgen(arguments, tmp_path)
     assert status == 0 and errors.startswith("povgen: sheet ideal, antialias ")
     assert len(errors.splitlines()) == 1 and (tmp_path / "frame.png").is_file()
+    status, _, errors = povgen([*arguments, "--renderer", "auto"], tmp_path)
+    assert status == 0 and errors.startswith("povgen: renderer gl, sheet ideal, antialias off")
+    with Image.open(tmp_path / "frame.png") as picture:
+        own = render(Chess(sheet="ideal"), renderer="gl", size=(64, 48), antialias="off")
+        assert (np.asarray(picture) == own).all()
     for arguments, word in (
+        (["frame", "chess", "--renderer", "auto"], "with --sheet auto"),
         (["frame", "chess", "--sheet", "auto"], "--tolerance"),
         (["frame", "chess", "--tolerance", "1px"], "--sheet auto"),
         (["frame", "chess", "--sheet", "auto", "--tolerance", "0.0001flip", "--size", "32x32"], "nearest"),

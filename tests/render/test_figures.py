@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
 from povgen.teach import agreement, figures
@@ -38,7 +38,9 @@ def made(tmp_path_factory):
             picture, text = read_png(folder / f"figure{number}.png"), (folder / f"figure{number}.md").read_text()
             found[number] = picture, text, data[number]
     for number in LINE_DRAWINGS:
-        ElementTree.parse(folder / f"figure{number}.svg")
+        drawing = ElementTree.parse(folder / f"figure{number}.svg")
+        texts = {"".join(text.itertext()).strip() for text in drawing.iter("{http://www.w3.org/2000/svg}text")}
+        assert {"(a)", "(b)"} <= texts  # text stays text
     return found
 
 
@@ -89,17 +91,17 @@ def test_mirroring_twice_is_rotation(made):
 
 @pytest.mark.parametrize(
     ("number", "values"),
-    [(3, [(alpha, 2) for alpha in (0, 33, 66, 99, 132, 180)]), (4, [(90, z1) for z1 in (0.6, 1.5, 3, 6, 15, 60)])],
+    [(3, [(alpha, 2) for alpha in (0, 33, 66, 99, 132, 180)]), (4, [(90, z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)])],
 )
 def test_pieces_agree(made, number, values):
     pieces = made[number][2]["pieces"]
     assert [(piece.alpha, piece.z1) for piece in pieces] == values
     for piece in pieces:
         r, alpha = 6 / piece.z1, np.radians(piece.alpha)
-        assert piece.nu_predicted == pytest.approx(np.degrees(rotation.nu(r, alpha)))
-        assert piece.M_predicted == pytest.approx(rotation.M(r, alpha))
+        assert piece.nu_predicted == pytest.approx(np.degrees(equations.nu(r, alpha)))
+        assert piece.M_predicted == pytest.approx(equations.M(r, alpha))
         # 2 x 100 prisms shift the image by some 2 pixels of 1280x960, and by more if it is magnified
-        assert abs(piece.nu - piece.nu_predicted) < 2 and abs(piece.M / piece.M_predicted - 1) < 0.04
+        assert abs(piece.nu - piece.nu_predicted) < 2 and abs(piece.M / piece.M_predicted - 1) < 0.06
 
 
 def test_the_horizon_is_rotated_by_90_degrees(made):

@@ -1,6 +1,5 @@
 """Movies read back from their files."""
 
-import json
 import subprocess
 import weakref
 
@@ -14,7 +13,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
 
-from povgen import InputError, movie
+from povgen import InputError, info, movie
+from povgen.record import Record
 from povgen.video import encode, still
 
 pytestmark = pytest.mark.xdist_group("movies")  # one process makes the movies
@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["mp4", "webm"])
 def made(request, folder):
-    return movie(ALPHA_MOVIE, folder / f"a movie.{request.param}", size=SIZE, workers=8).path
+    return movie(ALPHA_MOVIE, folder / f"a movie.{request.param}", size=SIZE, caption="none", workers=8).path
 
 
 def test_count_size_codec_rate_and_colour(made):
@@ -45,34 +45,53 @@ def test_a_decoded_frame_is_its_png(made):
         for n in (0, 7, 12):
             png = still.render(scenes[n], size=SIZE)
             decoded = reader.get_data(n)
-            assert np.sqrt(((decoded.astype(float) - png) ** 2).mean()) < 8  # of 255, for lossy halved chroma
+            assert np.sqrt(((decoded.astype(float) - png) ** 2).mean()) < 9  # of 255, for lossy halved chroma
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
-def test_colours_come_back(suffix, tmp_path):
+@pytest.mark.parametrize(("suffix", "plugin"), [(".mp4", "FFMPEG"), (".webm", "FFMPEG"), (".webp", "pillow")])
+def test_colours_come_back(suffix, plugin, tmp_path):
     """A movie is made with the colour matrix of its tags. Another matrix would change pure green by 30 of 255."""
     colours = np.array([(230, 20, 20), (20, 230, 20), (20, 20, 230), (128, 128, 128)], np.uint8)
     picture = np.repeat(np.repeat(colours[np.newaxis], 32, axis=1), 64, axis=0)
-    encode.encode([picture] * 3, tmp_path / f"movie{suffix}", 10, {})
-    decoded = iio.imread(tmp_path / f"movie{suffix}", plugin="FFMPEG", index=1)
+    encode.encode([picture, picture[:, ::-1], picture], tmp_path / f"movie{suffix}", 10, {})
+    decoded = iio.imread(tmp_path / f"movie{suffix}", plugin=plugin, index=2)
     for n, colour in enumerate(colours):
         assert abs(decoded[32, 32 * n + 16].astype(int) - colour).max() < 8
 
 
-def test_the_movie_carries_its_spec(made):
+def test_the_movie_carries_its_record(made):
     words = made.read_bytes()
-    text = ALPHA_MOVIE.model_dump_json(exclude_none=True)
-    assert text.encode() in words and json.loads(text)["sweep"][0]["stop"] == 180
-    assert ALPHA_MOVIE.title.encode() in words and b"povgen 0." in words and b"POV-Ray 3.7" in words
+    assert b'"alpha": 180.0' in words and ALPHA_MOVIE.title.encode() in words
+    assert b"povgen 0." in words and b"POV-Ray 3.7" in words
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
-def test_a_long_tag_is_cut(suffix, tmp_path):
-    """A movie of 10000 explicit values has one. An argument of a program has a limit."""
-    file = tmp_path / f"a{suffix}"
-    encode.encode([np.zeros((32, 32, 3), np.uint8)], file, 10, {"comment": "é" * 200000})
-    stored = Image.open(file).info["comment"] if suffix == ".gif" else file.read_bytes()
-    assert "é".encode() * 4000 + b"..." in stored and file.stat().st_size < 20000
+def test_a_movie_says_what_moves_unless_told_otherwise(folder):
+    """The caption is below the picture. An even height, because a movie stores pixels in blocks of 2x2."""
+    shapes = {}
+    for kind, options in {
+        "gif": {},
+        "full.gif": {"caption": "full"},
+        "none.gif": {"caption": "none"},
+        "%d.png": {},
+    }.items():
+        movie(ALPHA_MOVIE, folder / f"said.{kind}", size=SIZE, **options)
+        first = folder / f"said.{kind}".replace("%d", "1")
+        shapes[kind] = iio.imread(first, index=0, plugin="pillow").shape[:2]
+    width, height = SIZE
+    assert shapes["%d.png"] == shapes["none.gif"] == (height, width)
+    assert height < shapes["gif"][0] < shapes["full.gif"][0] and shapes["gif"][0] % 2 == 0
+    assert info(folder / "said.1.png").rendering.caption is None
+    assert info(folder / "said.gif").rendering.caption == "short"
+
+
+def test_a_movies_file_has_the_drawings_that_its_spec_asks_for(folder):
+    spec = ALPHA_MOVIE.replace(overlay=True, side_view=True).with_fixed({"sheet": "ideal"})
+    expected = {"a.gif": (True, True), "plain.gif": (False, False), "side.gif": (False, True), "%d.png": (False, False)}
+    given = {"plain.gif": {"caption": "none"}, "side.gif": {"overlay": False}}
+    for name, (overlay, side_view) in expected.items():
+        movie(spec, folder / f"drawn.{name}", size=SIZE, **given.get(name, {}))
+        rendering = info(folder / f"drawn.{name.replace('%d', '1')}").rendering
+        assert (rendering.overlay, rendering.side_view) == (overlay, side_view)
 
 
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
@@ -84,12 +103,35 @@ def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
 
 
 def test_gif(folder):
-    path = movie(ALPHA_MOVIE, folder / "movie.gif", size=SIZE, quality="standard").path
+    path = movie(ALPHA_MOVIE, folder / "movie.gif", size=SIZE, caption="none", quality="standard").path
     images = iio.imread(path, index=None, plugin="pillow")
     assert images.shape == (13, SIZE[1], SIZE[0], 3)
     meta = iio.immeta(path, plugin="pillow")
     assert meta["duration"] == 80 and meta["loop"] == 0
     assert b"POV-Ray" in meta["comment"] and b'"alpha"' in meta["comment"]
+
+
+@pytest.mark.parametrize(("count", "alike", "rate"), [(7, 1, 20), (60, 1, 120), (9, 3, 0.7), (5, 5, 10), (1, 1, 10)])
+def test_a_webp_keeps_its_times_and_its_record(count, alike, rate, tmp_path):
+    """Equal successive pictures are written once. If all are equal, the file is one picture."""
+    shades = [np.full((32, 48, 3), 20 * (n // alike) % 250, np.uint8) for n in range(count)]
+    record = Record(povgen="1", renderer="b" * (600 + count), rendering={}, frames=[{}])
+    encode.encode(shades, tmp_path / "a.webp", rate, {}, record)
+    assert info(tmp_path / "a.webp") == record
+    with Image.open(tmp_path / "a.webp") as webp:
+        assert webp.n_frames == -(-count // alike)
+        durations = [webp.seek(n) or webp.load() and webp.info["duration"] for n in range(webp.n_frames)]
+        assert webp.n_frames == 1 or webp.info["loop"] == 0 and abs(sum(durations) - 1000 * count / rate) < 2
+
+
+def test_a_webp_that_ends_too_early_is_no_movie(tmp_path):
+    shades = [np.full((32, 48, 3), 20 * n, np.uint8) for n in range(5)]
+    encode.encode(shades, tmp_path / "a.webp", 10, {})
+    whole = (tmp_path / "a.webp").read_bytes()
+    assert encode._webp_frames(tmp_path / "a.webp", 10, 5) == 5
+    (tmp_path / "a.webp").write_bytes(whole[:-100])
+    with pytest.raises(OSError, match="too early"):
+        encode._webp_frames(tmp_path / "a.webp", 10, 5)
 
 
 def test_only_whole_movies_are_left(folder, made):
@@ -158,12 +200,13 @@ def test_a_gif_is_written_a_few_pictures_at_a_time(size, few, tmp_path, monkeypa
             alive.add(one)
             yield one
 
-    encode.encode(made(), tmp_path / "a.gif", 7, {"title": "a", "comment": "b" * 600})
+    record = Record(povgen="1", renderer="b" * 600, rendering={}, frames=[{}])
+    encode.encode(made(), tmp_path / "a.gif", 7, {}, record)
     assert max(most) <= 2 * few
     shown = [iio.imread(tmp_path / "a.gif", index=n, plugin="pillow")[..., :3] for n in range(len(pictures))]
     assert np.array_equal(shown, pictures)
     with Image.open(tmp_path / "a.gif") as gif:
-        assert (gif.n_frames, gif.info["loop"], gif.info["comment"]) == (8, 0, b"a " + b"b" * 600)
+        assert (gif.n_frames, gif.info["loop"], gif.info["comment"]) == (8, 0, bytes(record))
         durations = [gif.seek(n) or gif.info["duration"] for n in range(8)]
     assert durations == encode.gif_durations(8, 7) and (tmp_path / "a.gif").read_bytes().endswith(b"\0;")
     read = subprocess.run(

@@ -7,20 +7,21 @@ from math import radians
 import numpy as np
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
+from PIL import Image, ImageDraw
 
 import povgen
 from povgen import Chess, Rendering, Spheres, render, to_pov
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.rendering import frames, povray
 from povgen.scene import camera
 from povgen.scene.models import APERTURE, VIEW
 from povgen.video import still
 
-WIDTH, HEIGHT = SIZE = 320, 240
+WIDTH, HEIGHT = SIZE = 240, 180
 TILES = VIEW / HEIGHT  # a pixel, in tiles
 X, Y = np.meshgrid((np.arange(WIDTH) + 0.5 - WIDTH / 2) * TILES, (HEIGHT / 2 - np.arange(HEIGHT) - 0.5) * TILES)
 HALF = APERTURE / 2
-FLOOR = Chess().floor
+FLOOR = Chess().floor_y
 FOOT = Chess().L.imag
 INSIDE = (abs(X) < HALF - 0.05) & (abs(Y) < HALF - 0.05)  # clear of the frame's inner walls
 
@@ -31,7 +32,7 @@ def picture(scene, antialias="off"):
 
 def place(image, mask):
     """Return the median position of a coloured object. The median ignores the scraps that stray light makes."""
-    assert mask.sum() > 30, "the object is not visible"
+    assert mask.sum() > 15, "the object is not visible"
     return complex(np.median(X[mask]), np.median(Y[mask]))
 
 
@@ -41,8 +42,17 @@ def brown(image):
 
 
 def yellow(image):
-    # the scene of a single sphere: the sphere is yellow, and no other pixel is
-    return INSIDE & (np.minimum(image[..., 0], image[..., 1]) > image[..., 2] + 60)
+    # the scene of a single sphere: the sphere is yellow, also on its dark side; the frame is redder
+    red, green, blue = np.moveaxis(image, -1, 0)
+    return INSIDE & (green > 0.75 * red) & (np.minimum(red, green) > 1.3 * blue + 10)
+
+
+@pytest.fixture(scope="module")
+def sky(tmp_path_factory):
+    """A picture of surroundings that are white above the horizon and black below it."""
+    file = tmp_path_factory.mktemp("sky") / "halves.png"
+    Image.fromarray(np.repeat([[255], [0]], 64, axis=0).astype(np.uint8).repeat(256, axis=1)).save(file)
+    return file
 
 
 def horizon(image):
@@ -82,7 +92,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
     # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.1 to 0.3
-    assert differ < 0.012
+    assert differ < 0.016
 
 
 @pytest.mark.parametrize("alpha", [0, 66, -120])
@@ -95,8 +105,8 @@ def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     sky = image[..., 2] > image[..., 0] + 150
     inside, direction = camera.rays(scene, SIZE)
     down = Y < scene.E.imag
-    down[inside] = rotation.rotate(direction, radians(alpha))[:, 1] < -0.01
-    assert down.sum() > 4000 and sky.any() and not (sky & down).any()
+    down[inside] = equations.rotate(direction, radians(alpha))[:, 1] < -0.01
+    assert down.sum() > 2000 and sky.any() and not (sky & down).any()
 
 
 @pytest.mark.parametrize(
@@ -144,7 +154,7 @@ def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     image = picture(scene, "2,0.1,3")
     mask = yellow(image)
     seen = complex(X[mask].mean(), Y[mask].mean())
-    P = rotation.apparent_position(scene.L, scene.E, 3, scene.z2, radians(alpha))
+    P = equations.apparent_position(scene.L, scene.E, 3, scene.z2, radians(alpha))
     assert abs(seen - P) < 0.5 * TILES  # its shaded side counts for less
 
 
@@ -165,16 +175,16 @@ def test_prisms_show_the_piece_at_the_ideal_place(alpha):
     assert abs(head(brown(real)) - head(brown(ideal))) < 0.05
 
 
-@pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.5), ("detailed", 2)])
+@pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.75), ("detailed", 2)])
 @pytest.mark.parametrize("alpha", [-135, -45, 30, 66, 90, 150, 180])
-def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha):
-    scene = Spheres(alpha=alpha, sheet=sheet, z1=100, line=(9, 9))  # the sphere is out of the window
+def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha, sky):
+    scene = Spheres(alpha=alpha, sheet=sheet, z1=100, line=(9, 9), sky=sky)  # the sphere is out of the window
     assert abs(angle_between(horizon(picture(scene)), alpha)) < tolerance
 
 
-def test_a_single_sheet_mirrors():
+def test_a_single_sheet_mirrors(sky):
     """It keeps the x component of light's direction and reverses the y component: the horizon is upside down."""
-    scene = Spheres(sheet="single", z1=100, line=(9, 9))
+    scene = Spheres(sheet="single", z1=100, line=(9, 9), sky=sky)
     assert abs(angle_between(horizon(picture(scene)), 180)) < 2
     # at z1 = 1 the light of L = (X, Y) crosses the sheet at (X z2/(z2 + z1), Y z2/(z2 - z1))
     scene = Spheres(sheet="single", z1=1, line=(-0.5, 0.5), prisms=400)
@@ -199,7 +209,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
     inside = (abs(X) < HALF) & (abs(Y) < HALF)
     corners = inside & (abs(X) > HALF - 0.2) & (abs(Y) > HALF - 0.2)
     # one gap between prisms is seen edge-on by the eye
-    assert red[inside].mean() > 0.99 and red[corners].mean() > 0.96
+    assert red[inside].mean() > 0.99 and red[corners].mean() > 0.94
     # the frame's front, half its depth before z = 0, appears a little larger
     outside = HALF * 6 / (6 - Chess(prisms=prisms, z1=3).depth / 2) + TILES
     assert not red[(abs(X) > outside) | (abs(Y) > outside)].any()
@@ -210,11 +220,14 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, x=0.2)
     without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))
-    # the predicted image changes each of its pixels by 39 or more, and no other pixel
-    changed = INSIDE & (abs(predicted - without).max(axis=-1) > 12)
+    drawn = Image.fromarray((abs(predicted - without).max(axis=-1) > 8).astype(np.uint8)).copy()
+    line = np.array(drawn, bool)
+    ImageDraw.floodfill(drawn, (0, 0), 2)
+    enclosed = np.array(drawn) == 0
+    assert line.sum() < enclosed.sum()  # an outline, which leaves the piece as it is
     piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
-    overlap = (changed & piece).sum() / (changed | piece).sum()
-    assert overlap > 0.8  # the predicted image is flat, and right for the piece's axis
+    overlap = (enclosed & piece).sum() / ((enclosed | piece) & ~line).sum()
+    assert overlap > 0.8  # the outline is flat, and right for the piece's axis
 
 
 def test_every_piece_is_different_and_stands_on_its_pedestal():
@@ -235,4 +248,4 @@ def test_a_scene_shows_itself_in_a_notebook():
     (data, _) = shell.display_formatter.format(Spheres(sheet="none", z1=2))
     InteractiveShell.clear_instance()
     data = base64.b64decode(data["image/png"]) if isinstance(data["image/png"], str) else data["image/png"]
-    assert data.startswith(b"\x89PNG") and data == still.png(Spheres(sheet="none", z1=2), Rendering())
+    assert data.startswith(b"\x89PNG") and data == still.as_file(Spheres(sheet="none", z1=2), Rendering())

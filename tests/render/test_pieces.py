@@ -11,11 +11,11 @@ from conftest import povgen, refused
 from povgen import Chess, InputError, Rendering, movie, render, to_pov
 from povgen.errors import PovrayError
 from povgen.measure.probes import PiecePositions, decoded
-from povgen.optics import rotation
-from povgen.rendering import frames, povray
+from povgen.optics import equations
+from povgen.rendering import frames, povray, volumes
 from povgen.scene.pieces import INCLUDES, PIECES
 from povgen.scene.spec import MovieSpec
-from povgen.video import overlay
+from povgen.video import outline, overlay
 
 SMALL = {"size": (96, 96), "antialias": "off"}
 CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
@@ -80,10 +80,13 @@ def test_each_piece_has_a_predicted_image():
     )
     columns = differs(plain, predicted)
     assert columns.min() < 40 and columns.max() > 56
-    source = to_pov(Chess(sheet="ideal", alpha=90, z1=[2, 3], predicted_image=True))
-    steps = [re.search(rf"SeenRight_{n} += <(.*), (.*)>;", source).groups() for n in (1, 2)]
-    expected = [rotation.one_minus_P(6 / z1, np.pi / 2) for z1 in (2, 3)]
-    assert np.allclose([complex(*map(float, step)) for step in steps], expected)
+    turned, still = (Chess(sheet="ideal", alpha=alpha, x=[-0.6, 0.6], z1=[2, 3]) for alpha in (90, 0))
+    before, after = (outline.predicted_outlines(scene, 0.02) for scene in (still, turned))
+    left = np.flatnonzero(before.real < 0)  # the first piece's points come first
+    assert left.tolist() == [*range(len(left))]
+    for z1, points in ((2, before[left]), (3, np.delete(before, left))):
+        factor = equations.one_minus_P(6 / z1, np.pi / 2) / equations.one_minus_P(6 / z1, 0)
+        assert max(np.min(abs(after - factor * point)) for point in points) < 1e-9
 
 
 def test_z1_is_swept_for_all_pieces():
@@ -96,7 +99,7 @@ def test_z1_is_swept_for_all_pieces():
 
 
 def test_the_caption_has_the_range_of_z1():
-    assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5"
+    assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5 tiles"
 
 
 @pytest.mark.parametrize(
@@ -134,11 +137,11 @@ def test_a_piece_from_a_file(tmp_path):
     assert CUBE in to_pov(scene)
     pawn = Chess(sheet="none", piece="pawn", x=-0.5)
     columns = differs(*(render(each, **SMALL)[:, 10:-10] for each in (scene, pawn)))  # between the frame's sides
-    assert 12 < columns.min() < columns.max() < 62
+    assert 12 < columns.min() < columns.max() < 72  # with the shadow, to the right
 
 
 def test_a_long_piece_is_stated_as_its_path(tmp_path):
-    """In a movie's metadata and in messages. The path has a byte that is no text."""
+    """In messages. A movie's record has its text once. The path has a byte that is no text."""
     file = tmp_path / "big\udcff.inc"
     file.write_text(CUBE + "// 0123456789\n" * 20000)
     scene = Chess(sheet="none", piece=[file, "king"], x=[-1, 1])
@@ -147,7 +150,7 @@ def test_a_long_piece_is_stated_as_its_path(tmp_path):
     for made, frames_made in ((spec, 2), ([scene], 1)):
         path = movie(made, tmp_path / "a.mp4", **SMALL).path
         assert imageio_ffmpeg.count_frames_and_secs(str(path))[0] == frames_made
-        assert rb"big\\udcff.inc" in path.read_bytes() and b"0123456789" not in path.read_bytes()
+        assert rb"big\\udcff.inc" in path.read_bytes() and path.read_bytes().count(b"0123456789") == 20000
 
 
 def test_a_piece_does_not_change_the_rest_of_the_scene(tmp_path):
@@ -156,7 +159,7 @@ def test_a_piece_does_not_change_the_rest_of_the_scene(tmp_path):
     own.write_text(CUBE)
     old.write_text(CUBE)
     scene = Chess(prisms=20, z1=[2, 3, 4], x=[-0.8, 0, 0.8], piece=[own, "king", old])
-    names = set(re.findall(r"\b[A-Z]\w*", re.sub("//.*", "", to_pov(scene)))) - {"Piece", "OwnPiece_1", "OwnPiece_2"}
+    names = set(re.findall(r"\b(?!OwnPiece)[A-Z]\w*", re.sub("//.*", "", to_pov(scene)))) - {"Piece"}
     kinds = (
         "#declare {} = 5;\n",
         "#macro {}() 5 #end\n",
@@ -186,6 +189,29 @@ def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_p
     with pytest.raises(PovrayError) as error:
         render(Chess(sheet="none", piece=file), **SMALL)
     assert f"{tmp_path}/mi\\nne.inc{line}" in str(error.value) and len(str(error.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("box { <-0.49, 0, -0.49>, <0.49, 0.6, 0.49> }", ""),
+        ("intersection { box { -2, 2 } sphere { 0.4*y, 0.4 } }", ""),  # its box is larger than the piece
+        ("box { <-0.51, 0, -0.4>, <0.4, 0.6, 0.4> }", "0.510 tiles from its axis, and 0.600 up;"),
+        ("union { sphere { 0.4*y, 0.4 } sphere { <0.1, 0.2, 2>, 0.1 } }", "2.099 tiles from its axis"),
+        ("cylinder { 0, 5*y, 0.3 }", "5.000 up; allowed: 0.5 and 4.0, as if scaled by 0.800"),
+        ("plane { y, 0 }", "tiles from its axis"),
+    ],
+)
+@pytest.mark.parametrize("renderer", ["povray", "gl"])
+def test_a_piece_stays_on_its_tile(text, said, renderer, tmp_path):
+    file = tmp_path / "own.inc"
+    file.write_text(f"#declare Piece = {text}\n")
+    scene = Chess(sheet="none", piece=file)
+    if not said:
+        assert differs(render(scene, renderer=renderer, **SMALL), render(scene.replace(piece="pawn"), **SMALL)).size
+        return
+    with pytest.raises(PovrayError, match=f"^POV-Ray: '{file}', line 1: the piece reaches .*{said}"):
+        render(scene, renderer=renderer, **SMALL)
 
 
 def test_an_error_names_the_users_file_and_its_line(tmp_path):
@@ -238,3 +264,18 @@ def test_a_file_that_is_no_piece_is_refused(tmp_path, content, said):
         path.write_bytes(content)
     message = refused(["pov", "chess", f"--piece={path}"], tmp_path)
     assert "piece = " in message and said in message and len(message.splitlines()) == 1
+
+
+def test_a_mesh_is_shown_as_the_same_shape_in_povrays_language(tmp_path):
+    """A cube. The renderer gl shows it too: see test_volumes.py for what it draws of any text."""
+    corners = [(x, y, z) for x in (0, 6) for y in (0, 6) for z in (0, 6)]
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    lines = ["v {} {} {}".format(*corner) for corner in corners]
+    lines += ["f {} {} {} {}".format(*(n + 1 for n in side)) for side in sides]
+    (tmp_path / "cube.obj").write_text("\n".join(lines))
+    (tmp_path / "cube.inc").write_text(CUBE)
+    mesh, box = (Chess(sheet="none", piece=str(tmp_path / name)) for name in ("cube.obj,height=0.6", "cube.inc"))
+    assert differs(render(box, **SMALL), render(Chess(sheet="none"), **SMALL)).size > 5
+    assert (render(mesh, **SMALL) == render(box, **SMALL)).mean() > 0.999
+    flat = volumes.volumes({"mesh": mesh.piece, "box": box.piece})
+    assert flat["mesh"].place == pytest.approx(flat["box"].place, abs=1e-4)

@@ -6,7 +6,7 @@ import pytest
 from povgen import Rendering, to_pov
 from povgen.measure import probes
 from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions, locate
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.rendering import povray
@@ -55,7 +55,7 @@ def test_apparent_position_through_prisms():
     seen = locate(camera.pixels(scene, SIZE)[inside], decoded, scene.extent)
     pixel = 3.85 / 960
     assert abs(seen.position - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
-    ideal = rotation.apparent_position(scene.L, 0, 2, 6, np.radians(120))
+    ideal = equations.apparent_position(scene.L, 0, 2, 6, np.radians(120))
     assert 2.5 * pixel < abs(seen.position - ideal) < 4 * pixel
 
 
@@ -84,7 +84,7 @@ def test_few_prisms_agree_with_the_ray_trace(sheet):
     stray = []
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
         inside, direction = camera.rays(scene, (160, 120))
-        found = probes.traced(scene, direction)
+        found = scene.trace(camera.along(scene, direction))
         off = np.linalg.norm(decoded[inside] - found.direction, axis=1)
         shown = (found.end <= End.BACK) & (found.count < survey.max_trace_level(scene))
         assert found.designed.sum() > 500 and (off[found.designed] < 1e-3).all(), scene
@@ -103,12 +103,16 @@ def test_prisms_of_any_shape_agree_with_the_ray_trace():
         {"aspect": 0.47, "gap": 0.5, "aperture": 0.5, "view": 0.8, "prisms": 3000},
         {"aspect": 1.99, "aperture": 10, "view": 16, "eye": (-10, 10)},
         {"index": 1.7, "base_angle": 35, "aspect": 0.9, "sheet": "single", "view": 0.1},
+        {"error": {"turn": 2, "tilt_x": 3, "tilt_y": -2, "far_tilt_x": -1, "far_tilt_y": 2, "separation": 0.1}},
+        {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3, "turn": 1}},
+        {"prisms": 30, "error": {"facets": 1, "seed": 5, "tilt_x": 1}},
+        {"prisms": 31, "aspect": 1.3, "error": {"facets": 0.5, "far_base_angle": 4}},
     ]
     scenes = [Directions(**shape) for shape in shapes]
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
         inside, direction = camera.rays(scene, (160, 120))
         level = survey.max_trace_level(scene)
-        found = probes.traced(scene, direction, level)
+        found = scene.trace(camera.along(scene, direction), level)
         shown = (found.end <= End.BACK) & (found.count < level)
         agrees = np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3
         assert shown.sum() > 2000 and agrees[shown].mean() > 0.998 and agrees[found.designed].all(), scene
@@ -133,7 +137,7 @@ def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
 
     inside, direction = camera.rays(scenes[2], size)
     expected = np.full((*inside.shape, 3), np.nan)
-    expected[inside] = rotation.rotate(direction, np.radians(66))
+    expected[inside] = equations.rotate(direction, np.radians(66))
     off = np.linalg.norm(turned - expected, axis=-1)
     assert np.nanmax(off) < 1e-4
     assert (~np.isnan(off)).sum() > 0.8 * inside.sum()  # the window frame hides the rest

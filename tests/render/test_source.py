@@ -3,21 +3,23 @@
 import re
 import shlex
 import subprocess
+from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, InputError, render, to_pov
+from povgen import Chess, InputError, Spheres, render, to_pov, to_sheets
 from povgen.rendering import frames, light
 
 EMPTY = Chess(sheet="none")
 
 
-def drawn(source, folder, file="scene.pov"):
-    """Run the command in the source's header, and return its picture."""
+def drawn(source, folder, file="scene.pov", more=()):
+    """Run the command in the source's header, with more options, and return its picture."""
     (folder / file).write_text(source)
     (command,) = re.findall(r"^//   (povray .*)$", source, flags=re.M)
-    subprocess.run([*shlex.split(command), "-D", "+Oown.png"], cwd=folder, check=True, capture_output=True)
+    subprocess.run([*shlex.split(command), "-D", "+Oown.png", *more], cwd=folder, check=True, capture_output=True)
     return frames.read_png(folder / "own.png")
 
 
@@ -61,12 +63,65 @@ def test_the_header_names_no_file_that_povray_cannot_open(tmp_path):
         assert found and header.count("\n") == header.count("\n//") + 1 and header + rest == to_pov(EMPTY)
 
 
-@pytest.mark.parametrize("option", [{"stereo": "pair"}, {"caption": True}, {"overlay": True}, {"timeout": 9}])
+PRISMS = {"prisms": 30, "index": 1.7, "base_angle": 40, "gap": 0.05, "aspect": 0.9, "aperture": 3.6}
+SAME = {"view": 5, "z2": 7, "eye": (0.3, 0.1), "alpha": 100}
+
+
+@pytest.mark.parametrize(
+    ("scene", "other"),
+    [
+        (Chess(view=4), SAME | PRISMS | {"z1": 4, "x": 0.2, "pedestal": 0.5}),
+        (Spheres(z1=(2, 8), sheet="ideal"), {"line": (0.3, 0.4), "alpha": 100, "view": 5, "aperture": 3.6}),
+        (Chess(sheet="axis", z1=4), {"axis": (0.2, 1, 0.1), "z2": 8, "alpha": 15}),
+        (Chess(window="z=2,prisms=40,alpha=50", z2=8), {"alpha": 100, "z1": 4, "z2": 9}),
+    ],
+    ids=["prisms", "ideal", "law", "windows"],
+)
+def test_parameters_can_be_declared_on_the_command_line(scene, other, tmp_path):
+    """The text of one scene, with the parameters of another, makes the picture of the other."""
+    options = {"size": (64, 48), "antialias": "off"}
+    other = scene.replace(**other)
+    free = dict(re.findall(r"^#ifndef \((\w+)\) +#declare \w+ += (.*?); #end", to_pov(other), flags=re.M))
+    own = to_pov(scene, **options)
+    declared = [f"Declare={name}={value}" for name, value in free.items() if f"#ifndef ({name})" in own]
+    assert len(declared) >= 6
+    found, wanted = drawn(own, tmp_path, more=declared), render(other, **options)
+    assert (found == wanted).all(-1).mean() > 0.995 and (wanted != render(scene, **options)).any(-1).mean() > 0.3
+
+
+def test_the_sheets_in_a_scene_of_ones_own(tmp_path):
+    """docs/usage.md: the scene shows through the sheets what it shows without them, but turned."""
+    status, source, _ = povgen(["pov", "chess", "--part", "sheets", "--prisms", "60", "-o", "sheets.inc"], tmp_path)
+    assert (status, source) == (0, "")
+    page = Path(__file__).parents[2] / "docs" / "usage.md"
+    (scene,) = re.findall(r"(?s)```pov\n(.*?)```", page.read_text())
+    header = "//   povray +Iscene.pov +W96 +H72 -A\n"
+    shown = [drawn(f"{header}{text}", tmp_path).astype(int) for text in (scene, scene.replace("object { Sheets", "//"))]
+    changed = abs(shown[0] - shown[1]).max(-1) > 30
+    inside = np.zeros((72, 96), bool)
+    inside[17:55, 29:67] = True
+    assert changed[inside].mean() > 0.5 > 0.02 > changed[:, :15].mean() + changed[:, -15:].mean()
+    assert (shown[0][inside].mean(-1) < 20).mean() < 0.1, "TraceLevel is not obeyed"
+
+
+def test_parts_that_cannot_be(tmp_path):
+    with pytest.raises(InputError, match="sheet = 'ideal' is no object, the camera simulates it; allowed: detailed or"):
+        to_sheets(Chess(window="z=2", sheet="ideal"))
+    for options, said in (
+        (["--part", "frame"], "part = 'frame': allowed: sheets"),
+        (["--part", "sheets", "--size", "64x48"], "part = 'sheets', size: the picture is not povgen's"),
+        (["--part", "sheets", "-o", "a.pov"], ".inc"),
+        (["--part", "sheets", "--sheet", "none"], "sheet = 'none' is no object"),
+    ):
+        assert said in refused(["pov", "chess", *options], tmp_path)
+
+
+@pytest.mark.parametrize("option", [{"stereo": "pair"}, {"caption": "full"}, {"overlay": True}, {"timeout": 9}])
 def test_to_pov_refuses_what_its_header_cannot_promise(option):
     with pytest.raises(InputError, match="unknown; allowed: quality, size, antialias$"):
         to_pov(EMPTY, **option)
 
 
 def test_what_only_povgen_draws_is_no_option_of_pov(tmp_path):
-    assert "--caption" in refused(["pov", "chess", "--caption"], tmp_path)
+    assert "--caption" in refused(["pov", "chess", "--caption=full"], tmp_path)
     assert "size = '3x3'" in refused(["pov", "chess", "--size", "3x3"], tmp_path)

@@ -2,6 +2,8 @@
 
 import csv
 import os
+import re
+import shutil
 
 import numpy as np
 import pytest
@@ -11,13 +13,13 @@ from typer.testing import CliRunner
 from povgen import Chess, MovieSpec, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
-from povgen.measure import speed
+from povgen.measure import charts, plotting, speed
 from povgen.sheets import OTHER
 
 BASELINES = PROJECT / "benchmarks"
 
 
-def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
+def test_the_command_writes_charts_and_tables(tmp_path, tmp_path_factory, monkeypatch):
     spec = MovieSpec.load("vary-alpha")
     small = {
         "SIZES": ((64, 48), (80, 60)),
@@ -25,6 +27,7 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
         "SMALL": (240, 180),  # in fewer pixels some squares behind the sheet of kind axis are too small to be found
         "SAMPLINGS": ("off", "2x"),
         "BASELINE_SAMPLINGS": ("off",),
+        "GL_SAMPLINGS": ("off", "4x"),
         "LIVE_RAYS": (1, 16),
         "CONVERGED": "1,0.001,5",
         "FLICKER_SAMPLINGS": ("off", "3x"),
@@ -36,22 +39,29 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     }
     for name, value in small.items():
         monkeypatch.setattr(speed, name, value)
-    done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--baselines", str(BASELINES)])
+    folder = tmp_path_factory.mktemp("baselines")
+    for file in BASELINES.glob("*.inc"):
+        shutil.copy(file, folder)
+    (folder / "other.csv").write_text(f"{','.join(charts.COLUMNS)}\nMitsuba,4 rays,80,60,2.5,0.3,0.4,0.4\n")
+    done = CliRunner().invoke(app, ["chart", "-o", str(tmp_path), "--baselines", str(folder)])
     assert done.exit_code == 0, done.output
-    charts = ("frames-64x48", "frames-80x60", "prisms", "beyond", "workers")
-    files = {f"{name}.{kind}" for name in charts for kind in ("png", "svg")}
+    names = ("frames-64x48", "frames-80x60", "prisms", "beyond", "workers")
+    files = {f"{name}.{kind}" for name in names for kind in ("png", "svg")}
     assert {path.name for path in tmp_path.iterdir()} == files | {
-        *("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv", "machine.txt"),
-        *("polarisation.png", "diffraction.png"),
+        *("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv", "machine.txt", "field.png"),
+        *("charts.html", "polarisation.png", "diffraction.png", "polarisation.csv", "diffraction.csv", "field.csv"),
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))
-    assert len(rows) == 2 * 2 * 2 + 2 + 2 * 2 * 2
+    assert len(rows) == 2 * 2 * 2 + 2 + 2 * (2 * 2 * 2) + 1
+    assert [*rows[-1].values()] == ["Mitsuba", "4 rays", "80", "60", "2.5", "0.3", "0.4", "0.4"]
     error = {(r["method"], r["antialias"], r["height"]): float(r["RMS"]) for r in rows}
     assert error["detailed", "2x", "60"] < error["detailed", "off", "60"]
     assert error["intersections", "off", "60"] == pytest.approx(error["detailed", "off", "60"], abs=0.02)
     for sheet in ("detailed", "ideal"):
         assert error[f"live {sheet}", "16 rays", "60"] < 0.6 * error[f"live {sheet}", "1 ray", "60"]
         assert error[f"live {sheet}", "1 ray", "60"] == pytest.approx(error[sheet, "off", "60"], rel=0.1)
+        assert error[f"gl {sheet}", "4x", "60"] < 0.6 * error[f"gl {sheet}", "off", "60"]
+        assert error[f"gl {sheet}", "off", "60"] == pytest.approx(error[sheet, "off", "60"], rel=0.1)
     cost = {(r["method"], r["antialias"], r["height"]): float(r["CPU s"]) for r in rows}
     assert all(seconds > 0 for seconds in cost.values())
     off, finer = (float(row["flicker"]) for row in csv.DictReader((tmp_path / "flicker.csv").open()))
@@ -69,18 +79,50 @@ def test_the_command_writes_charts_and_tables(tmp_path, monkeypatch):
     assert 0 < float(movie["fraction of cores busy"]) < 1.2
 
 
-def test_without_a_browser_the_live_view_is_not_measured(monkeypatch):
-    def without():
-        raise InputError("no Chromium")
+def test_charts_are_drawn_again_from_their_tables(tmp_path):
+    tables = PROJECT / "docs" / "chart"
+    done = CliRunner().invoke(app, ["chart", "--from", str(tables), "-o", str(tmp_path / "again")])
+    assert done.exit_code == 0, done.output
+    for table in ("frames.csv", "prisms.csv", "beyond.csv", "workers.csv"):
+        assert (tmp_path / "again" / table).read_text() == (tables / table).read_text()
+        assert any((tmp_path / "again").glob(table.replace(".csv", "*.png")))
+    (tmp_path / "prisms.csv").write_text("sheet,prisms\nideal,many\n")
+    shutil.copy(tables / "frames.csv", tmp_path)
+    with pytest.raises(InputError, match=r"table = 'prisms.csv': allowed: one that povgen chart wrote"):
+        charts.read_tables(tmp_path)
+    page = (tmp_path / "again" / "charts.html").read_text()
+    assert (
+        page.count("data:image/png;base64,") == 9 and page.count("<details>") == 4
+    )  # diffraction.csv ... are too long
+    assert "<td>1,0.9,2</td>" in page and not re.search("(src|href)=.?(http|//)", page)
+
+
+def test_a_chart_names_its_lines_beside_their_ends():
+    """Names beside the chart are in the lines' order, and do not overlap."""
+    with plotting.style():
+        ax = plotting.Figure(figsize=(6, 4)).subplots()
+        for name, end in (("low", 0.1), ("middle", 0.11), ("high", 0.12)):
+            ax.plot([1, 0], [end, 0.5], label=name)  # the end is where x is greatest
+        ax.set_ylim(0, 1)
+        plotting.name_lines(ax)
+    heights = [text.get_position()[1] for text in ax.texts]
+    assert [text.get_text() for text in ax.texts] == ["low", "middle", "high"]
+    assert min(np.diff(heights)) * 4 * 72 * 0.77 > 0.95 * 10 * 1.25 and heights[1] == pytest.approx(0.11, abs=0.01)
+
+
+def test_without_opengl_or_a_browser_they_are_not_measured(monkeypatch):
+    def without(what):
+        raise InputError(f"no {what}")
 
     monkeypatch.setattr(speed, "SIZES", ((64, 48),))
     monkeypatch.setattr(speed, "SAMPLINGS", ("off",))
     monkeypatch.setattr(speed, "CONVERGED", "1,0.001,2")
     monkeypatch.setattr(speed, "ROUNDS", 1)
-    monkeypatch.setattr(speed, "chromium", without)
+    monkeypatch.setattr(speed, "chromium", lambda: without("Chromium"))
+    monkeypatch.setattr(speed, "Drawn", lambda scene: without("OpenGL"))
     said = []
     points = speed.measure_samplings({}, said.append)
-    assert said[0] == "without the live view: no Chromium"
+    assert said[:2] == ["without the renderer gl: no OpenGL", "without the live view: no Chromium"]
     assert [point.method for point in points] == ["detailed", "ideal"]
 
 
@@ -107,6 +149,14 @@ def test_baselines_are_the_same_prisms(tmp_path):
         assert speed.picture_error(theirs, ours, Chess())[0] < 0.02, name
     with pytest.raises(InputError, match="no .inc file"):
         speed.baselines(tmp_path)
+
+
+def test_a_table_of_another_program_has_the_columns_of_frames(tmp_path):
+    assert [point.sampling for point in charts.read_frames(BASELINES / "mitsuba.csv")] == ["1 ray", "4 rays", "16 rays"]
+    for text in ("method,CPU s\na,1\n", f"{','.join(charts.COLUMNS)}\na,b,1,1,?,1,1,1\n"):
+        (tmp_path / "own.csv").write_text(text)
+        with pytest.raises(InputError, match=r"'own.csv': allowed: a table with the columns method, antialias"):
+            charts.read_frames(tmp_path / "own.csv")
 
 
 def test_nothing_of_the_environment_changes_when_the_cache_is_empty(tmp_path, monkeypatch):

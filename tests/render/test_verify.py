@@ -12,16 +12,18 @@ from povgen.measure import (
     rounding,
     stability,
     verify,
+    verify_gl,
     verify_ideal,
     verify_light,
     verify_prisms,
     verify_series,
 )
 from povgen.measure.measured import Measured
-from povgen.measure.stability import StabilityMap
+from povgen.measure.stability_map import RENDERED, StabilityMap
 from povgen.measure.targets import SERIES, targets
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.optics.trace import End
+from povgen.rendering import gl_runner
 from povgen.scene import camera, survey
 from povgen.sheets import OTHER
 
@@ -43,8 +45,9 @@ REDUCED = {
     "series positions": lambda size: verify_series.series_positions(4, size),
     "series directions": verify_series.series_directions,
     "series image": verify_series.series_image,
-    "series pixels": lambda size: verify_series.series_pixels((100,), SERIES[1:2], size),
+    "series pixels": lambda size: verify_series.series_pixels((100,), SERIES[1::2], size),
     "series prediction": lambda size: verify_series.series_prediction(3, size),
+    "errors of building": lambda size: verify_prisms.errors_of_building(verify_prisms.BUILDS, size),
     "hyperbola": verify_prisms.hyperbola,
     "designed fraction": lambda size: verify_prisms.designed_fraction((66,), size),
 }
@@ -82,11 +85,11 @@ def exact(scenes, size):
                 if scene.sheet in OTHER:
                     direction = scene.sheets[0].bend(direction, position[:, 0] + 1j * position[:, 1])
                 if scene.sheet == "ideal":
-                    direction = rotation.rotate(direction, np.radians(alpha))
+                    direction = equations.rotate(direction, np.radians(alpha))
                 leaves = position + direction * scene.depth / 2 / direction[:, 2:]
                 ends |= abs(leaves[:, :2]).max(1) > scene.aperture / 2
         else:
-            found = probes.traced(scene, direction, survey.max_trace_level(scene))
+            found = scene.trace(camera.along(scene, direction), survey.max_trace_level(scene))
             position, direction = found.position, found.direction
             ends = found.end > End.BACK
             if isinstance(scene, probes.Positions):
@@ -152,10 +155,18 @@ def test_the_command(tmp_path, monkeypatch):
     assert done.exit_code == 0 and "a thing" in done.output and "FAILS" not in done.output
     figures = json.loads((tmp_path / "x.json").read_text())["figures"]
     assert [figure["value"] for figure in figures] == [0.5, 2] and all(figure["holds"] for figure in figures)
-    made.append(Measured("ideal", "nowhere", float("nan"), 1))
-    done = CliRunner().invoke(app, ["verify", "--json", str(tmp_path / "x.json")])
+    made.append(Measured("ideal", "<nowhere>", float("nan"), 1))
+    files = ["--json", str(tmp_path / "x.json"), "--html", str(tmp_path / "x.html")]
+    done = CliRunner().invoke(app, ["verify", *files])
     assert done.exit_code == 1 and "FAILS" in done.output
+    page = (tmp_path / "x.html").read_text()
+    assert "<td>a thing</td><td>0.5 px</td><td>≤ 1 px</td><td>ok</td>" in page
+    assert page.count('<tr class="FAILS">') == 1 and "&lt;nowhere&gt;" in page
     assert json.loads((tmp_path / "x.json").read_text())["figures"][2]["value"] is None
+    monkeypatch.setattr(verify_gl, "checks", lambda: iter(made[:2]))
+    done = CliRunner().invoke(app, ["verify", "--gl", "--json", str(tmp_path / "x.json")])
+    assert done.exit_code == 0 and "a thing" in done.output
+    assert json.loads((tmp_path / "x.json").read_text())["versions"]["OpenGL by"] == gl_runner.device()
 
 
 @pytest.mark.parametrize(
@@ -163,8 +174,12 @@ def test_the_command(tmp_path, monkeypatch):
     [
         (["--sheet", "single"], ["sheet", "single", "ideal or detailed"]),
         (["--json", "x.txt"], ["x.txt", ".json"]),
+        (["--html", "x.txt"], ["x.txt", ".html"]),
         (["-o", "maps"], ["output", "maps", "--stability"]),
         (["--stability", "-o", "no/where"], ["no/where", "No such file"]),
+        (["--gl", "--sheet", "ideal"], ["gl: measured alone; allowed without --sheet, --stability and --live"]),
+        (["--gl", "--live"], ["gl: measured alone"]),
+        (["--live", "--stability"], ["live: measured alone; allowed without --sheet and --stability"]),
     ],
 )
 def test_bad_options_are_refused(options, words, tmp_path):
@@ -173,7 +188,7 @@ def test_bad_options_are_refused(options, words, tmp_path):
 
 
 def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
-    measured = StabilityMap("name", "title", "x", "y", 1.0, "")
+    measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "")
     for x, y in ((1, 0.2), (3, 0.5), (5, 1.5), (7, 0.1)):
         measured.add("series", x, y)
     measured.limit("ideal", "series", 3.9)
@@ -219,11 +234,11 @@ def test_maps_show_where_methods_fail(measure, options, right):
 def test_distance_map_is_that_of_the_exact_trace():
     angles, distance = stability.field_angle((6,), SIZE)
     assert all(0 <= y <= 100 for _, _, y in angles.rows + distance.rows)
-    assert len([name for name, *_ in angles.rows if name.endswith(stability.RENDERED)]) * 2 == len(angles.rows)
+    assert len([name for name, *_ in angles.rows if name.endswith(RENDERED)]) * 2 == len(angles.rows)
     rendered = {row[:2]: row[2] for row in angles.rows}
     for (name, angle), y in rendered.items():
-        if not name.endswith(stability.RENDERED):
-            assert rendered[name + stability.RENDERED, angle] == pytest.approx(y, abs=0.5)
+        if not name.endswith(RENDERED):
+            assert rendered[name + RENDERED, angle] == pytest.approx(y, abs=0.5)
 
 
 def test_maps_are_drawn_and_tabled(tmp_path):
@@ -264,11 +279,11 @@ def test_the_index_of_glass_turns_no_ray_on_the_designed_path():
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = probes.Directions(z2=2)
     _, direction = camera.rays(scene, SIZE)
-    before = probes.traced(scene, direction)
+    before = scene.trace(camera.along(scene, direction))
     changed = scene.model_copy(update={"index": scene.index * (1 + 1e-6)})
     # of the same length
     changed = changed.model_copy(update={"aspect": scene.prism.length / changed.prism.length})
-    after = probes.traced(changed, direction)
+    after = changed.trace(camera.along(changed, direction))
     leaves = before.end <= End.BACK
     same = leaves & (before.faces == after.faces).all(1) & (before.end == after.end)
     turned = np.linalg.norm(before.direction - after.direction, axis=1)

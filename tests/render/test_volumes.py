@@ -1,6 +1,8 @@
 """Chess pieces as distance fields, which POV-Ray measures."""
 
 import base64
+import json
+import lzma
 import re
 import sys
 import threading
@@ -11,8 +13,7 @@ import pytest
 from conftest import run_povgen
 
 from povgen import InputError, PovrayError
-from povgen.liveview import volumes
-from povgen.rendering import cache, povray
+from povgen.rendering import cache, povray, volumes
 from povgen.scene.pieces import PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
 
@@ -86,6 +87,24 @@ def test_pieces_are_solid(piece):
     assert (inside & (around == 0)).sum() + (~inside & (around == 6)).sum() == 0
 
 
+def test_shipped_fields_are_those_that_povray_measures(tmp_path):
+    """If not: make povgen/rendering/volumes.xz. Another POV-Ray may round a distance to the next byte."""
+    volumes.ship(tmp_path / "volumes.xz")
+    assert volumes.SHIPPED.stat().st_size < 300_000
+    shipped, measured = (lzma.open(path).read() for path in (volumes.SHIPPED, tmp_path / "volumes.xz"))
+    (places, fields), (again, same) = (text.split(b"\n", 1) for text in (shipped, measured))
+    assert json.loads(places).keys() == json.loads(again).keys() and len(json.loads(places)) == len(PIECES)
+    np.testing.assert_allclose([*json.loads(places).values()], [*json.loads(again).values()], atol=1e-9)
+    bytes_ = [np.frombuffer(text, np.uint8).reshape(-1, *volumes.GRID[::-1]) for text in (fields, same)]
+    one, other = (np.cumsum(steps, axis=2, dtype=np.uint8).astype(int) for steps in bytes_)
+    assert abs(one - other).max() <= 1
+
+
+def test_povgens_own_pieces_need_no_povray(monkeypatch):
+    monkeypatch.setattr(povray, "version", lambda: pytest.fail("POV-Ray was asked for"))
+    assert [*volumes.volumes({name: name for name in PIECES})] == [*PIECES]
+
+
 def test_a_field_is_kept_in_the_cache(monkeypatch):
     made = own("sphere { 0.3*y, 0.3 }")
     monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("POV-Ray ran again"))
@@ -112,7 +131,7 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
 
 def test_an_empty_piece_is_refused():
     with pytest.raises(InputError, match="'own.inc': empty within 0.5 tiles"):
-        own("sphere { 3*x, 0.3 }")
+        own("sphere { 3*x, 0 }")
 
 
 def test_a_piece_with_too_many_surfaces_is_refused(monkeypatch):
@@ -159,11 +178,12 @@ def test_as_many_pieces_are_measured_at_once_as_there_are_workers(monkeypatch, t
         return folder / "frame.png"
 
     monkeypatch.setattr(povray.Runner, "run", run)
-    assert [*volumes.volumes({name: name for name in PIECES}, workers=2, progress=True)] == [*PIECES]
+    own = {f"{n}": PieceFile(f"{n}.inc", f"#declare Piece = sphere {{ {n / 10 + 0.1}*y, 0.1 }}\n") for n in range(6)}
+    assert [*volumes.volumes(own, workers=2, progress=True)] == [*own]
     assert not more.is_set()
     assert capsys.readouterr().err.splitlines()[-1] == "shapes: 6/6 pieces"
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    volumes.volumes({name: name for name in PIECES}, progress=True)
+    volumes.volumes(own, progress=True)
     assert not capsys.readouterr().err  # all are in the cache: there is nothing to wait for
 
 

@@ -9,7 +9,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -19,10 +18,12 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from conftest import povgen, refused, wait_for
+from forked import Dask
 
-from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, to_pov
+from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, remedies, render, results, to_pov
 from povgen.errors import TransientError
-from povgen.rendering import cache, cluster, frames
+from povgen.files import WORK_PREFIX
+from povgen.rendering import cache, cluster, frames, povray
 from povgen.rendering.cluster import Cluster
 from povgen.video import build
 
@@ -77,6 +78,10 @@ class Machines:
         folder = self.folder / name
         folder.mkdir(exist_ok=True)
         own = {"HOME": folder, "TMPDIR": folder, "POVGEN_CACHE": folder / "cache"}
+        own = {name: str(value) for name, value in own.items()}
+        if command[0] == BIN / "dask" and "PYTHONPATH" not in environment:  # which decides what Python loads
+            self.processes[name] = Dask(command[1:], folder, {**os.environ, **own, **environment}, folder / "log")
+            return
         with open(folder / "log", "w") as log:
             self.processes[name] = subprocess.Popen(
                 command, cwd=folder, env={**os.environ, **own, **environment}, stdout=log, stderr=log
@@ -146,6 +151,11 @@ class Machines:
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
             **options,
         )
+
+    def kill_as_it_renders(self, lost, worker):
+        """Kill a process as soon as the worker has begun to render."""
+        wait_for(lambda: list((self.folder / worker).glob(f"{WORK_PREFIX}*/*")))
+        self.kill(lost)
 
     def finished(self):
         return {path: path.stat().st_mtime_ns for path in self.client.glob("cache/??/*.png")}
@@ -285,6 +295,41 @@ def test_a_frame_that_fails_names_its_worker_and_leaves_the_others(shared, tmp_p
         assert frames.is_whole(there.run(to_pov(SCENES[0]), SMALL, tmp_path).read_bytes(), SMALL.size)
 
 
+def test_pictures_and_results_of_many_scenes(shared, tmp_path, monkeypatch):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    options = {"size": (64, 48), "progress": False}
+    with monkeypatch.context() as away:
+        away.setattr("povgen.rendering.povray.Runner", None)
+        away.setattr("povgen.rendering.results._computed", None)
+        pictures = render(SCENES[:3], scheduler=shared.address, **options)
+        table = results(SCENES, "M", "x", scheduler=shared.address, progress=False)
+        wrong = "^worker tcp:.*it has .*; wanted, as on this machine: nix$"
+        with pytest.raises(PovrayError, match=wrong), Cluster(shared.address) as there:
+            there.call(cluster.check, "nix", "povray")
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "own"))
+    assert all(np.array_equal(*both) for both in zip(pictures, render(SCENES[:3], **options), strict=True))
+    own = results(SCENES, "M", "x", progress=False)
+    assert list(table) == ["z2", "M", "x"] and all(np.array_equal(table[name], own[name]) for name in own)
+
+
+def test_workers_need_only_what_is_used(tmp_path, monkeypatch):
+    """Without POV-Ray a worker draws with gl, and computes."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    options = {"size": (64, 48), "antialias": "off", "renderer": "gl", "progress": False}
+    with Machines(tmp_path / "machines") as machines:
+        machines.scheduler()
+        machines.worker("bare", PATH="/nowhere")
+        machines.addresses("bare")
+        monkeypatch.setattr(povray, "version", lambda: pytest.fail("POV-Ray was asked for"))
+        (picture,) = render(SCENES[:1], scheduler=machines.address, **options)
+        table = results(SCENES[:1], "M", scheduler=machines.address, progress=False)
+        monkeypatch.undo()
+        with pytest.raises(PovrayError, match="worker tcp:.*POV-Ray is not installed"):
+            render(SCENES[0], scheduler=machines.address, size=(64, 48))
+    assert np.array_equal(picture, render(SCENES[0], **options))
+    assert table["M"] == results(SCENES[:1], "M", progress=False)["M"]
+
+
 def test_another_dask_is_named(shared, monkeypatch):
     own = distributed.__version__
     monkeypatch.setattr(distributed, "__version__", "2024.8.0")
@@ -313,7 +358,7 @@ def test_workers_or_the_scheduler_lost(soon, tmp_path):
                     machines.kill(name)
                     machines.processes[name].wait()
                 else:
-                    threading.Timer(1.5, lambda name=lost: machines.kill(name)).start()
+                    threading.Thread(target=machines.kill_as_it_renders, args=(lost, name)).start()
                 with pytest.raises(PovrayError, match=said) as fault:
                     there.run(source, large, tmp_path)
                 assert isinstance(fault.value, TransientError) == (name == "one") and "\n" not in str(fault.value)
@@ -328,7 +373,7 @@ def test_a_frozen_scheduler(soon, tmp_path):
         with ThreadPoolExecutor() as pool, Cluster(machines.address) as there:
             large = Rendering(size=(2400, 1800))  # takes long
             waiting = [pool.submit(there.run, to_pov(Chess()), large, tmp_path) for _ in range(3)]
-            time.sleep(1)
+            wait_for(lambda: list((tmp_path / "one").glob(f"{WORK_PREFIX}*/*")))
             machines.processes["scheduler"].send_signal(signal.SIGSTOP)
             waiting.append(pool.submit(there.run, to_pov(Chess()), SMALL, tmp_path))
             for frame in waiting:
@@ -391,7 +436,7 @@ def test_without_dask(tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "povgen.rendering.cluster")
     monkeypatch.delattr("povgen.rendering.cluster")
     message = refused([*MOVIE[1:], "--quiet", "--scheduler", "tcp://127.0.0.1:1"], tmp_path)
-    assert message == "povgen: --scheduler needs Dask, which is not installed: pip install 'povgen[cluster]'\n"
+    assert message == f"povgen: --scheduler needs Dask, which is not installed: {remedies.extra('cluster')}\n"
 
 
 def test_shards(tmp_path, monkeypatch):

@@ -22,10 +22,11 @@ from povgen import Chess, MovieSpec, render
 from povgen.cli.app import COMMANDS
 
 PAGES = [
-    *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG")),
+    *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG", "CODE_OF_CONDUCT", "SECURITY")),
     *sorted((PROJECT / "docs").glob("*.md")),
     PROJECT / "docs" / "figures" / "README.md",
 ]
+BLOCK = r"^```(\w+)\n(.*?)^```"  # of code: its language and its text
 MAKEFILE = (PROJECT / "Makefile").read_text()
 
 
@@ -47,20 +48,25 @@ def headings(page):
 
 
 def blocks(page):
-    return re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.M | re.S)
+    return re.findall(BLOCK, page.read_text(), re.M | re.S)
 
 
 def smaller(code):
     """Return code that renders smaller pictures, with nothing else changed."""
-    code = code.replace("--quality draft", "--quality draft --size 96x72")
-    return code.replace('quality="draft"', 'quality="draft", size=(96, 72)')
+    code = code.replace("--quality draft", "--quality draft --size 96x72").replace("STEPS = 10", "STEPS = 2")
+    code = code.replace('"quality": "draft"', '"quality": "draft", "size": (96, 72)').replace(
+        "(3840, 2160)", "(96, 54)"
+    )
+    return code.replace('quality="draft"', 'quality="draft", size=(96, 72)').replace("1_000_000", "20_000")
 
 
 def commands(page):
     """Yield the shell commands of a page: indented lines, lines of bash blocks, and `code`."""
-    text = page.read_text()
+    text = page.read_text().replace("\\\n", "")  # a backslash continues a line
     indented = re.findall(r"^ {4}((?:povgen|make|time make) .*)$", text, re.M)
-    written = [line for kind, block in blocks(page) if kind == "bash" for line in block.splitlines()]
+    written = [
+        line for kind, block in re.findall(BLOCK, text, re.M | re.S) if kind == "bash" for line in block.splitlines()
+    ]
     prose = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     inline = re.findall(r"`((?:povgen|make|time make) [^`]*)`", prose)
     for line in [*indented, *(line for line in written if re.match(r"(povgen|make) ", line)), *inline]:
@@ -95,7 +101,7 @@ def test_every_picture_is_shown_and_made_by_a_target():
     dry_run = ["make", "--dry-run", "--always-make", "gallery"]
     gallery = subprocess.run(dry_run, cwd=PROJECT, capture_output=True, text=True, check=True).stdout
     for path in (PROJECT / "docs").rglob("*"):
-        if path.suffix in (".png", ".gif"):
+        if path.suffix in (".png", ".webp"):
             assert path in shown, f"{name(path)} is shown nowhere"
             made = f" -o {name(path)}\n" in gallery
             with_others = re.search(rf"-o {re.escape(name(path.parent))}$", MAKEFILE, re.M)
@@ -133,9 +139,9 @@ def test_every_command_is_documented():
     assert {rest[0] for page in PAGES for first, *rest in commands(page) if first == "povgen"} >= set(COMMANDS)
 
 
-# The lesson's blocks run as a notebook, below.
+# The seminar's blocks run as a notebook, below.
 @pytest.mark.parametrize(
-    "page", [page for page in PAGES if "python" in dict(blocks(page)) and page != notebook.LESSON], ids=name
+    "page", [page for page in PAGES if "python" in dict(blocks(page)) and page != notebook.SEMINAR], ids=name
 )
 def test_a_pages_blocks_run(page, tmp_path, environment):
     """The blocks of a page run in their order, in one Python session and one folder."""
@@ -153,6 +159,14 @@ def _as_python(kind, block):
     return f"import subprocess\nsubprocess.run(['bash', '-euo', 'pipefail', '-c', {block!r}], check=True)\n"
 
 
+def test_the_sixteen_examples_are_short():
+    """Those of docs/examples.md, which run as the blocks of a page do."""
+    page = PROJECT / "docs" / "examples.md"
+    _, *examples = (block.strip().splitlines() for _, block in blocks(page))
+    assert len(examples) == 16 and max(map(len, examples)) <= 5
+    assert re.findall(r"(?m)^\*\*(\d+)\. ", page.read_text()) == [str(n) for n in range(1, 17)]
+
+
 def test_the_examples_of_usage_run(tmp_path):
     """The small pictures and movies of the eight examples differ from each other as their options say."""
     text = (PROJECT / "docs" / "usage.md").read_text()
@@ -161,15 +175,15 @@ def test_the_examples_of_usage_run(tmp_path):
     (section,) = re.findall(r"(?ms)^## Examples\n(.*?)^## ", text)
     lines = [shlex.split(line, comments=True)[1:] for line in section.splitlines() if "    povgen" in line]
     assert len(lines) == 8
-    small = ["--size", "64x48", "--quiet"]
     for line in lines:
-        options = ["--sheet", "none", "--antialias", "off", "--quiet"] if "3840x2160" in line else small
-        assert povgen([*line, *options, *["--frames", "2"] * (line[0] == "movie")], tmp_path) == (0, "", "")
+        line = [word.replace("3840x2160", "384x216") for word in line]
+        small = [*["--size", "64x48"] * ("--size" not in line), *["--frames", "2"] * (line[0] == "movie")]
+        assert povgen([*line, *small, "--quiet"], tmp_path) == (0, "", "")
     movies = {path.name: iio.imread(path).astype(int) for path in tmp_path.glob("*.mp4")}
     assert {name: len(movie) for name, movie in movies.items()} == {"chess.mp4": 2, "eye.mp4": 2}
     assert all(np.abs(movie[1] - movie[0]).mean() > 1 for movie in movies.values())
     pictures = {path.name: iio.imread(path) for path in tmp_path.glob("*.png")}
-    shapes = {"two": (48, 64, 3), "4k": (2160, 3840, 3), "glass": (48, 64, 3), "mine": (48, 64, 3)}
+    shapes = {"two": (48, 64, 3), "4k": (216, 384, 3), "glass": (48, 64, 3), "mine": (48, 64, 3)}
     shapes |= {"piece": (48, 64, 4), "pair": (48, 128, 3)}
     assert {name.removesuffix(".png"): picture.shape for name, picture in pictures.items()} == shapes
     usual = render(Chess(), size=(64, 48)).astype(int)
@@ -182,7 +196,7 @@ def test_the_examples_of_usage_run(tmp_path):
 def test_sweeps_are_allowed(tmp_path):
     """The shard has no frames, so nothing is rendered."""
     sweeps = [rest for _, *rest in commands(PROJECT / "docs" / "usage.md") if "--sweep" in rest]
-    assert len(sweeps) == 7
+    assert len(sweeps) == 8
     for line in sweeps:
         line = line[: line.index("-o")] if "-o" in line else line  # a shard makes no movie
         assert povgen([*line, "--shard", "999/999"], tmp_path) == (0, "rendered shard 999/999: 0 frames\n", "")
@@ -192,8 +206,8 @@ def test_movies_are_specs():
     """The three movies of docs/adding.md sweep the eye, the prisms and their refractive index."""
     toml = [block for kind, block in blocks(PROJECT / "docs" / "adding.md") if kind == "toml"]
     eye, prisms, index = (MovieSpec.parse(block, "adding.md").scenes("draft") for block in toml)
-    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[15].eye[0]) == (-1, 1)
-    assert eye[16:] == eye[14:0:-1]
+    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[48].eye[0]) == (-1, 1)
+    assert eye[49:] == eye[47:0:-1]
     assert (prisms[0].prisms, prisms[-1].prisms) == (10, 1000) and (index[0].index, index[-1].index) == (1.3, 2)
 
 
@@ -220,12 +234,12 @@ def test_adding_adds(tmp_path, environment):
     assert "obelisk" in listed and "arrow:" in listed and "near-and-far" in listed
 
 
-def test_the_notebook_is_the_lesson_and_runs(tmp_path, environment, monkeypatch):
-    kept = nbformat.read(PROJECT / "docs" / "lesson.ipynb", 4)
+def test_the_notebook_is_the_seminar_and_runs(tmp_path, environment, monkeypatch):
+    kept = nbformat.read(PROJECT / "docs" / "seminar.ipynb", 4)
     nbformat.validate(kept)
-    made = notebook.notebook(notebook.LESSON.read_text())
-    assert kept == made, "run make docs/lesson.ipynb"
-    code = [block for kind, block in blocks(notebook.LESSON) if kind in ("python", "bash")]
+    made = notebook.notebook(notebook.SEMINAR.read_text())
+    assert kept == made, "run make docs/seminar.ipynb"
+    code = [block for kind, block in blocks(notebook.SEMINAR) if kind in ("python", "bash")]
     assert all(any(block.strip() in cell.source for cell in made.cells) for block in code)
     for cell in made.cells:
         cell.source = smaller(cell.source)
@@ -242,15 +256,18 @@ def test_the_notebook_is_the_lesson_and_runs(tmp_path, environment, monkeypatch)
 
 
 def test_no_answer_stands_under_its_question():
-    """In the lesson answers are folded. In the notebook they are at the end."""
-    lesson = notebook.LESSON.read_text()
-    text = "\n".join(cell.source for cell in notebook.notebook(lesson).cells)
+    """In the seminar answers are folded. In the notebook they are at the end."""
+    seminar = notebook.SEMINAR.read_text()
+    text = "\n".join(cell.source for cell in notebook.notebook(seminar).cells)
     question, answers = text.split("## Answers")
     assert (
-        lesson.count("<details>") == question.count("is at the end of this notebook") == answers.count("**Answer ") == 5
+        seminar.count("<details>")
+        == question.count("is at the end of this notebook")
+        == answers.count("**Answer ")
+        == 6
     )
     assert "details>" not in text and "**Answer " not in question
-    assert "(Yes:" not in lesson
+    assert "(Yes:" not in seminar
 
 
 def test_the_table_of_parallaxes():

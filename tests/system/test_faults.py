@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from conftest import POVGEN, povgen, refused, tree, wait_for
 
-from povgen import MovieSpec, PovrayError, Rendering, files, movie, to_pov
+from povgen import MovieSpec, PovrayError, Rendering, files, movie, stopping, to_pov
 from povgen.rendering import cache, frames, povray
 from povgen.video import encode, still
 
@@ -276,6 +276,26 @@ def test_stopped_though_the_exception_is_lost(pause, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_stopped_within_a_destructor():
+    """Python loses the exception there, and would print a traceback."""
+    program = """if True:
+        import os, signal, time
+        from povgen import stopping
+        stopping.on_signals()
+
+        class Interrupted:
+            def __del__(self):
+                os.kill(os.getpid(), signal.SIGTERM)
+                time.sleep(0.1)
+
+        Interrupted()
+        time.sleep(600)
+    """
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=200)
+    assert done.returncode == 128 + signal.SIGTERM and done.stderr.encode() == stopping.MESSAGE
+
+
 def test_stopped_though_the_main_thread_waits(tmp_path):
     """For a lock, with the signal delivered to another thread. Then Python calls no handler."""
     program = """if True:
@@ -358,7 +378,7 @@ def test_a_killed_povray_is_tried_again(place, monkeypatch):
 
     def struck(process, *arguments, **options):
         start(process, *arguments, **options)
-        if "+WT1" in process.args:  # a POV-Ray that renders
+        if "+Iscene.pov" in process.args:  # a POV-Ray that renders
             met.append(process)
             if len(met) in (1, 3, 5):  # the first try of three frames
                 process.kill()
@@ -414,7 +434,9 @@ def test_check_with_too_little_room_for_temporary_files(place, limit):
 def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     (scene, *_) = MovieSpec.parse(SPEC, "x").scenes("standard")
-    data, frame = still.png(scene, SMALL), cache.frame_path(to_pov(scene), SMALL)
+    still.as_file(scene, SMALL)
+    frame = cache.frame_path(to_pov(scene), SMALL)
+    data = frame.read_bytes()
     middle = len(data) // 2
     frame.write_bytes(
         {
@@ -424,8 +446,9 @@ def test_a_damaged_frame_is_rendered_again(damage, monkeypatch, tmp_path):
             "another file": b"GIF89a" + data,
         }[damage]
     )
-    again = still.png(scene, SMALL)
-    assert np.array_equal(frames.read_png(again), frames.read_png(data)) and frame.read_bytes() == again
+    again = still.as_file(scene, SMALL)
+    assert np.array_equal(frames.read_png(again), frames.read_png(data))
+    assert frames.is_whole(frame.read_bytes(), SMALL.size)
 
 
 def test_two_at_once(place, monkeypatch):

@@ -7,7 +7,7 @@ import pytest
 from conftest import Node
 
 from povgen import Chess, to_pov
-from povgen.measure.browser import View
+from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions, decoded
 from povgen.optics import aim
 from povgen.scene import camera
@@ -33,8 +33,8 @@ def node():
 
 
 @pytest.fixture(scope="module")
-def view(browser):
-    return View(browser, SCENES[0], [*SCENES, *SERIES])
+def view():
+    return Drawn(SCENES[0])
 
 
 def directions(rng, count=60):
@@ -106,7 +106,7 @@ def through(scene, direction):
 
 @pytest.mark.parametrize("scene", SERIES, ids=lambda scene: scene.sheet)
 def test_sheets_in_series(scene, view):
-    """POV-Ray's pictures and the live view show in every pixel the direction that the laws give."""
+    """POV-Ray's pictures and the shader show in every pixel the direction that the laws give."""
     inside, direction = camera.rays(scene, SIZE)
     passes, expected, _ = through(scene, direction)
     assert passes.sum() > 300

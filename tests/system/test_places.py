@@ -107,7 +107,9 @@ def ordinary():
     if os.getuid():
         return []
     nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
-    starts = subprocess.run([*nobody, sys.executable, "-c", ""], capture_output=True).returncode == 0
+    # setpriv itself may start what nobody may not, so nobody's Python starts another one
+    again = "import os, sys; os.execv(sys.executable, [sys.executable, '-c', ''])"
+    starts = subprocess.run([*nobody, sys.executable, "-c", again], capture_output=True).returncode == 0
     return nobody if starts else ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
 
 

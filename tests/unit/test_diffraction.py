@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from povgen.optics import diffraction, rotation
+from povgen.optics import diffraction, equations
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
@@ -24,7 +24,7 @@ def test_the_shift_of_rays_through_two_sheets(rng):
     """Parallel light along z: the exact trace displaces it by sqrt(2/3) of a prism's height, RMS."""
     prism = Prism(2.4 / 100)
     origin = np.column_stack((rng.uniform(-0.5, 0.5, (4000, 2)), np.full(4000, -1.0)))
-    rays = trace(origin, [[0, 0, 1]], pair(ALPHA, prism), 2.4, prism)
+    rays = trace(origin, [[0, 0, 1]], pair(ALPHA, prism), 2.4)
     shift = (rays.position - origin)[rays.designed, :2]
     assert rays.designed.mean() > 0.95
     rms = np.sqrt((shift**2).sum(1).mean())
@@ -55,7 +55,7 @@ def test_blur_is_the_angle_in_which_the_eye_sees_a_displacement(z1, z2, alpha, d
     """Without diffraction: an object displaced by the RMS shift is seen displaced by the blur."""
     pitch = 1e-4
     D = diffraction.SHIFT * pitch * np.exp(1j * direction)
-    seen = rotation.apparent_position(D, 0, z1, z2, alpha) - rotation.apparent_position(0, 0, z1, z2, alpha)
+    seen = equations.apparent_position(D, 0, z1, z2, alpha) - equations.apparent_position(0, 0, z1, z2, alpha)
     assert blur(pitch, 0.0, z1, z2, alpha) == pytest.approx(abs(seen) / z2)
 
 
@@ -78,3 +78,10 @@ def test_blur_at_the_pole_is_infinite_and_arrays_broadcast():
     assert blur(0.0, GREEN, 1.0, 2.0, 1.0) == np.inf
     assert blur(1e-3, GREEN, 2.0, 2.0, np.pi) == np.inf
     assert blur(np.full((3, 1), 1e-3), GREEN, 2.0, np.array([1.0, 2]), 1.0).shape == (3, 2)
+
+
+@pytest.mark.parametrize("wavelength", [0.55, 550, [GREEN, 0.5]])
+def test_wavelengths_in_other_units_are_refused(wavelength):
+    for call in (lambda: best_pitch(wavelength, 1.0), lambda: blur(1e-3, wavelength, 1.0, 1.0, ALPHA)):
+        with pytest.raises(ValueError, match="^wavelength = .*; allowed: 0 to 0.001, metres$"):
+            call()

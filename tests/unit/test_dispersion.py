@@ -60,7 +60,7 @@ def test_stray_light_is_coloured_and_the_designed_path_is_not():
         glass = replace(prism, index=BK7[line])
         glass = replace(glass, aspect=prism.aspect * prism.full_aperture / glass.full_aperture)
         assert glass.length == pytest.approx(prism.length) and glass.height == prism.height
-        found.append(trace([[0, 0, -z2]], direction, pair(np.radians(66), glass), WINDOW, glass))
+        found.append(trace([[0, 0, -z2]], direction, pair(np.radians(66), glass), WINDOW))
     first, second = found
     same = (first.faces == second.faces).all(1) & (first.end == End.THROUGH) & (second.end == End.THROUGH)
     apart = np.linalg.norm(first.direction - second.direction, axis=1)

@@ -1,5 +1,7 @@
 """Charts of polarisation and diffraction: their curves are those of the mathematics."""
 
+import csv
+
 import imageio.v3 as iio
 import numpy as np
 import pytest
@@ -35,5 +37,10 @@ def test_the_dots_are_at_the_least_blur():
 
 def test_charts_are_written(tmp_path):
     glass.save_charts(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {"polarisation.png", "diffraction.png"}
-    assert all(np.ptp(iio.imread(path)) > 200 for path in tmp_path.iterdir())
+    files = {f"{name}.{kind}" for name in ("polarisation", "diffraction") for kind in ("png", "csv")}
+    assert {path.name for path in tmp_path.iterdir()} == files
+    assert all(np.ptp(iio.imread(path)) > 200 for path in tmp_path.glob("*.png"))
+    rows = list(csv.DictReader((tmp_path / "diffraction.csv").open()))
+    assert {row["line"] for row in rows} == {"z₁ = 0.3 m", "z₁ = 1 m", "z₁ = 3 m", "z₁ = 10 m", *glass.WAVELENGTHS}
+    green = [float(row["y"]) for row in rows if row["line"] == "550 nm"]
+    assert green == pytest.approx(curves(glass.draw_best_pitch)["550 nm"][:, 1], rel=1e-5)

@@ -31,7 +31,7 @@ def test_they_contain_the_rotating_sheet_and_no_sheet():
         Chess(sheet="lenslets", ratio=1, alpha=50),
     ):
         assert scene.apparent_position(scene.L, 2) == pytest.approx(right.apparent_position(right.L, 2))
-        assert overlay.facts(scene)["alpha"] == "50.0°"
+        assert overlay.facts(scene)["alpha"] == "50°"
     none = Chess(sheet="none")
     for sheet in ("axis", "refraction", "lenslets"):
         scene = Chess(sheet=sheet, alpha=0)
@@ -53,22 +53,20 @@ def test_lenslets_form_an_image_of_every_point():
         np.testing.assert_allclose(scene.apparent_position(L, z1), seen_before_window, rtol=1e-12)
     movie = MovieSpec.load("lenslets").scenes("standard")
     distances = [scene.z1 / scene.ratio for scene in movie]
-    assert {scene.alpha for scene in movie} == {180} and (max(distances), min(distances)) == pytest.approx((4, 1))
+    assert {scene.alpha for scene in movie} == {180} and (max(distances), min(distances)) == pytest.approx((2 / 0.7, 1))
 
 
 @pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
 def test_the_eye_sees_a_point_where_its_ray_meets_it(values, rng):
     """And only if the ray passes the window, and the front and the back of the frame."""
     scene = Spheres(z1=3, eye=(0.3, -0.2), **values)
-    E, found = scene.E, []
-    for P in rng.uniform(-1.7, 1.7, 60) + 1j * rng.uniform(-1.7, 1.7, 60):
-        slope = complex(scene.sheets[0].slope((P - E) / 6, P))
-        L = P + 3 * slope
-        assert scene.apparent_position(L, 3) == pytest.approx(P, abs=1e-7)
-        points = (P - 0.15 * (P - E) / 6, P, P + 0.15 * slope)
-        assert scene.visible(L, 3) == all(max(abs(p.real), abs(p.imag)) < 1.5 for p in points)
-        found.append(scene.visible(L, 3))
-    assert 10 < sum(found) < 55
+    P = rng.uniform(-1.7, 1.7, 60) + 1j * rng.uniform(-1.7, 1.7, 60)
+    slope = scene.sheets[0].slope((P - scene.E) / 6, P)
+    position, visible = scene.seen(P + 3 * slope, 3)
+    assert position == pytest.approx(P, abs=1e-7)
+    points = np.array([P - 0.15 * (P - scene.E) / 6, P, P + 0.15 * slope])
+    assert (visible == (np.maximum(abs(points.real), abs(points.imag)) < 1.5).all(0)).all()
+    assert 10 < visible.sum() < 55 and (scene.visible(P + 3 * slope, 3) == visible).all()
     L, z1 = np.array([0.1, 0.2j])[:, None], np.array([1.0, 2, 3])
     both = scene.apparent_position(L, z1)
     assert both.shape == (2, 3) and both[1, 2] == pytest.approx(scene.apparent_position(0.2j, 3.0))
@@ -112,10 +110,10 @@ def test_both_paths_close_to_a_caustic_are_found_and_then_none():
     L = landing(scene, np.array([P]))[0]
     at = scene.apparent_position(L, scene.z1)
     assert abs(at - P) < 0.2 and landing(scene, np.array([at])) == pytest.approx(L)
-    beyond = L + np.linspace(-3, 3, 61)[:, None] + 1j * np.linspace(-3, 3, 61)
+    beyond = L + np.linspace(-3, 3, 31)[:, None] + 1j * np.linspace(-3, 3, 31)
     exact, near = (scene.apparent_position(beyond, scene.z1, near=distance) for distance in (0, 0.5))
     gone = (abs(exact) > 5) & (abs(near) < 5)
-    assert gone.sum() > 50
+    assert gone.sum() > 12
     miss = abs(landing(scene, near[gone]) - beyond[gone])
     assert 0.1 < miss.max() <= 0.5 + 1e-9
     np.testing.assert_allclose(near[abs(exact) < 2], exact[abs(exact) < 2], atol=1e-12)
@@ -126,19 +124,25 @@ def test_overlays_are_drawn(values):
     scene = Chess(**values)
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
-    assert overlay.key(scene, Rendering(overlay=True))[1][0] == "z₁ varies" and "M" not in overlay.facts(scene)
+    assert "path as z₁ changes" in dict(overlay.key(scene, Rendering(overlay=True)))
+    assert "M" not in overlay.facts(scene)
     assert ("ratio" in overlay.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
-    assert not [*warnings.warnings(scene, Rendering(overlay=True, caption=True))]
+    assert not [*warnings.warnings(scene, Rendering(overlay=True, caption="full"))]
 
 
 def shown_aside(scene, cells):
-    """By how many pixels of 1280x960 the camera's interpolation shows an object aside, at the middle of diagonals."""
+    """By how many pixels of 1280x960 the camera's interpolation shows an object aside, at the middle of diagonals.
+
+    In up to 24 x 24 of the cells, with those at the window's edges.
+    """
     side = np.linspace(-0.5, 0.5, cells + 1) * scene.aperture
     P = side + 1j * side[:, None]
     x, y = (P - scene.E).real, (P - scene.E).imag
     unit = scene.sheets[0].bend(np.stack((x, y, np.full(P.shape, scene.z2)), -1), P)
     d = unit[:-1, :-1] + unit[1:, 1:]
     middle = (P[:-1, :-1] + P[1:, 1:]) / 2
+    some = np.unique(np.linspace(0, cells - 1, 24).astype(int))
+    middle, d = (each[np.ix_(some, some)] for each in (middle, d))
     L = middle + scene.z1 * (d[..., 0] + 1j * d[..., 1]) / d[..., 2]
     aside = abs(scene.apparent_position(L, scene.z1) - middle) / scene.view * 960
     return np.nanmax(aside), np.nanquantile(aside, 0.98)
@@ -184,9 +188,7 @@ def test_a_small_circle_of_light_is_not_missed():
         ({"sheet": "axis", "axis": (0, -9e-4, 1e-200)}, "axis = (0, -0.0009, 1e-200): too short"),
         ({"sheet": "axis", "axis": "1,0"}, "axis = '1,0': has too few parts"),
         ({"sheet": "refraction", "ratio": 0}, "ratio = 0: should be greater than or equal to 0.1"),
-        ({"sheet": "single", "window": "alpha=1,z=2"}, "sheet = 'single': not with several windows"),
         ({"window": "z=2,sheet=lens"}, "window: an ideal one behind one of prisms"),
-        ({"window": "z=2,prisms=20"}, "window 2, prisms = 20: differs from that of the first window, 100"),
         ({"sheet": "lens", "focal_length": 0.05}, "focal_length = 0.05: too close to 0"),
         ({"sheet": "axis", "predicted_image": True}, "the prediction is for two sheets, but sheet = 'axis'"),
     ],
@@ -199,10 +201,10 @@ def test_sheets_that_cannot_be_are_refused(values, words):
 
 def test_captions_name_the_parameters_in_words():
     scene = Chess(sheet="twist", twist=20, window="z=1,sheet=lens,focal_length=4.5")
-    assert overlay.facts(scene)["twist"] == "20.0°/tile"
+    assert overlay.facts(scene)["twist"] == "20°/tile"
     plain = np.zeros((240, 640, 3), np.uint8)
     with pytest.MonkeyPatch.context() as patch:
         texts = []
-        patch.setattr(overlay, "_strip", lambda picture, items, at_top: texts.extend(item.text for item in items))
-        overlay.annotated(plain, scene, Rendering(caption=True))
-    assert "focal length = 4.5" in texts and "α = 66.0°" in texts
+        patch.setattr(overlay, "write", lambda draw, x, middle, text, size: texts.append(text))
+        overlay.annotated(plain, scene, Rendering(caption="full"))
+    assert "focal length = 4.5 tiles" in texts and "α = 66°" in texts

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image, ImageDraw
 
 from povgen import Chess, Spheres
-from povgen.optics import rotation
+from povgen.optics import equations
 from povgen.scene import camera
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
@@ -19,12 +19,16 @@ from povgen.video import overlay
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
 
 
+def parts(scene, size=(640, 480), texts=None, **options):
+    """Return what is drawn for a grey picture: the strip above it, the picture, and the strip below it."""
+    made = overlay.annotated(BLANK[size], scene, Rendering(size=size, **options), texts).astype(int)
+    top = np.argmin((made[:, 0] == overlay.STRIP).all(-1))
+    return made[:top], made[top : top + size[1]], made[top + size[1] :]
+
+
 def drawn(scene, size=(640, 480), **options):
-    """Return what is drawn on a grey picture, without the overlay's key, a dark strip at the upper edge."""
-    picture = overlay.annotated(BLANK[size], scene, Rendering(size=size, **options)).astype(int)
-    dark = np.median(picture, axis=(1, 2)) < 60
-    picture[: np.argmin(dark)] = 120
-    return picture
+    """Return what is drawn on a grey picture, without the strips above and below it."""
+    return parts(scene, size, **options)[1]
 
 
 def yellow(picture):
@@ -98,12 +102,12 @@ def dense(first, last, *about):
 def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatch):
     """Every visible point of the true curve is drawn. Nothing is drawn farther from it than the line is wide."""
     distances = dense(scene.depth / 2, 1e4 * scene.z2, scene.depth / 2, z1)
-    true = [(scene.apparent_position(scene.L, distances), scene.visible(scene.L, distances))]
+    true = [scene.seen(scene.L, distances)]
     if alphas:
-        angles, at = dense(-180, 180, -180, *alphas), scene.distances[0]
-        true.append((scene.apparent_position(scene.L, at, angles), scene.visible(scene.L, at, angles)))
+        true.append(scene.seen(scene.L, scene.distances[0], dense(-180, 180, -180, *alphas)))
     places = np.concatenate([place[visible] for place, visible in true])
     monkeypatch.setattr(overlay, "positions", lambda scene: [])
+    monkeypatch.setattr(overlay, "_named", lambda scene: {})
     changed = (drawn(scene, overlay=True) != 120).any(-1)
     assert changed.sum() > 500
     assert not (near(places, 0) & ~changed).any()
@@ -127,28 +131,31 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
     assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
 
 
-def test_marks_and_curves_have_a_dark_rim(monkeypatch):
-    """From the middle outwards: the colour, two thirds black, and the picture; each edge is a pixel wide."""
+def test_marks_and_curves_have_a_light_edge(monkeypatch):
+    """From the middle outwards: the colour, four fifths white, and the picture; each edge is a pixel wide."""
     line = 0.5j + np.linspace(-1, 1, 2000)
     monkeypatch.setattr(overlay, "loci", lambda scene, step: [([line], overlay.ALPHA_COLOUR)])
-    monkeypatch.setattr(overlay, "positions", lambda scene: [-0.5j])
+    monkeypatch.setattr(overlay, "positions", lambda scene: [])
+    monkeypatch.setattr(overlay, "_named", lambda scene: {"E": -0.5j})
+    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
     scene, size = Spheres(z1=[2]), (1280, 960)
     monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
     picture, place = drawn(scene, size, overlay=True), camera.pixels(scene, size)
     wide = 960 / 180
     for colour, inner, outer, part, middle in (
-        (overlay.P_COLOUR, 1.1, 1.7, place.imag < 0, -0.5j),
+        (overlay.POINT_COLOUR, 0.8, 1.3, place.imag < 0, -0.5j),
         (overlay.ALPHA_COLOUR, 0.5, 0.9, (place.imag > 0) & (abs(place.real) < 0.9), place.real + 0.5j),
     ):
         away = abs(place - middle) / scene.view * 960 / wide
         edge = 0.51 / wide
-        for near, far, expected in ((0, inner, colour[:3]), (inner, outer, 40), (outer, 99, 120)):
+        for near, far, expected in ((0, inner, colour[:3]), (inner, outer, 231), (outer, 99, 120)):
             ring = part & (away > near + edge * (near > 0)) & (away < far - edge)
             assert ring.any() and abs(picture[ring] - expected).max() <= 1
 
 
-def test_the_overlay_leaves_the_rest_of_the_picture():
+def test_the_overlay_leaves_the_rest_of_the_picture(monkeypatch):
     scene = Chess(sheet="ideal", alpha=90)
+    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
     changed = (drawn(scene, overlay=True) != 120).any(-1)
     place = camera.pixels(scene, (640, 480))[changed]
     curves = np.concatenate([piece for pieces, _ in overlay.loci(scene) for piece in pieces])
@@ -158,12 +165,12 @@ def test_the_overlay_leaves_the_rest_of_the_picture():
 
 def test_the_caption_prints_what_the_equations_predict():
     assert overlay.facts(Chess(alpha=66, sheet="ideal")) == {
-        "alpha": "66.0°",
-        "z1": "2",
-        "z2": "6",
+        "alpha": "66°",
+        "z1": "2 tiles",
+        "z2": "6 tiles",
         "r": "3",
-        "nu": f"{np.degrees(rotation.nu(3, radians(66))):.1f}°",
-        "M": f"{rotation.M(3, radians(66)):.3g}",
+        "nu": f"{np.degrees(equations.nu(3, radians(66))):.1f}°",
+        "M": f"{equations.M(3, radians(66)):.3g}",
     }
     assert list(overlay.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
 
@@ -171,21 +178,24 @@ def test_the_caption_prints_what_the_equations_predict():
 @pytest.mark.parametrize(
     "scene, texts",
     [
-        (Spheres(alpha=90, sheet="ideal", z1=[3, 12, 6]), ["3 to 12", "0.5 to 2", "26.6 to 63.4°", "0.447 to 0.894"]),
-        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60", "0.1 to 3", "18.0 to 84.4°", "0.0996 to 0.964"]),
-        (Spheres(alpha=-90, sheet="ideal", z1=[6, 6]), ["6", "1", "-45.0°", "0.707"]),
-        (Spheres(alpha=270, sheet="ideal", z1=[3, 6]), ["3 to 6", "1 to 2", "-45.0 to -26.6°", "0.707 to 0.894"]),
+        (
+            Spheres(alpha=90, sheet="ideal", z1=[3, 12, 6]),
+            ["3 to 12 tiles", "0.5 to 2", "26.6 to 63.4°", "0.447 to 0.894"],
+        ),
+        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60 tiles", "0.1 to 3", "18.0 to 84.4°", "0.0996 to 0.964"]),
+        (Spheres(alpha=-90, sheet="ideal", z1=[6, 6]), ["6 tiles", "1", "-45.0°", "0.707"]),
+        (Spheres(alpha=270, sheet="ideal", z1=[3, 6]), ["3 to 6 tiles", "1 to 2", "-45.0 to -26.6°", "0.707 to 0.894"]),
         # beyond the pole, on it and before it
         (
             Spheres(alpha=180, sheet="ideal", z1=[9, 6, 3]),
-            ["3 to 9", "0.667 to 2", "0.0 to 180.0, ?°", "2 to infinite"],
+            ["3 to 9 tiles", "0.667 to 2", "0.0 to 180.0, ?°", "2 to infinite"],
         ),
-        (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9", "0.667 to 0.75", "-180.0°", "2 to 3"]),
-        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6", "1", "?°", "infinite"]),
-        (Chess(alpha=180, sheet="ideal", z1=6), ["6", "1", "?°", "infinite"]),
-        (Chess(alpha=-180, sheet="ideal", z1=5.9), ["5.9", "1.02", "0.0°", "60"]),
+        (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9 tiles", "0.667 to 0.75", "-180.0°", "2 to 3"]),
+        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6 tiles", "1", "?°", "infinite"]),
+        (Chess(alpha=180, sheet="ideal", z1=6), ["6 tiles", "1", "?°", "infinite"]),
+        (Chess(alpha=-180, sheet="ideal", z1=5.9), ["5.9 tiles", "1.02", "0.0°", "60"]),
         # light meets the eye's plane in a line or not at all, in a mirrored image
-        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9", "0.667 to 1", "180.0, ?°", "2 to 61.1"]),
+        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9 tiles", "0.667 to 1", "180.0, ?°", "2 to 61.1"]),
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
@@ -195,9 +205,9 @@ def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
 @pytest.mark.parametrize(
     ("scene", "texts"),
     [
-        (Chess(alpha=-359.99, z1=5000, z2=12.3456), ["-360.0°", "5000", "12.35", "0.00247"]),
-        (Chess(alpha=-0.0, z1=0.8, z2=150), ["0.0°", "0.8", "150", "188"]),
-        (Chess(alpha=-0.02, z1=0.8, z2=150), ["0.0°", "0.8", "150", "188"]),
+        (Chess(alpha=-359.99, z1=5000, z2=12.3456), ["-360°", "5000 tiles", "12.35 tiles", "0.00247"]),
+        (Chess(alpha=-0.0, z1=0.8, z2=150), ["0°", "0.8 tiles", "150 tiles", "188"]),
+        (Chess(alpha=-0.02, z1=0.8, z2=150), ["0°", "0.8 tiles", "150 tiles", "188"]),
     ],
 )
 def test_numbers_are_not_in_powers_of_ten(scene, texts):
@@ -206,38 +216,37 @@ def test_numbers_are_not_in_powers_of_ten(scene, texts):
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
 def test_at_the_pole_there_is_nothing_to_mark(sheet):
-    assert drawn(Chess(alpha=180, z1=6, z2=6, sheet=sheet), caption=True, overlay=True).shape == (480, 640, 3)
+    assert drawn(Chess(alpha=180, z1=6, z2=6, sheet=sheet), caption="full", overlay=True).shape == (480, 640, 3)
     drawn(Chess(alpha=179.99999, z1=6, z2=6, sheet=sheet), overlay=True)
 
 
 @pytest.mark.parametrize("size", list(BLANK))
 def test_the_caption_is_legible_and_whole(size):
     for scene in (Chess(alpha=137.2, z1=1.234), Spheres(alpha=137.2)):
-        picture = drawn(scene, size, caption=True)
-        rows = np.flatnonzero((picture != 120).any((1, 2)))
-        assert rows[-1] == size[1] - 1 and len(rows) == rows[-1] - rows[0] + 1  # a strip at the lower edge
-        strip = picture[rows[0] :]
-        assert strip.max() > 100 and np.median(strip) < 40  # light on dark
+        above, picture, strip = parts(scene, size, caption="full")
+        assert not len(above) and (picture == 120).all()  # the caption covers nothing
+        assert strip.max() > 100 and np.median(strip) < 40 and len(strip) % 2 == 0  # light on dark
         if size[0] > 64:
             assert strip.max() == 255
             assert (strip[:, [0, -1]] < 40).all()  # no letter touches the edge
-            assert len(rows) <= size[1] / 4
+            assert len(strip) <= size[1] / 4
 
 
 def test_text_has_one_size_in_all_pictures(monkeypatch):
-    """It is relative to the picture's height, however many values there are. Six values need one line, if it fits."""
+    """It is relative to the picture's height, however many values there are. Six values need one line."""
     heights = []
-    monkeypatch.setattr(overlay, "_write", lambda draw, x, middle, text, height: heights.append(height / size[1]))
+    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
+    monkeypatch.setattr(overlay, "write", lambda draw, x, middle, text, height: heights.append(height / size[1]))
     for size in ((480, 360), (960, 720), (1920, 1080), (600, 720)):
         monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
         for scene in (Chess(sheet="none"), Chess(), Spheres(alpha=120)):
-            picture = drawn(scene, size, caption=True, overlay=True)
-            lines = (picture != 120).all(-1)[:, 0].sum() / size[1] / (1.5 * overlay.TEXT)
+            above, _, below = parts(scene, size, caption="full", overlay=True)
             if isinstance(scene, Chess) and size[0] > size[1]:
-                assert lines == pytest.approx(1, abs=0.05)
+                assert len(below) / size[1] / (1.6 * overlay.TEXT) == pytest.approx(1, abs=0.07)
+                assert len(above) <= 2 * len(below)
     assert len(heights) > 50 and np.allclose(heights, overlay.TEXT)
     size = 320, 240
-    drawn(Chess(), size, caption=True)
+    drawn(Chess(), size, caption="full")
     assert heights[-1] * 240 == 12
 
 
@@ -256,16 +265,18 @@ EXTREMES = [
 def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     """Nor into the text beside it, even if a number is longer than the space that is reserved for it."""
     monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
-    ends, write = [], overlay._write
+    ends, write = [], overlay.write
+
+    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
 
     def written(draw, x, middle, text, height):
-        ends.append(((draw, middle), x, x + overlay._width(text) * height))
+        ends.append(((draw, middle), x, x + overlay.text_width(text) * height))
         write(draw, x, middle, text, height)
 
-    monkeypatch.setattr(overlay, "_write", written)
-    for option in ("caption", "overlay"):
+    monkeypatch.setattr(overlay, "write", written)
+    for option in ({"caption": "full"}, {"overlay": True}):
         ends.clear()
-        overlay.annotated(BLANK[size], scene, Rendering(size=size, **{option: True}))
+        overlay.annotated(BLANK[size], scene, Rendering(size=size, **option))
         assert min(start for _, start, _ in ends) >= 2 and max(end for _, _, end in ends) <= size[0] - 2
         for (line, _, end), (next_line, start, _) in pairwise(ends):
             assert line != next_line or start > end + 4
@@ -276,59 +287,168 @@ def test_the_key_explains_each_colour_that_is_drawn():
         rendering = Rendering(size=(640, 480), overlay=True)
         colours = [colour for _, colour in overlay.key(scene, rendering)]
         curves = [colour for _, colour in overlay.loci(scene)]
-        assert colours[0] == overlay.P_COLOUR and colours[1 : 1 + len(curves)] == curves
+        assert colours[0] == overlay.P_COLOUR
+        assert [colour for colour in colours if colour in (overlay.ALPHA_COLOUR, overlay.R_COLOUR)] == curves
         assert (overlay.IMAGE_COLOUR in colours) == getattr(scene, "predicted_image", False)
-        picture = overlay.annotated(BLANK[640, 480], scene, rendering)
-        strip = picture[: np.argmin(np.median(picture, axis=(1, 2)) < 60)].reshape(-1, 3)
+        strip = parts(scene, overlay=True)[0].reshape(-1, 3)
         for colour in colours:
             assert (strip == colour[:3]).all(1).sum() > 8
 
 
+@pytest.mark.parametrize(
+    ("scene", "name", "way"),
+    [
+        (Chess(sheet="mirror", alpha=80), "mirror line", np.exp(1j * radians(40))),
+        (Chess(sheet="axis", axis=(0, 1, 0), alpha=20), "axis", 1j),
+        (Chess(sheet="axis", axis=(0, 0.2, 1), alpha=20), None, 0),
+    ],
+)
+def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch):
+    monkeypatch.setattr(overlay, "loci", lambda *_: [])
+    picture = drawn(scene, overlay=True)
+    place = camera.pixels(scene, (640, 480))[(picture == overlay.LINE_COLOUR[:3]).all(-1)]
+    assert [text for text, colour in overlay.key(scene, Rendering(overlay=True)) if colour == overlay.LINE_COLOUR] == [
+        *filter(None, [name])
+    ]
+    if name:
+        turned = place / way
+        assert np.ptp(turned.real) > 0.98 * scene.aperture and abs(turned.imag).max() < 2.7 * scene.view / 480
+    else:
+        assert not len(place)
+
+
 def test_a_key_explains_the_predicted_image_below_a_caption_too():
     scene = Chess(predicted_image=True)
-    explained = [colour for _, colour in overlay.key(scene, Rendering(caption=True))]
+    explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]
     assert explained == [overlay.IMAGE_COLOUR]
-    assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption=True))
+    assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption="full"))
 
 
 def test_greek_letters_and_subscripts():
     """An α is two to four fifths as wide as the letter M, and every subscript is lower and smaller than a digit."""
-    shapes = []
-    for text in ("α", "M", "1", "₁"):
+    shapes, images = [], []
+    for text in ("α", "M", "1", "₁", "ν", "v"):
         image = Image.new("RGB", (100, 100))
-        overlay._write(ImageDraw.Draw(image), 20, 50, text, 40)
+        overlay.write(ImageDraw.Draw(image), 20, 50, text, 40)
         rows, columns = (np.flatnonzero(np.asarray(image)[..., 0].any(axis)) for axis in (1, 0))
         shapes.append((rows[0], rows[-1], columns[-1] - columns[0]))
-    alpha, m, one, sub = shapes
-    assert abs(m[0] + m[1] - 2 * 50) <= 2  # the middle of its height is where it was asked for
+        images.append(np.asarray(image)[..., 0])
+    alpha, m, one, sub, *_ = shapes
+    assert (abs(images[-1].astype(int) - images[-2]) > 128).sum() > 20  # a nu is no Latin v
+    assert abs(m[0] + m[1] - 2 * 50) <= 4  # the middle of its height is where it was asked for
     assert 0.4 * m[2] < alpha[2] < 0.8 * m[2] and m[0] < alpha[0] and abs(alpha[1] - m[1]) <= 1
     assert sub[1] > one[1] and sub[0] > one[0] and sub[2] < one[2]
     # no character of a caption or a key is drawn as the box that stands for a missing one
-    font = overlay._font(40)
-    missing, texts = font.getmask("☃"), "".join(chr(code) for code in range(33, 127)) + "°αν₁₂"
-    assert all(bytes(font.getmask(letter)) != bytes(missing) for letter in texts)
+    for font, texts in (
+        (overlay._font(40), "".join(chr(code) for code in range(33, 127)) + "°₁₂–×"),
+        (overlay._font(40, "symbol"), "αβνrxyzELMP"),
+    ):
+        missing = font.getmask("☃")
+        assert all(bytes(font.getmask(letter)) != bytes(missing) for letter in texts)
 
 
+@pytest.mark.parametrize("kind", ["short", "full"])
 @pytest.mark.parametrize(
     "scenes",
     [
         [Chess(alpha=alpha) for alpha in (7, 178.5)],
         [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (0.6, 6)],
         [Spheres(alpha=alpha, sheet="ideal", z1=[1, 6, 50]) for alpha in (0, 100, 180)],
-        [Spheres(alpha=alpha, sheet="ideal", z1=[1, 50]) for alpha in (0, 100)],
     ],
 )
-def test_a_movies_caption_stands_still(scenes, monkeypatch):
-    """Every value begins at the same place in all frames."""
-    places = []
-    write = overlay.ImageDraw.ImageDraw.text
-    monkeypatch.setattr(
-        overlay.ImageDraw.ImageDraw, "text", lambda draw, *a, **b: (places.append(a[:1]), write(draw, *a, **b))
-    )
-    for scene in scenes:
-        for size in BLANK:
-            drawn(scene, size, caption=True)
-    assert len(set(places)) == len(BLANK) * len(overlay.facts(scenes[0]))
+def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
+    """Every value begins at the same place in all frames. The gaps between the widest values are equal."""
+    found, write = [], overlay.write
+    monkeypatch.setattr(overlay, "write", lambda draw, x, *a: (found[-1].append(x), write(draw, x, *a)))
+    texts = overlay.captions(scenes, Rendering(caption=kind))
+    for scene, caption in zip(scenes, texts, strict=True):
+        found.append([])
+        parts(scene, texts=caption)
+    assert found[0] and all(places == found[0] for places in found)
+    size = overlay.TEXT * 480 * texts[0].size
+    gaps = [
+        b - a - size * overlay.text_width(text)
+        for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)
+    ]
+    assert np.allclose([gap for gap in gaps if gap > 0], overlay.GAP * size)  # others are from line to line
+
+
+@pytest.mark.parametrize(
+    ("scenes", "texts"),
+    [
+        (
+            [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 65.6, 180)],
+            [f"α = {alpha}°, knight turned by {nu}°" for alpha, nu in ((0, 0), (66, 15), (180, 0))],
+        ),
+        (
+            [Chess(z1=z1, alpha=90, piece="king") for z1 in (0.62, 20)],
+            ["z₁ = 0.6 tiles, α = 90°, king turned by 5°", "z₁ = 20.0 tiles, α = 90°, king turned by 73°"],
+        ),
+        (
+            [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (3, 6, 9)],
+            [
+                f"z₁ = {z1} tiles, α = 180°, {turned}"
+                for z1, turned in ((3, "knight turned by 0°"), (6, "knight turned by ?"), (9, "knight turned by 180°"))
+            ],
+        ),
+        ([Spheres(alpha=alpha) for alpha in (0, 140)], ["α = 0°", "α = 140°"]),
+        (
+            [Chess(eye=(x, 0)) for x in (-0.5, -0.04, 1)],
+            ["eye 0.5 tiles to the left", "eye in the middle", "eye 1.0 tiles to the right"],
+        ),
+        (
+            [Spheres(line=(0.3, y)) for y in (-0.1, 0.1)],
+            ["line 0.30 tiles to the right, 0.10 tiles down", "line 0.30 tiles to the right, 0.10 tiles up"],
+        ),
+        ([Chess(prisms=n) for n in (200, 1000)], ["200 prisms", "1000 prisms"]),
+        (
+            [Chess(sheet="refraction", ratio=0.7, alpha=x) for x in (0, 90)],
+            [f"index ratio 0.7, light turned by {x}°" for x in (0, 90)],
+        ),
+        ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
+        ([Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)], ["f₁/f₂ = 0.5", "f₁/f₂ = 2.0"]),
+        ([Chess(sheet="lenticular", f_number=x) for x in (3, 4.8)], ["f/3.0 lenses", "f/4.8 lenses"]),
+        ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
+        ([Chess(window=f"z=2,alpha={x}", z1=3) for x in (66, 66.4)], ["α₂ = 66.00°", "α₂ = 66.40°"]),
+        (
+            [Chess(window=f"z={x},alpha=120", alpha=120, sheet="ideal", z1=2) for x in (0.5, 2)],
+            ["windows 0.5 tiles apart, knight turned by -15°", "windows 2.0 tiles apart, knight turned by 0°"],
+        ),
+        (
+            [Chess(window=["z=1,alpha=0", f"z={x},alpha=0"], alpha=0, z1=2) for x in (2, 3)],
+            ["window 3 at 2 tiles", "window 3 at 3 tiles"],
+        ),
+        ([Spheres(z2=6), Spheres(z2=7)], ["z₂ = 6 tiles", "z₂ = 7 tiles"]),
+        ([Chess(sheet="refraction", ratio=0.7, alpha=40)], ["index ratio 0.7, light turned by 40°"]),
+        ([Chess(sheet="mirror")], ["mirror line at 33°"]),
+        ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
+        ([Chess(alpha=66.5)], ["α = 66.5°"]),
+        ([Chess(sheet="none", z1=3)], ["z₁ = 3 tiles"]),
+        ([Chess(piece="king"), Chess(piece="pawn")], ["", ""]),
+    ],
+)
+def test_a_short_caption_says_what_moves(scenes, texts):
+    assert [", ".join(caption.texts) for caption in overlay.captions(scenes, Rendering(caption="short"))] == texts
+
+
+@pytest.mark.parametrize(
+    ("scene", "letters"),
+    [
+        (Chess(sheet="ideal"), "LEP"),
+        (Spheres(alpha=120, sheet="ideal"), "LE"),  # one L, and a P for each sphere
+        (Chess(sheet="ideal", eye=(0, 4)), "LP"),  # E is not in the window
+    ],
+)
+def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
+    found = {}
+    monkeypatch.setattr(overlay, "_letter", lambda picture, name, place, others: found.update({name: place}))
+    picture = drawn(scene, overlay=True)
+    assert [*found] == [*letters]
+    for name, at in found.items():
+        x, y = round(at.real), round(at.imag)
+        z = camera.pixels(scene, (640, 480))[y, x]
+        right = {"L": scene.L, "E": scene.E, "P": scene.apparent_position(scene.L, scene.distances[0])}[name]
+        assert abs(z - right) < scene.view / 480 and (picture[y, x] != 120).any()
 
 
 def test_a_large_picture_needs_little_memory_more():
@@ -342,7 +462,7 @@ def test_a_large_picture_needs_little_memory_more():
         peak = lambda: int(re.search("VmHWM:[^0-9]*([0-9]+)", open("/proc/self/status").read())[1])
         before = peak()
         scene = Spheres(alpha=100, z1=[6], line=(0.1, 0.05))  # its curves span the window
-        overlay.annotated(picture, scene, Rendering(size=(3840, 2160), overlay=True, caption=True))
+        overlay.annotated(picture, scene, Rendering(size=(3840, 2160), overlay=True, caption="full"))
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     assert 20 < float(done.stdout) < 50

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from povgen import Chess, InputError, to_pov
+from povgen import Chess, InputError, files, to_pov
 from povgen.scene import pieces, sdl
 from povgen.scene.pieces import INCLUDES, PieceFile, declared
 
@@ -85,7 +85,7 @@ def test_a_file_that_has_nothing_to_read_yet_is_refused(tmp_path, monkeypatch):
     """Such as /proc/kmsg, a regular file that is read like a pipe."""
     os.mkfifo(tmp_path / "log")
     writes = os.open(tmp_path / "log", os.O_RDWR)
-    monkeypatch.setattr(pieces.stat, "S_ISREG", lambda mode: True)
+    monkeypatch.setattr(files.stat, "S_ISREG", lambda mode: True)
     try:
         with pytest.raises(InputError, match="should be a name or a file that can be read at once"):
             Chess(piece=tmp_path / "log")

@@ -17,7 +17,7 @@ from povgen.settings import Rendering
 @pytest.mark.parametrize(
     "scene, options, words",
     [
-        (Spheres(), {"overlay": True, "caption": True}, None),
+        (Spheres(), {"overlay": True, "caption": "full"}, None),
         (Spheres(alpha=175, z1=[2, 5.5]), {}, None),
         (
             Spheres(alpha=175, z1=[2, 5.5]),
@@ -26,12 +26,12 @@ from povgen.settings import Rendering
         ),
         (
             Spheres(alpha=175, z1=[5.5, 2]),
-            {"caption": True},
+            {"caption": "full"},
             "caption: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 202 pix",
         ),
         (
             Chess(prisms=20),
-            {"overlay": True, "caption": True},
+            {"overlay": True, "caption": "full"},
             "by up to 22 pixels of 1280x960, because of the prisms'",
         ),
         (Chess(alpha=12), {"overlay": True}, None),
@@ -40,7 +40,7 @@ from povgen.settings import Rendering
         (Chess(alpha=180, z1=6), {"overlay": True}, "z1 = 6 the prediction can be wrong by more than the picture's"),
         (
             Spheres(alpha=179.9, sheet="ideal"),
-            {"caption": True},
+            {"caption": "full"},
             "can be wrong by up to 3.82 pixels of 1280x960, because of the magnification of the object, 573 times",
         ),
         (Spheres(sheet="single", z1=[2, 3]), {"overlay": True}, None),
@@ -49,7 +49,7 @@ from povgen.settings import Rendering
             {"overlay": True},
             "overlay: at z1 = 5 the prediction can be wrong by up to 9.18 pixels",
         ),
-        (Spheres(sheet="single", z1=[2, 5]), {"caption": True}, None),  # it has no nu and no M
+        (Spheres(sheet="single", z1=[2, 5]), {"caption": "full"}, None),  # it has no nu and no M
         (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
         (Chess(sheet="lenslets", alpha=180, z1=6), {}, None),
         (Chess(sheet="lenslets", alpha=180, z1=5.9), {"overlay": True}, None),
@@ -89,7 +89,7 @@ def test_the_trace_level_leaves_few_pixels_black():
     ):
         scene = probes.Directions(prisms=prisms, alpha=alpha, z2=z2, eye=E)
         inside, direction = camera.rays(scene, SIZE)
-        found = probes.traced(scene, direction, max_faces=255)
+        found = scene.trace(camera.along(scene, direction), max_faces=255)
         lost = (found.end != End.FRAME) & (found.count >= survey.max_trace_level(scene))
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
         levels.append(survey.max_trace_level(scene))

@@ -10,10 +10,11 @@ from itertools import islice
 import numpy as np
 
 from povgen import Chess, InputError, Spheres
-from povgen.limits import MAX_ERROR, RADII
+from povgen.limits import MAX_ERROR
 from povgen.measure import probes
-from povgen.optics import rotation, series
-from povgen.scene import cells, survey, warnings
+from povgen.optics import equations
+from povgen.optics.uncertainty import RADII
+from povgen.scene import camera, cells, survey, warnings
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 
@@ -33,8 +34,15 @@ def random_scene(rng):
         values |= {"aspect": rng.uniform(0.5, 1.9), "aperture": log(0.5, 10), "view": log(0.3, 30)}
     if sheet == "detailed" and rng.random() < 0.4:
         places = np.cumsum(rng.uniform(0.5, 3, rng.integers(1, 4)))
-        values["window"] = [{"alpha": rng.uniform(-180, 180), "z": z, "sheet": "detailed"} for z in places]
-        values["sheet"] = rng.choice(["detailed", "ideal"])
+        kinds = rng.choice(["detailed", "single"], len(places), p=[0.9, 0.1])
+        values["window"] = [
+            {"alpha": rng.uniform(-180, 180), "z": z, "sheet": kind} for z, kind in zip(places, kinds, strict=True)
+        ]
+        if rng.random() < 0.5:  # the last window has prisms of another shape
+            values["window"][-1] |= {"prisms": int(log(1, 3000)), "index": rng.uniform(1.1, 4), "gap": log(0.001, 0.5)}
+        values["sheet"] = rng.choice(
+            ["detailed", "single", "ideal", *OTHER], p=[0.4, 0.1, 0.2, *[0.3 / len(OTHER)] * len(OTHER)]
+        )
     if rng.random() < 0.5:
         return Chess(x=rng.uniform(-3, 3), pedestal=log(0.01, 5), **values)
     return Spheres(line=tuple(rng.uniform(-4, 4, 2)), **values)
@@ -52,7 +60,7 @@ def warned_error(scene):
 def measured_error(scene, rays=80):
     """Return by how many pixels of 1280x960 an object appears elsewhere than predicted, or None if too little is seen.
 
-    Of prisms, rays^2 rays are traced. The object counts as a disc with an apparent radius within limits.RADII. Its
+    Of prisms, rays^2 rays are traced. The object counts as a disc with an apparent radius within uncertainty.RADII. Its
     position is that of the linear function fitted to its rays, and the mean over all rays that the prediction expects
     on the disc; the larger error counts. Of other sheets, it is what the camera's interpolation does.
     """
@@ -63,41 +71,32 @@ def measured_error(scene, rays=80):
         return None if np.isnan(error) else error  # at the edge of where light passes
     M = np.mean(abs(scene.apparent_position(L + 1e-3 * np.exp(1j * np.arange(8)), z1) - P)) / 1e-3
     radius = min(max(M * scene.radii[0], RADII[0]), RADII[1])
-    spread = scene.prism.pitch * M
+    spread = max((sheet.pitch for sheet in scene.layered), default=0) * M
     side = (np.arange(rays) + 0.5) / rays * 2 - 1
     jitter = np.random.default_rng(1).uniform(-1, 1, (2, rays, rays)) / rays
-    aim = P + (1.3 * radius + 3 * spread) * ((side + jitter[0]) + 1j * (side[:, None] + jitter[1]))
-    aim = aim[np.maximum(abs(aim.real), abs(aim.imag)) < scene.aperture / 2]
-    aim, at = where_rays_end(scene, aim, z1)
+    to = P + (1.3 * radius + 3 * spread) * ((side + jitter[0]) + 1j * (side[:, None] + jitter[1]))
+    to = to[np.maximum(abs(to.real), abs(to.imag)) < scene.aperture / 2]
+    to, at = where_rays_end(scene, to, z1)
     near = abs(at - L) < radius / M
-    if near.sum() < rays**2 / 50 or abs(aim[near] - P).max() > 1.2 * radius + 2.8 * spread:
+    cell, edge = (2.6 * radius + 6 * spread) / rays, np.maximum(abs(to.real), abs(to.imag))
+    if (
+        near.sum() < rays**2 / 50
+        or abs(to[near] - P).max() > 1.2 * radius + 2.8 * spread
+        or edge[near].max() > scene.aperture / 2 - 2 * cell  # the window's edge hides a part
+    ):
         return None
-    found = [abs(seen.position - P) for seen in [probes.locate(aim, at - L, radius / M)] if seen]
-    expected = abs(aim - P) < radius
+    found = [abs(seen.position - P) for seen in [probes.locate(to, at - L, radius / M)] if seen]
+    expected = abs(to - P) < radius
     if expected.sum() > rays**2 / 50:
-        found.append(abs((aim - scene.apparent_position(at, z1))[expected].mean()))
+        found.append(abs((to - scene.apparent_position(at, z1))[expected].mean()))
     return max(found, default=np.nan) * tile
 
 
-def where_rays_end(scene, aim, z1):
+def where_rays_end(scene, points, z1):
     """Return the rays from the eye to points of the first window that take the designed path, and where they end."""
-    first = len(scene.ideal)
-    crossed = np.vstack(
-        (np.full(aim.shape, scene.E), series.crossings(aim, scene.E, scene.z2, np.radians(scene.alpha), scene.behind))
-    )
-    planes = [-scene.z2, *scene.places]
-    steps = crossed[first + 1] - crossed[first]
-    found = probes.traced(
-        scene,
-        np.column_stack((steps.real, steps.imag, np.full(len(aim), planes[first + 1] - planes[first]))),
-        max_faces=3 * len(survey.prism_sheets(scene.windows, scene.prism)) + 1,
-        origin=np.column_stack((crossed[first].real, crossed[first].imag, np.full(len(aim), planes[first]))),
-    )
-    onward = (
-        found.position
-        + ((scene.places[-1] + z1 - found.position[:, 2]) / found.direction[:, 2])[:, None] * found.direction
-    )
-    return aim[found.designed], (onward @ (1, 1j, 0))[found.designed]
+    found = scene.trace(camera.through(scene, points), 3 * len(survey.prism_sheets(scene.windows)) + 1)
+    onward = found.at(scene.places[-1] + z1)
+    return points[found.designed], onward[found.designed]
 
 
 def error_of_camera(scene, P):
@@ -109,7 +108,9 @@ def error_of_camera(scene, P):
     points = np.array([corner, corner + cell * (1 if x > y else 1j), corner + cell * (1 + 1j), P])
     view = np.column_stack(((points - scene.E).real, (points - scene.E).imag, np.full(4, scene.z2)))
     bent = (
-        rotation.rotate(view, np.radians(scene.alpha)) if scene.sheet == "ideal" else scene.sheets[0].bend(view, points)
+        equations.rotate(view, np.radians(scene.alpha))
+        if scene.sheet == "ideal"
+        else scene.sheets[0].bend(view, points)
     )
     unit = bent / np.linalg.norm(bent, axis=1)[:, None]
     shown = np.array([1 - max(x, y), abs(x - y), min(x, y)]) @ unit[:3]
@@ -166,7 +167,7 @@ def test_corrections_that_cancel_are_warned_of():
     """The prisms of the two windows move the object to opposite sides. Their errors remain."""
     values = {"alpha": 90, "window": "alpha=100,z=0.8", "z1": 6.11, "z2": 6.04, "prisms": 232}
     scene = probes.Positions(**values)
-    Z = rotation.depth(scene.z1, scene.z2, np.radians(90), scene.behind)
+    Z = equations.depth(scene.z1, scene.z2, np.radians(90), scene.behind)
     scene = scene.replace(L=complex((0.2 - 0.5j) * Z / scene.z2), extent=0.25 * abs(Z) / scene.z2)
     assert 3 < measured_error(scene, 300) < warned_error(scene)
     assert abs(scene.apparent_position(scene.L, scene.z1) - (0.2 - 0.5j)) / scene.view * 960 < 4

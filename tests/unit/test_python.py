@@ -16,7 +16,7 @@ from povgen.liveview.page import demo
 from povgen.model import Model
 from povgen.scene.models import Scene
 from povgen.scene.spec import Sweep
-from povgen.settings import QUALITIES
+from povgen.settings import Options
 
 MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 
@@ -79,9 +79,12 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
             + [{"height": 0}]
             for name, value in wrong.items()
         ),
+        (lambda: setattr(live(Chess()), "alpha", "x"), ["alpha = 'x'"]),
+        (lambda: setattr(live(Chess()), "fresnel", True), ["fresnel = true"]),
+        (lambda: setattr(live(Chess()), "scene", 3), ["scene", "Chess(...)"]),
         (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
         (lambda: Movie(3), ["path = 3: should be a path", ".mp4"]),
-        (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .gif"]),
+        (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
         (lambda: Movie(Path("a\0.gif"))._repr_html_(), ["path = 'a\\x00.gif'"]),
     ],
@@ -134,14 +137,9 @@ def test_a_copy_with_changes():
     scene = Chess(alpha=66, z1="3")
     assert scene.replace(alpha=90) == Chess(alpha=90, z1=3) and scene.alpha == 66
     assert scene.replace() == scene and type(Spheres().replace(z1=2)) is Spheres
-    assert Rendering(quality="high").replace(caption=True) == Rendering(quality="high", caption=True)
+    assert Rendering(quality="high").replace(caption="full") == Rendering(quality="high", caption="full")
     assert Rendering(quality="high").replace(quality="draft") == Rendering(quality="draft")  # its size as well
     assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
-    for prisms in (True, False):
-        for other in ("draft", "high"):
-            suited = Rendering(quality=other).suited(prisms).replace(quality="hd")
-            assert suited.antialias == QUALITIES["hd"].antialias[not prisms] == suited.replace(caption=True).antialias
-        assert Rendering(antialias="3x").suited(prisms).replace(quality="draft").antialias == "3x"
     assert Rendering().suited(False).suited(True) == Rendering()
     for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy(), Chess.model_validate(scene)):
         assert copied == scene
@@ -178,3 +176,45 @@ def test_the_signature_has_types_and_defaults():
 )
 def test_help_says_what_else_moves(name, words):
     assert words in Chess.model_fields[name].description
+
+
+def test_a_live_view_and_its_scene():
+    seen = live(Chess())
+    widget = seen.widget
+    seen.alpha = 90
+    assert seen.scene == Chess(alpha=90) and seen.alpha == widget.scene["alpha"] == 90
+    page = widget.html
+    widget.moved = {"eye": [1, 0.5]}
+    assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5) and widget.html is page
+    widget.moved = {"eye": [100, 0]}  # a browser's message is not trusted
+    assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5)
+    seen.piece = "king"
+    assert widget.html != page and widget.scene["piece"] == "king"  # the new page asks for the scene
+    seen.scene = Spheres()
+    assert widget.scene["name"] == "spheres" and seen.z2 == Spheres().z2
+    with pytest.raises(AttributeError):
+        _ = seen.nothing
+
+
+def test_repr_shows_what_differs_from_the_default():
+    assert repr(Chess()) == repr(Chess(alpha=66)) == "Chess()"
+    assert repr(Chess(alpha="90", sheet="ideal")) == "Chess(alpha=90.0, sheet='ideal')"
+    assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
+    assert repr(Chess(prisms=3, z1=9)) == "Chess(prisms=3, z1=9.0)"  # also if the picture's height follows from it
+    window = Chess(window="alpha=120,z=2", x=[0, 1])
+    assert repr(window) == "Chess(window=(Window(alpha=120.0, z=2.0),), x=(0.0, 1.0))"
+
+
+def test_the_options_for_type_checkers_are_those_of_a_rendering():
+    assert set(Options.__annotations__) == set(Rendering.model_fields)
+
+
+def test_a_path_in_the_users_home(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "ball.inc").write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
+    (tmp_path / "a.toml").write_text('title = "a"\nscene = "chess"\n[[sweep]]\nparameter = "z1"\nstart = 2\nstop = 3\n')
+    assert MovieSpec.load("~/a.toml").title == "a" and Chess(piece="~/ball.inc").piece.path == str(
+        tmp_path / "ball.inc"
+    )
+    assert Movie("~/a.mp4").path == tmp_path / "a.mp4" and live(Chess(sheet="none")).save("~/a.html").exists()
+    assert Movie("~nobody-has-this-name/a.mp4").path == Path("~nobody-has-this-name/a.mp4")

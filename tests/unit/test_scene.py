@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import mirrored_position
+from conftest import glass, mirrored_position
 
 from povgen import Chess, InputError, Rendering, Spheres
-from povgen.optics import paraxial
+from povgen.optics import aim
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene import camera
@@ -61,10 +61,10 @@ def test_the_ends_of_a_range_are_allowed_and_nothing_beyond(scene, name, ends, b
 def test_window_frame_and_pedestals_stand_on_the_floor():
     for aperture in (0.5, 2.4, 10):
         scene = Chess(aperture=aperture, z1=5, pedestal=0)
-        assert scene.L.imag == scene.floor == -(aperture / 2 + scene.rim)
-        assert Chess(aperture=aperture, z1=5, pedestal=1.5).L.imag == scene.floor + 1.5
-        with pytest.raises(InputError, match=f"allowed: Y > {scene.floor:g}$"):
-            Chess(aperture=aperture, z1=5, eye=(0, scene.floor))
+        assert scene.L.imag == scene.floor_y == -(aperture / 2 + scene.rim)
+        assert Chess(aperture=aperture, z1=5, pedestal=1.5).L.imag == scene.floor_y + 1.5
+        with pytest.raises(InputError, match=f"allowed: Y > {scene.floor_y:g}$"):
+            Chess(aperture=aperture, z1=5, eye=(0, scene.floor_y))
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_predictions_follow_the_prisms(name, sheet):
     shape = {"index": 1.5, "base_angle": 45, "gap": 0.01, "aspect": 1, name: values[name]}
     prism, L = Prism(shape.pop("aperture", APERTURE) / 20, **shape), 0.3 + 0.3j
     if sheet == "detailed":
-        right = paraxial.apparent_position(L, scene.E, 2, 6, np.radians(66), prism)
+        right = aim.position(L, scene.E, 2, glass(6, np.radians(66), prism))
     else:
         right = mirrored_position(L, scene.E, 2, 6, prism)
     assert scene.apparent_position(L, 2) == pytest.approx(right, rel=1e-13)

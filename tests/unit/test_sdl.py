@@ -12,7 +12,7 @@ from povgen.scene import materials
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
-SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror")
+SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror", "lenticular", "profile")
 
 
 def scenes():
@@ -35,7 +35,7 @@ def scenes():
 
 def body(text):
     """Return the text without its parameter block."""
-    return re.sub(r"^#declare \w+ += .*;  // .*$", "", text, flags=re.M)
+    return re.sub(r"^(#ifndef \(\w+\) +)?#declare \w+ += .*;( #end)?  // .*$", "", text, flags=re.M)
 
 
 def code_of(scene, mosaic=None):
@@ -48,7 +48,7 @@ def code_of(scene, mosaic=None):
     ids=lambda s: f"{s.name}-{'-'.join(sheet.name for sheet in s.sheets)}-{getattr(s, 'piece', '')}",
 )
 def test_everything_declared_is_used(scene):
-    code = code_of(scene)
+    code = re.sub(r"#ifndef \(\w+\)", "", code_of(scene))
     for kind, name in re.findall(r"#(declare|macro|local)\s+(\w+)", code):
         uses = len(re.findall(rf"\b{name}\b", code))
         assert uses > 1, f"{kind} {name} is not used"
@@ -115,6 +115,7 @@ def test_parameters_name_their_unit():
     for scene in scenes():
         for line in to_pov(scene).splitlines():
             lengths = "Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|FootRadius|Pedestal|SeenUp"
+            line = re.sub(r"^#ifndef \(\w+\) +", "", line)
             if re.match(rf"#declare ({lengths})\b", line):
                 assert line.endswith("tiles")
             if re.match(r"#declare (Alpha|BaseAngle)\b", line):
@@ -155,3 +156,10 @@ def test_formulas_and_colour_maps_in_glsl():
         for value in np.linspace(-0.1, 1.1, 49):
             wanted = [np.interp(value, places, rgb[:, k]) for k in range(3)]
             assert eval(expression, glsl | {"value": value}) == pytest.approx(wanted, abs=1e-12)
+
+
+def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
+    """They stand before a window of other prisms, or of lenses."""
+    for last in ({"prisms": 50}, {"sheet": "lenticular"}):
+        text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]))
+        assert text.count("  { 100, 1.5, 45, 1, 0.01, 0, 2 }") == 2

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from conftest import glass
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import paraxial, rotation, series
+from povgen.optics import aim, equations, series
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, pair, trace
 
@@ -21,19 +22,19 @@ THREE = np.radians(40), [(1.0, np.radians(-70)), (1.5, np.radians(100))]
 
 @given(POINT, POINT, DISTANCE, DISTANCE, ANGLE, BEHIND)
 def test_light_followed_from_window_to_window_reaches_the_eye(P, E, z1, z2, alpha, behind):
-    """A camera's ray, which each window turns by -alpha (`rotation.rotate`), meets L; light retraces its path."""
+    """A camera's ray, which each window turns by -alpha (`equations.rotate`), meets L; light retraces its path."""
     at, direction = P, np.array([(P - E).real, (P - E).imag, z2])
     crossed = []
     for turn, step in zip([alpha, *(a for _, a in behind)], [*(d for d, _ in behind), z1], strict=True):
         crossed.append(at)
-        direction = rotation.rotate(direction, turn)
+        direction = equations.rotate(direction, turn)
         at += step * complex(*direction[:2]) / direction[2]
     close = {"abs": 1e-12 * (1 + abs(P) + abs(E)) * (1 + (z1 + sum(d for d, _ in behind)) / z2)}
-    assert rotation.object_position(P, E, z1, z2, alpha, behind) == pytest.approx(at, **close)
+    assert equations.object_position(P, E, z1, z2, alpha, behind) == pytest.approx(at, **close)
     assert list(series.crossings(P, E, z2, alpha, behind)) == pytest.approx(crossed, **close)
-    Z = rotation.depth(z1, z2, alpha, behind)
+    Z = equations.depth(z1, z2, alpha, behind)
     assume(abs(Z) > 1e-3)
-    assert rotation.apparent_position(at, E, z1, z2, alpha, behind) == pytest.approx(P, abs=close["abs"] * z2 / abs(Z))
+    assert equations.apparent_position(at, E, z1, z2, alpha, behind) == pytest.approx(P, abs=close["abs"] * z2 / abs(Z))
 
 
 @given(DISTANCE, DISTANCE, ANGLE, BEHIND)
@@ -41,17 +42,14 @@ def test_depth_is_its_formula(z1, z2, alpha, behind):
     total = np.cumsum([0, alpha, *(a for _, a in behind)])
     lengths = np.array([z2, *(d for d, _ in behind), z1])
     expected = (lengths * np.exp(-1j * total)).sum()
-    assert rotation.depth(z1, z2, alpha, behind) == pytest.approx(expected, abs=1e-12 * lengths.sum())
+    assert equations.depth(z1, z2, alpha, behind) == pytest.approx(expected, abs=1e-12 * lengths.sum())
 
 
 def test_windows_may_be_arrays():
     alphas, gaps = np.radians([10.0, 20, 30]), np.array([[1.0], [2]])
-    Z = rotation.depth(3, 6, alphas, [(gaps, 0.5)])
-    assert Z.shape == (2, 3) and Z[1, 2] == pytest.approx(rotation.depth(3, 6, alphas[2], [(2, 0.5)]))
-    P, b = paraxial.image(3, 6, alphas, Prism(0.01), [(gaps, 0.5)])
-    assert P.shape == b.shape == (2, 3) and P[1, 2] == pytest.approx(
-        paraxial.image(3, 6, alphas[2], Prism(0.01), [(2, 0.5)])[0], rel=1e-14
-    )
+    Z = equations.depth(3, 6, alphas, [(gaps, 0.5)])
+    assert Z.shape == (2, 3) and Z[1, 2] == pytest.approx(equations.depth(3, 6, alphas[2], [(2, 0.5)]))
+    P = equations.apparent_position(0, 1, 3, 6, alphas, [(gaps, 0.5)])
     assert series.crossings(P, 0, 6, alphas, [(gaps, 0.5), (1, 2)]).shape == (3, 2, 3)
     assert series.imaged_plane(alphas, [(gaps, 0.5)])[1].shape == (2, 3)
 
@@ -84,11 +82,11 @@ def test_which_pairs_image(first, second, sense, d):
 def test_every_eye_sees_the_image_in_its_place_upright_and_of_the_objects_size(alpha, behind, L, E, z2):
     z1, W = series.imaged_plane(alpha, behind)
     assume(1e-3 < abs(z1) < 1e3 and abs(z2 + W) > 1e-3)
-    Z = rotation.depth(z1, z2, alpha, behind)
+    Z = equations.depth(z1, z2, alpha, behind)
     assert Z == pytest.approx(z2 + W, rel=1e-8, abs=1e-8)
     if z1 > 0:
         straight = E + (L - E) * z2 / (z2 + W)  # where the line from E to the point opposite L at W crosses z = 0
-        found = rotation.apparent_position(L, E, z1, z2, alpha, behind)
+        found = equations.apparent_position(L, E, z1, z2, alpha, behind)
         assert found == pytest.approx(straight, abs=1e-6 * (1 + abs(straight - E) / abs(z2 + W)) * (1 + abs(L - E)))
 
 
@@ -110,11 +108,18 @@ def test_windows_that_image_every_plane_or_none(alpha, behind, image):
         assert series.image_distance(z1, alpha, behind) == pytest.approx(image(z1), nan_ok=True)
 
 
+def windows(alpha, behind, prism):
+    """Return the sheets of windows in series, with `behind` as in `equations.depth`. All have the same prisms."""
+    places = np.cumsum([0, *(d for d, _ in behind)])
+    turns = [alpha, *(turn for _, turn in behind)]
+    return sum((pair(turn, prism, z, n) for n, (turn, z) in enumerate(zip(turns, places, strict=True))), ())
+
+
 def traced(series, prisms, points, E=0.1 + 0.2j, z2=6.0, **shape):
     """Trace rays from the eye to points in the plane of the first window. Return the rays, their slopes, the prism."""
     prism = Prism(WINDOW / prisms, **shape)
     direction = np.column_stack(((points - E).real, (points - E).imag, np.full(len(points), z2)))
-    rays = trace([[E.real, E.imag, -z2]], direction, pair(series[0], prism, series[1]), WINDOW, prism)
+    rays = trace([[E.real, E.imag, -z2]], direction, windows(*series, prism), WINDOW)
     return rays, (points - E) / z2, prism
 
 
@@ -139,7 +144,7 @@ def test_fine_prisms_do_it(series, rng):
     assert on.mean() > 0.3 and (rays.count[on] == 6 * len([0, *series[1]])).all()
     alpha, behind = series
     last = sum(d for d, _ in behind)
-    aside = meets(rays, last + z1)[on] - E - slope[on] * rotation.depth(z1, z2, alpha, behind)
+    aside = meets(rays, last + z1)[on] - E - slope[on] * equations.depth(z1, z2, alpha, behind)
     assert np.sqrt((abs(aside) ** 2).mean()) < 2.5 * prism.pitch
     direction = rays.direction[on] @ (1, 1j, 0) / rays.direction[on, 2]
     turned = slope[on] * np.exp(-1j * (alpha + sum(a for _, a in behind)))
@@ -152,7 +157,7 @@ def test_the_image_through_four_sheets(rng):
     L, z = 0.15 - 0.1j, 4.0  # the second window is at 2
     aims = squares(70, 0.25, rng)
     direction = np.column_stack(((aims - L).real, (aims - L).imag, np.full(len(aims), -2.0)))
-    rays = trace([[L.real, L.imag, z]], direction, pair(IMAGING[0], prism, IMAGING[1]), WINDOW, prism)
+    rays = trace([[L.real, L.imag, z]], direction, windows(*IMAGING, prism), WINDOW)
     on = rays.designed
     assert 0.4 < on.mean() < 0.55
 
@@ -169,20 +174,18 @@ def test_the_image_through_four_sheets(rng):
 @pytest.mark.parametrize("prisms", [50, 200])
 @pytest.mark.parametrize("series", [TWO, IMAGING, THREE])
 def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
-    """L - E = A s + B conj(s), fitted to rays of the exact trace at small angles, is what paraxial.image() inverts."""
+    """L - E = A s + B conj(s), fitted to rays of the exact trace at small angles, is what aim.depths() says."""
     z1, z2, E = 3.0, 8.0, 0.1 + 0.2j
     alpha, behind = series
     rays, slope, prism = traced(series, prisms, squares(100, 0.4, rng), E, z2)
     on = rays.designed
     D = meets(rays, sum(d for d, _ in behind) + z1)[on] - E
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope[on], slope[on].conj())), D, rcond=None)
-    thin = rotation.depth(z1, z2, alpha, behind)
-    a, b = paraxial.image(z1, z2, alpha, prism, behind)
-    size = (abs(a) ** 2 - abs(b) ** 2) / z2
-    predicted = a.conj() / size, -b / size
+    thin = equations.depth(z1, z2, alpha, behind)
+    predicted = aim.depths(z1, glass(z2, alpha, prism, behind))
     error = abs(A - predicted[0]) + abs(B - predicted[1])
     assert error < 0.15 * (abs(A - thin) + abs(B))
-    seen = paraxial.apparent_position(A * 0.01 + B * 0.01 + E, E, z1, z2, alpha, prism, behind)
+    seen = aim.position(A * 0.01 + B * 0.01 + E, E, z1, glass(z2, alpha, prism, behind))
     assert seen == pytest.approx(E + 0.01 * z2, abs=0.01 * z2 * error / abs(A))
 
 
@@ -190,36 +193,37 @@ def test_the_paraxial_prediction_for_prisms_behind_an_ideal_window(rng):
     """The ideal window turns the ray where it meets it. The prisms of the window behind have a size."""
     (alpha, [(d, turn)]), z1, z2, prism = TWO, 3.0, 8.0, Prism(WINDOW / 50)
     P = squares(100, 0.4, rng)
-    bent = rotation.rotate(np.column_stack((P.real, P.imag, np.full(len(P), z2))), alpha)
-    rays = trace(np.column_stack((P.real, P.imag, np.full(len(P), -d))), bent, pair(turn, prism), WINDOW, prism)
+    bent = equations.rotate(np.column_stack((P.real, P.imag, np.full(len(P), z2))), alpha)
+    rays = trace(np.column_stack((P.real, P.imag, np.full(len(P), -d))), bent, pair(turn, prism), WINDOW)
     on = rays.designed
     D, slope = meets(rays, z1)[on], P[on] / z2
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope, slope.conj())), D, rcond=None)
-    predicted = paraxial.depths(z1, z2, alpha, [Prism(0.0), prism], [(d, turn)])
+    predicted = aim.depths(z1, glass(z2, alpha, [Prism(0.0), prism], [(d, turn)]))
     error = abs(A - predicted[0]) + abs(B - predicted[1])
-    assert error < 0.15 * (abs(A - rotation.depth(z1, z2, alpha, [(d, turn)])) + abs(B))
+    assert error < 0.15 * (abs(A - equations.depth(z1, z2, alpha, [(d, turn)])) + abs(B))
 
 
 @given(DISTANCE, DISTANCE, ANGLE, BEHIND)
 def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
-    Z = rotation.depth(z1, z2, alpha, behind)
+    Z = equations.depth(z1, z2, alpha, behind)
     assume(abs(Z) > 1e-3)
-    a, b = paraxial.image(z1, z2, alpha, Prism(0.0), behind)
-    assert b == 0 and a == pytest.approx(z2 / Z, rel=1e-9)
-    nu, M = paraxial.nu_and_M(z1, z2, alpha, Prism(0.0), iter(behind))
+    windows = glass(z2, alpha, Prism(0.0), behind)
+    A, B = aim.depths(z1, windows)
+    assert B == pytest.approx(0, abs=1e-12) and A == pytest.approx(Z, rel=1e-9)
+    nu, M = aim.nu_and_M(z1, windows)
     assert M * np.exp(1j * nu) == pytest.approx(z2 / Z, rel=1e-9)
 
 
 def test_a_ray_that_misses_a_window_passes_beside_it():
     prism = Prism(WINDOW / 30)
     start, slope = [[0, 0.02, -6]], [[0.9, 0, 6]]
-    first = trace(start, slope, pair(0.0, prism), WINDOW, prism)
+    first = trace(start, slope, pair(0.0, prism), WINDOW)
     assert first.end[0] == End.THROUGH and meets(first, 2.25)[0].real > WINDOW / 2
-    beside, within = (trace(start, slope, pair(0.0, prism, [(d, 1.0), (0.7, 0.4)]), WINDOW, prism) for d in (2.7, 1.0))
+    beside, within = (trace(start, slope, windows(0.0, [(d, 1.0), (0.7, 0.4)], prism), WINDOW) for d in (2.7, 1.0))
     for name in ("count", "position", "direction"):
         np.testing.assert_array_equal(getattr(beside, name), getattr(first, name))
     assert beside.end[0] == End.BESIDE and not beside.designed[0] and within.count[0] > first.count[0]
-    back = trace(first.position + 3 * first.direction, -first.direction, pair(0.0, prism, [(2.7, 1.0)]), WINDOW, prism)
+    back = trace(first.position + 3 * first.direction, -first.direction, windows(0.0, [(2.7, 1.0)], prism), WINDOW)
     assert back.end[0] == End.FRAME and back.count[0] == 0  # it starts beside its first window
 
 
@@ -228,8 +232,8 @@ def test_light_meets_a_frame_that_is_deeper_than_the_sheets():
     prism = Prism(WINDOW / 100)
     x = np.linspace(0, 1.19, 600)
     slope = np.column_stack((x, np.zeros_like(x), np.full_like(x, 3)))
-    rays = trace([[0, 0.02, -3]], slope, pair(0.0, prism, [(2.0, 0.0)]), WINDOW, prism, frame=1.0)
-    shallow = trace([[0, 0.02, -3]], slope, pair(0.0, prism, [(2.0, 0.0)]), WINDOW, prism)
+    rays = trace([[0, 0.02, -3]], slope, windows(0.0, [(2.0, 0.0)], prism), WINDOW, frame=1.0)
+    shallow = trace([[0, 0.02, -3]], slope, windows(0.0, [(2.0, 0.0)], prism), WINDOW)
     straight = (shallow.end == End.THROUGH) | (shallow.end == End.BESIDE)  # the others turn back, or meet the inside
     straight &= np.isclose(shallow.direction[:, 0] * 3, shallow.direction[:, 2] * x)
     reached = x[:, None] * (np.array([0.5, 1.5, 2.5]) + 3) / 3  # at the three planes, but for shifts by the glass
@@ -240,8 +244,14 @@ def test_light_meets_a_frame_that_is_deeper_than_the_sheets():
     np.testing.assert_array_equal(rays.end[clear], expected[clear])
 
 
-def test_windows_that_overlap_are_refused():
+def test_sheets_that_overlap_are_refused():
     prism = Prism(WINDOW / 30)
-    with pytest.raises(ValueError, match=f"^distance between windows = 0.3; allowed: {prism.thickness(2):g} or more$"):
-        pair(0.0, prism, [(2.0, 1.0), (0.3, 1.0)])
-    assert [sheet.window for sheet in pair(0.0, prism, [(prism.thickness(2), 1.0)])] == [0, 0, 1, 1]
+    least = prism.thickness(2)
+    ray = [[0, 0.02, -3]], [[0, 0, 1]]
+    trace(*ray, windows(0.0, [(2.0, 1.0), (least, 1.0)], prism), WINDOW)
+    centre = 2.3 - prism.separation / 2
+    allowed = 2 + prism.separation / 2 + prism.length
+    with pytest.raises(
+        ValueError, match=f"^centre = {centre:g}: overlaps the sheet before; allowed: {allowed:g} or more$"
+    ):
+        trace(*ray, windows(0.0, [(2.0, 1.0), (0.3, 1.0)], prism), WINDOW)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from povgen import Chess
+from povgen.optics.faces import Face, Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.shares import shares
-from povgen.optics.trace import End, Face, Sheet, pair, trace
+from povgen.optics.trace import End, pair, trace
 
 DOCS = Path(__file__).parents[2] / "docs"
 WINDOW = 2.4
@@ -24,7 +25,7 @@ def found(n=110, partial=None, most=60, **shape):
     )
     direction = np.column_stack((x, y, np.full(n * n, scene.z2)))
     sheets = pair(np.radians(scene.alpha), scene.prism)
-    return trace([[0, 0, -scene.z2]], direction, sheets, scene.aperture, scene.prism, most, partial=partial)
+    return trace([[0, 0, -scene.z2]], direction, sheets, scene.aperture, most, partial=partial)
 
 
 def test_the_docs_state_the_shares_of_the_default_scene():
@@ -65,14 +66,14 @@ def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
 def test_rays_meet_tops_from_inside_and_from_the_gap():
     """By hand: a ray that the base reflects up to the top of a long prism, and one that runs down through the gap."""
     prism = Prism(WINDOW / 10, gap=0.2, aspect=1.5)
-    sheet = (Sheet(0.0, 0.0),)
+    sheet = (Sheet(0.0, 0.0, prism),)
     base = -WINDOW / 2 + prism.gap * prism.pitch / 2 + 5 * prism.pitch  # of a prism in the middle
-    inside = trace([[0, base + 0.1 * prism.height, -1]], [[0, 0, 1]], sheet, WINDOW, prism)
+    inside = trace([[0, base + 0.1 * prism.height, -1]], [[0, 0, 1]], sheet, WINDOW)
     assert list(inside.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.TOP]
     width, edge = prism.pitch - prism.height, prism.top_length / 2  # at z = -edge it is in the middle of the gap
     slope = -width / 2 / edge
     start = base + prism.height + width / 2 + slope * (edge - 1)
-    gap = trace([[0, start, -1]], [[0, slope, 1]], sheet, WINDOW, prism)
+    gap = trace([[0, start, -1]], [[0, slope, 1]], sheet, WINDOW)
     assert gap.faces[0, 0] == Face.TOP
     assert shares(inside, True).absorbed == shares(gap, True).absorbed == 1
     assert shares(inside).absorbed == shares(gap).absorbed == 0

@@ -1,5 +1,7 @@
 """A movie's spec: the values of the swept parameters, and the paper's three movies."""
 
+import re
+
 import numpy as np
 import pytest
 from conftest import ALPHA_MOVIE
@@ -23,10 +25,52 @@ def swept(text, scene="chess", quality="standard", **values):
 def test_spec_values():
     alphas = {quality: [scene.alpha for scene in ALPHA_MOVIE.scenes(quality)] for quality in QUALITIES}
     assert alphas["standard"] == pytest.approx(np.arange(0, 181, 15))
-    assert [len(alphas[quality]) for quality in ("draft", "standard", "high", "hd")] == [4, 13, 37, 30]
-    log = [scene.z1 for scene in MovieSpec.load("vary-z1").scenes("standard")]
-    assert len(log) == 61 and log[0] == pytest.approx(0.6) and log[60] == pytest.approx(60)
+    assert [len(alphas[quality]) for quality in ("draft", "standard", "high", "hd")] == [11, 13, 37, 30]
+    log = [scene.z1 for scene in MovieSpec.load("vary-z1").replace(ease=False, hold=0).scenes("standard")]
+    assert len(log) == 61 and log[0] == pytest.approx(0.6) and log[60] == pytest.approx(12)
     assert np.ptp(np.diff(np.log(log))) < 1e-12
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_the_ends_are_held(loop):
+    """For half a second each, in every quality. The way back, if there is one, begins and ends with these pictures."""
+    spec = ALPHA_MOVIE.replace(hold=0.5, loop=loop)
+    for quality in QUALITIES:
+        alphas = [scene.alpha for scene in spec.scenes(quality)]
+        held, there = round(0.5 * spec.rate(quality)), ALPHA_MOVIE.count(quality)
+        assert len(alphas) == spec.count(quality) and held > 3
+        assert alphas[: held + 2] == [0] * (held + 1) + alphas[held + 1 : held + 2] and alphas[held + 1] > 0
+        last = there + held - 1
+        assert alphas[last : last + held + 1] == [180] * (held + 1) and alphas[last - 1] < 180
+        assert len(alphas) == last + held + 1 + (there - 2) * loop
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_a_value_halfway_is_held_too(loop):
+    spec = MovieSpec.load("imaging-gap").replace(loop=loop)
+    for quality in QUALITIES:
+        gaps = [scene.window[0].z for scene in spec.scenes(quality)]
+        held = round(0.7 * spec.rate(quality))
+        there = gaps[: gaps.index(5) + held + 1]
+        assert len(gaps) == spec.count(quality) == len(there) + loop * (len(there) - 2 - 2 * held)
+        assert there == sorted(there) and gaps.count(2) == (held + 1) * (1 + loop)
+        assert abs(there.index(2) + held / 2 - len(there) / 2) <= 1
+    eased = MovieSpec.of_sweeps("chess", ["z1=1:16:log"], {}).sweep[0].replace(via=2).in_frames(9)
+    assert eased == pytest.approx([*2.0 ** np.linspace(0, 1, 5), *2.0 ** np.linspace(1, 4, 5)[1:]])
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"start": 1, "stop": 3, "via": 3}, "via = 3: equal to start or stop; allowed: any other value"),
+        ({"start": 1, "stop": 3, "via": -1, "spacing": "log"}, "0 lies between -1 and 3; allowed: all values above"),
+        ({"start": 1, "stop": 3, "via": (1, 2)}, "z1 = (1.0, 2.0): allowed: a number"),
+        ({"values": [1, 2], "via": 3}, "values: given with start, stop, via or spacing; allowed: values, or start"),
+    ],
+)
+def test_a_value_halfway_that_cannot_be_is_refused(values, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        MovieSpec(title="a", scene="chess", sweep=[{"parameter": "z1", **values}])
 
 
 @pytest.mark.parametrize("spec", [ALPHA_MOVIE, ALPHA_MOVIE.model_copy(update={"loop": True})])
@@ -37,12 +81,14 @@ def test_a_movie_lasts_as_long_at_each_quality(spec):
         assert spec.count(quality) == len(spec.scenes(quality))
     # hd has 30 frames a second, whatever the movie's frame rate is
     assert spec.rate("hd") == 30 and abs(28.8 - (len(ALPHA_MOVIE.scenes("hd")) - 1)) < 0.5
-    assert MovieSpec.load("vary-alpha").count("hd") == 181
+    assert MovieSpec.load("vary-alpha").replace(hold=0).count("hd") == 181
+    assert all(MovieSpec.load(name).rate("draft") >= 8 for name in ("vary-alpha", "vary-z1", "spheres"))
 
 
 def test_own_movies_are_the_papers():
     alpha, z1, spheres = (MovieSpec.load(name) for name in ("vary-alpha", "vary-z1", "spheres"))
-    assert [(s.alpha, s.z1, s.z2) for s in alpha.scenes("standard")][::30] == [(0, 2, 6), (90, 2, 6), (180, 2, 6)]
+    found = [(s.alpha, s.z1, s.z2) for s in alpha.scenes("standard")]
+    assert [found[0], found[len(found) // 2], found[-1]] == [(0, 2, 6), (pytest.approx(90), 2, 6), (180, 2, 6)]
     assert {(s.alpha, s.z2) for s in z1.scenes("standard")} == {(90, 6)}
     for scene in spheres.scenes("standard"):
         assert scene.distances == tuple(2.0**n * 6 for n in range(-5, 6)) and scene.prisms == 100
@@ -50,7 +96,7 @@ def test_own_movies_are_the_papers():
 
 def test_the_eye_moves_sideways():
     spec = MovieSpec.parse(
-        HEAD + 'loop = true\n[[sweep]]\nparameter = "eye"\nstart = [-1, 0.5]\nstop = [1, 0.5]\nspacing = "cosine"\n',
+        HEAD + 'loop = true\nease = true\n[[sweep]]\nparameter = "eye"\nstart = [-1, 0.5]\nstop = [1, 0.5]\n',
         "eye",
     )
     eyes = [scene.eye for scene in spec.scenes("standard")]
@@ -109,8 +155,8 @@ def test_several_parameters_and_explicit_values():
 def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
         **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
-        **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1},
-        **{name: 1 for name, (each, *_) in PARAMETERS.items() if each.kind == "number"},
+        **{"eye": 2, "z1": 1, "x": 1, "pedestal": 1, "wavelength": 1},
+        **{name: 1 for name, (each, *_) in PARAMETERS.items() if each.kind.endswith("number")},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2
     assert swept("z1=2:4", "spheres", frames=3) == [2, 3, 4]
@@ -134,8 +180,8 @@ def test_every_number_of_a_scene_can_be_swept():
         ("alpha=1,2:3,4", "alpha = (1.0, 2.0): allowed: a number"),
         ("alpha=0:90 alpha=0:9", "parameter = 'alpha': swept more than once"),
         ("alpha=0", "sweep = 'alpha=0': allowed: NAME=START:STOP"),
-        ("alpha=0:9:cubic", "sweep = 'alpha=0:9:cubic': spacing = 'cubic': should be 'linear', 'log' or 'cosine'"),
-        ("eye=0,1:1,1:log", "spacing = 'log': not for points; allowed: linear, cosine"),
+        ("alpha=0:9:cubic", "sweep = 'alpha=0:9:cubic': spacing = 'cubic': should be 'linear' or 'log'"),
+        ("eye=0,1:1,1:log", "spacing = 'log': not for points; allowed: linear"),
         ("alpha=5:5", "stop = 5: equal to start"),
     ],
 )
@@ -210,9 +256,18 @@ def test_too_many_frames_at_a_quality(monkeypatch):
 
 
 def test_the_ends_of_a_range_are_exact():
-    for spacing, start in (("linear", -350.7), ("log", 0.1), ("cosine", -350.7)):
-        found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7)
+    for spacing, start, ease in (
+        ("linear", -350.7, False),
+        ("log", 0.1, False),
+        ("linear", -350.7, True),
+        ("log", 7, True),
+    ):
+        found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7, ease)
         assert (found[0], found[-1]) == (start, 360)
+        middle = (start * 360) ** 0.5 if spacing == "log" else (start + 360) / 2
+        assert found[3] == pytest.approx(middle) and (found[1] - start < (360 - start) / 8) == (
+            ease or spacing == "log"
+        )
 
 
 def test_a_movie_keeps_its_scale():

@@ -5,17 +5,21 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Workers, split, takes
+from povgen.cli.options import Quiet, Workers, output_to, split, takes
 from povgen.progress import tell
 
 
 @takes("rendering")
 def command(
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="the page, .html")] = Path("demo.html"),
+    output: Annotated[Path, output_to("FILE", "the page, .html")] = Path("demo.html"),
     piece: Annotated[
         list[str] | None,
         typer.Option(metavar="FILE", help="a chess piece of your own: a file that declares Piece; can be repeated"),
     ] = None,
+    sky: Annotated[
+        str | None, typer.Option(metavar="FILE", help="an equirectangular picture in place of mountains and sky")
+    ] = None,
+    floor: Annotated[str, typer.Option(metavar="FLOOR", help="tiles, none, or a picture's file")] = "tiles",
     movies: Annotated[
         bool,
         typer.Option(
@@ -34,6 +38,8 @@ def command(
 
     _, options = split(options)
     count = worker_count(workers)
-    page = demo(output, pieces=piece or (), movies=movies, workers=count, progress=not quiet, **options)
+    page = demo(
+        output, pieces=piece or (), sky=sky, floor=floor, movies=movies, workers=count, progress=not quiet, **options
+    )
     if not quiet:
         tell(f"wrote {page}")

@@ -5,16 +5,14 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import made_folder
+from povgen.cli.options import made_folder, output_to
 from povgen.errors import InputError
 from povgen.progress import tell
 
 
 def command(
     numbers: Annotated[list[str], typer.Argument(metavar="NUMBER...", help="numbers of figures in the paper, 1 to 6")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FOLDER", help="the folder for pictures and captions")
-    ] = Path("figures"),
+    output: Annotated[Path, output_to("FOLDER", "the folder for pictures and captions")] = Path("figures"),
     quality: Annotated[
         str, typer.Option(metavar="QUALITY", help="quality of the frames: draft, standard, high or hd")
     ] = "high",

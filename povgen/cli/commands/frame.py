@@ -1,43 +1,83 @@
 """The command povgen frame."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, SceneName, Tolerance, auto_tolerance, chosen, scene_of, split, takes
-from povgen.cli.report import warn
+from povgen.cli.options import (
+    DryRun,
+    Quiet,
+    Source,
+    Tolerance,
+    again,
+    auto_tolerance,
+    chosen,
+    output_to,
+    scene_of,
+    split,
+    takes,
+)
+from povgen.cli.report import tell_if_long, warn
+from povgen.errors import InputError
 from povgen.progress import tell
+
+if TYPE_CHECKING:
+    from povgen.cli.options import Values
+    from povgen.scene.models import Scene
 
 
 @takes("scenes", "rendering")
 def command(
-    scene: SceneName,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="the file to write")] = Path(
-        "frame.png"
-    ),
+    scene: Annotated[
+        str | None, typer.Argument(metavar="[SCENE]", help="chess or spheres; none with --from", show_default=False)
+    ] = None,
+    source: Source = None,
+    output: Annotated[Path, output_to("FILE", "the file to write, .png or .exr")] = Path("frame.png"),
     tolerance: Tolerance = None,
+    dry_run: DryRun = False,
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a scene to a PNG file. --sheet auto chooses the cheapest sheet model within --tolerance."""
+    """Render a scene to a PNG or EXR file, or one again --from its file.
+
+    --sheet auto chooses the cheapest sheet model within --tolerance.
+    """
     from povgen.files import checked_output, save
     from povgen.rendering import cache
-    from povgen.scene.models import piece_files
-    from povgen.settings import Rendering
-    from povgen.video.still import png
+    from povgen.rendering.estimate import describe
+    from povgen.scene.models import input_files
+    from povgen.video.still import SUFFIXES, as_file, rendering_for
+
+    if (scene is None) == (source is None):
+        raise InputError(f"scene = {scene!r}: allowed: chess or spheres, or else --from FILE")
+    first = None
+    if source is not None:
+        record, (first, *others), values = again(source, values, quiet)
+        if record.frame_rate is not None:
+            raise InputError(f"from = {str(source)!r}: a movie of {len(others) + 1} frames; allowed: a picture")
+
+    def made_with(values: "Values") -> "Scene":
+        return first.replace(**values) if first else scene_of(str(scene), values)
 
     values, options = split(values)
-    limit = auto_tolerance(values, tolerance)
-    made = scene_of(scene, values if limit is None else values | {"sheet": "detailed"})
-    output = checked_output(output, [".png"], inputs=piece_files([made]))
+    limit, renderers = auto_tolerance(values, options, tolerance)
+    if dry_run and limit is not None:
+        raise InputError("dry-run: not with --sheet auto, which renders to choose; allowed: one of them")
+    made = made_with(values if limit is None else values | {"sheet": "detailed"})
+    output = checked_output(output, SUFFIXES, inputs=[*input_files([made]), *([source] if source else [])])
+    rendering = rendering_for(output, options)
     if limit is not None:
-        values["sheet"], options["antialias"] = chosen([made], options, limit, quiet)
-        made = scene_of(scene, values)
-    rendering = Rendering(**options)
+        options["bits"] = rendering.bits
+        choice = chosen([made], options, limit, renderers, quiet)
+        values["sheet"], options["antialias"], options["renderer"] = choice
+        made, rendering = made_with(values), rendering_for(output, options)
+    if dry_run:
+        return tell(describe([made], rendering))
     cache.check()
     if not quiet:
+        tell_if_long([made], rendering)
         warn(values if limit is None else {}, [made], rendering)  # --sheet auto compares with the prisms in any case
-    save(png(made, rendering), output)
+    save(as_file(made, rendering, quiet=quiet), output)
     if not quiet:
         tell(f"wrote {output}")

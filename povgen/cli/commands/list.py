@@ -4,16 +4,25 @@ from povgen.progress import tell
 
 
 def command() -> None:
-    """List the scenes with their parameters, the chess pieces, and povgen's own movies."""
-    from povgen.cli.options import described
-    from povgen.scene.models import SCENES
+    """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
+    from povgen.cli.options import columns, described, item
+    from povgen.optics.glasses import GLASSES, index
+    from povgen.scene.models import SCENES, WAVELENGTH
     from povgen.scene.pieces import PIECES
     from povgen.scene.spec import MOVIES, MovieSpec
+    from povgen.sheets import SHEETS
+
+    def show(name: str, about: str) -> None:
+        tell("\n".join(item(name, about, columns())))
 
     for name, scene in SCENES.items():
         tell(f"{name}: {scene.subject}")
         for field, info in scene.model_fields.items():
-            tell(f"    --{field.replace('_', '-'):17}{described(info)}")
+            show(f"--{field.replace('_', '-')}", described(info))
+    tell("sheets:")
+    for kind in SHEETS.values():
+        show(kind.name, kind.does)
     tell(f"pieces: {', '.join(PIECES)}")
+    tell(f"glasses, n at {WAVELENGTH} nm: {', '.join(f'{x} {index(x, WAVELENGTH * 1e-9):.4f}' for x in GLASSES)}")
     for path in sorted(MOVIES.glob("*.toml")):
         tell(f"movie {path.stem}: {MovieSpec.load(path).title}")

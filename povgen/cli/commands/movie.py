@@ -1,14 +1,29 @@
 """The command povgen movie."""
 
 import logging
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import Quiet, Tolerance, Values, Workers, auto_tolerance, chosen, split, takes
-from povgen.cli.report import warn
-from povgen.errors import InputError
+from povgen.cli.options import (
+    DryRun,
+    Quiet,
+    Scheduler,
+    Source,
+    Tolerance,
+    Values,
+    Workers,
+    again,
+    auto_tolerance,
+    chosen,
+    output_to,
+    split,
+    takes,
+)
+from povgen.cli.report import tell_if_long, warn
+from povgen.errors import InputError, one_line
 from povgen.progress import bar, tell
 
 if TYPE_CHECKING:
@@ -20,45 +35,48 @@ if TYPE_CHECKING:
 @takes("scenes", "rendering")
 def command(
     spec: Annotated[
-        str,
+        str | None,
         typer.Argument(
-            metavar="SPEC",
+            metavar="[SPEC]",
             help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene "
-            "(chess or spheres)",
+            "(chess or spheres); none with --from",
+            show_default=False,
         ),
-    ],
+    ] = None,
+    source: Source = None,
     sweep: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME=START:STOP",
             help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
-            "The spacing can be :linear, :log or :cosine. Give it once for each parameter",
+            "The spacing can be :linear or :log. Give it once for each parameter",
         ),
     ] = None,
     frames: Annotated[
         str | None,
-        typer.Option(metavar="N", help="number of frames from start to stop at quality standard, 2 to 10000"),
+        typer.Option(metavar="N", help="number of frames from start to stop, at every quality, 2 to 10000"),
     ] = None,
     frame_rate: Annotated[
-        str | None, typer.Option(metavar="RATE", help="frames a second at quality standard, 0.1 to 120")
+        str | None,
+        typer.Option(metavar="RATE", help="frames a second at quality standard, or of --frames, 0.1 to 120"),
+    ] = None,
+    ease: Annotated[
+        bool | None,
+        typer.Option("--ease/--no-ease", help="whether the sweeps start and stop gently", show_default=False),
+    ] = None,
+    hold: Annotated[
+        str | None,
+        typer.Option(metavar="SECONDS", help="how long both ends stay, 0 to 10"),
     ] = None,
     loop: Annotated[
         bool | None, typer.Option("--loop/--no-loop", help="whether the movie goes there and back", show_default=False)
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help=".mp4, .webm or .gif (default: SPEC's name with .mp4, in the current folder)",
-        ),
+        output_to("FILE", ".mp4, .webm, .webp, .gif, or frames/%04d.png for a file of each frame (default: NAME.mp4)"),
     ] = None,
     workers: Workers = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="address of a Dask scheduler, tcp://HOST:PORT, whose workers render"),
-    ] = None,
+    scheduler: Scheduler = None,
     part: Annotated[
         str | None,
         typer.Option(
@@ -66,51 +84,112 @@ def command(
         ),
     ] = None,
     tolerance: Tolerance = None,
+    dry_run: DryRun = False,
     quiet: Quiet = False,
     **values: object,
 ) -> None:
-    """Render a movie. Options for the scene replace values that the spec fixes. Finished frames stay in the cache."""
+    """Render a movie, or one again --from its file. Finished frames stay in the cache.
+
+    Options for the scene replace values that the spec fixes.
+    """
     from povgen.rendering import cache
+    from povgen.rendering.estimate import describe
     from povgen.rendering.frames import shard
     from povgen.rendering.parallel import checked_scheduler, worker_count
-    from povgen.scene.models import piece_files
+    from povgen.scene.models import input_files
     from povgen.scene.spec import spec_file
     from povgen.settings import Rendering
     from povgen.video.build import check_views, checked_movie
     from povgen.video.build import movie as make
 
-    values, options = split(values)
-    given = {"frames": frames, "frame_rate": frame_rate, "loop": loop}
+    given: Values = {"frames": frames, "frame_rate": frame_rate, "ease": ease, "hold": hold, "loop": loop}
     given = {name: value for name, value in given.items() if value is not None}
-    loaded = _movie_of(spec, sweep, given, {name: value for name, value in values.items() if value != "auto"})
+    given |= {"exact_frames": True, "hold": given.get("hold", 0)} if frames else {}
+    loaded, values, options = _loaded(spec, source, sweep, given, values, quiet)
     count, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    limit = auto_tolerance(values, tolerance)
+    limit, renderers = auto_tolerance(values, options, tolerance)
+    if dry_run and limit is not None:
+        raise InputError("dry-run: not with --sheet auto, which renders to choose; allowed: one of them")
     made = loaded.with_fixed(values if limit is None else values | {"sheet": "detailed"})
     rendering = Rendering(**options)
     scenes = made.scenes(rendering.quality)
     if part is not None:
         _check_shard(part, scheduler, output)
-    output = output or Path(f"{'movie' if spec == '-' else Path(spec).stem}.mp4")
+    read = source or spec or ""
+    output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
-        inputs = [*piece_files(scenes), *([] if sweep else [spec_file(spec)])]
+        inputs = [*input_files(scenes), *([source] if source else [] if sweep else [spec_file(read)])]
         checked_movie(output, len(scenes), made.rate(rendering.quality), inputs)
     if limit is not None:
         check_views(scenes, rendering)
-        values["sheet"], options["antialias"] = chosen(scenes, options, limit, quiet)
+        choice = chosen(scenes, options, limit, renderers, quiet)
+        values["sheet"], options["antialias"], options["renderer"] = choice
         made, rendering = loaded.with_fixed(values), Rendering(**options)
         scenes = made.scenes(rendering.quality)
     scenes = scenes if part is None else shard(scenes, part)
     check_views(scenes, rendering)
+    if dry_run:
+        return tell(describe(scenes, rendering))
     cache.check()
     if not quiet:
+        tell_if_long(scenes, rendering)
         warn(values if limit is None else {}, scenes, rendering)  # --sheet auto compares with the prisms in any case
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
         logging.getLogger("povgen").setLevel("ERROR")
-    make(made, output, workers=count, scheduler=scheduler, progress=not quiet, **options)
+    what = scenes if isinstance(made, _Recorded) else made
+    more = {"workers": count, "scheduler": scheduler, "progress": not quiet, **options}
+    make(what, output, frame_rate=made.frame_rate, title=made.title, **more)
     if not quiet:
         tell(f"wrote {output}")
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """A movie's frames, from its record."""
+
+    frames: list["Scene"]
+    frame_rate: float
+    title: str | None
+
+    def with_fixed(self, values: Values) -> "_Recorded":
+        return replace(self, frames=[scene.replace(**values) for scene in self.frames])
+
+    def scenes(self, _quality: str) -> list["Scene"]:
+        return self.frames
+
+    def rate(self, _quality: str) -> float:
+        return self.frame_rate
+
+
+def _loaded(
+    spec: str | None, source: Path | None, sweeps: list[str] | None, given: Values, values: Values, quiet: bool
+) -> "tuple[MovieSpec | _Recorded, Values, Values]":
+    """Return the movie, with these values of the spec, and the values of scenes and rendering. Raises InputError.
+
+    The values of the scenes are not in the movie yet.
+    """
+    if source is None:
+        if spec is None:
+            raise InputError(
+                "spec: missing; allowed: a TOML file, a movie's name, a scene with --sweep, or --from FILE"
+            )
+        values, options = split(values)
+        fixed = {name: value for name, value in values.items() if value != "auto"}
+        return _movie_of(spec, sweeps, given, fixed), values, options
+    from povgen.video.build import FilmOptions
+
+    of_spec = {name: value for name, value in given.items() if name != "frame_rate"}
+    for name, value in {"spec": spec, "sweep": sweeps, **of_spec}.items():
+        if value is not None:
+            raise InputError(f"{name} = {value!r}: not with --from, which makes the same frames; allowed: one of them")
+    record, scenes, values = again(source, values, quiet)
+    if record.frame_rate is None:
+        raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
+    rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate
+    title = one_line(record.title or "")[:200] or None  # of a file's name, it can be longer
+    return _Recorded(scenes, rate, title), *split(values)
 
 
 def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> "MovieSpec":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from povgen.cli.options import made_folder
+from povgen.cli.options import made_folder, output_to
 from povgen.errors import InputError
 from povgen.version import __version__
 
@@ -23,17 +23,22 @@ def command(
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="also write the values to a .json file")
     ] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option("--html", metavar="FILE", help="also write a page with the table and the maps (.html)"),
+    ] = None,
     stability: Annotated[
         bool, typer.Option("--stability", help="measure where methods fail, draw it as maps, and check the limits")
     ] = False,
-    live: Annotated[
-        bool, typer.Option("--live", help="measure the live view instead, in a Chromium (needs playwright)")
+    gl: Annotated[
+        bool, typer.Option("--gl", help="measure the renderer gl and the live view's shaders instead (needs moderngl)")
     ] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="folder for the maps (default stability)")
-    ] = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="compare the live view in a Chromium with the renderer gl (needs playwright)")
+    ] = False,
+    output: Annotated[Path | None, output_to("FOLDER", "folder for the maps (default stability)")] = None,
 ) -> None:
-    """Compare what POV-Ray renders with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
+    """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
     from contextlib import ExitStack
     from dataclasses import asdict
     from json import dumps
@@ -44,14 +49,20 @@ def command(
     from rich.table import Table
 
     from povgen.files import checked_output, save
-    from povgen.rendering import povray
+    from povgen.rendering import gl_runner, povray
 
-    _check_options(sheet, stability, live, output)
+    _check_options(sheet, stability, gl, live, output)
     if json_file:
         json_file = checked_output(json_file, [".json"], "json")
+    if html:
+        html = checked_output(html, [".html"], "html")
     versions = {"povgen": __version__, "POV-Ray": povray.version()}
-    table = Table("sheet", "measured", "value", "bound", "", title=f"povgen {__version__}, POV-Ray {povray.version()}")
-    figures = []
+    if gl or live:
+        versions["OpenGL by"] = gl_runner.device()
+    title = ", ".join(f"{name} {version}" for name, version in versions.items())
+    table = Table("sheet", "measured", "value", "bound", "", title=title)
+    figures, rows = [], []
+    pictures: list[Path] = []
     with ExitStack() as opened:
         folder = opened.enter_context(made_folder(output or Path("stability"))) if stability else None
         # the table appears with its first row
@@ -60,8 +71,9 @@ def command(
 
         def add(measured: "Measured") -> None:
             bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
-            holds = "ok" if measured.holds else "[red]FAILS[/red]"
-            table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
+            row = measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound
+            rows.append((*row, "ok" if measured.holds else "FAILS"))
+            table.add_row(*row, "ok" if measured.holds else "[red]FAILS[/red]")
             value = measured.value if isfinite(measured.value) else None
             figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
             shown.update(table, refresh=True)
@@ -71,30 +83,34 @@ def command(
             from povgen.measure.stability import maps
 
             save_maps(maps(sheet), folder, add)
+            pictures = [file for file in sorted(folder.glob("*.png")) if file.name != "stability.png"]
         else:
-            for measured in _checks(sheet, live):
+            for measured in _checks(sheet, gl, live):
                 add(measured)
+    if html:
+        from povgen.measure.report import save_report
+
+        head = ("sheet", "measured", "value", "bound", "")
+        save_report(html, "povgen: what is measured", title, [("measured", head, rows)], pictures)
     if json_file:
         save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json_file)
     if not all(figure["holds"] for figure in figures):
         raise typer.Exit(1)
 
 
-def _check_options(sheet: str | None, stability: bool, live: bool, output: Path | None) -> None:
+def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, output: Path | None) -> None:
     """Raise InputError if the options do not go together."""
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
+    if gl and (sheet or stability or live):
+        raise InputError("gl: measured alone; allowed without --sheet, --stability and --live")
     if live and (sheet or stability):
-        raise InputError("live: the live view is measured alone; allowed without --sheet and --stability")
+        raise InputError("live: measured alone; allowed without --sheet and --stability")
     if output and not stability:
         raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
 
 
-def _checks(sheet: str | None, live: bool) -> "Iterator[Measured]":
-    if live:
-        from povgen.measure.live import checks
+def _checks(sheet: str | None, gl: bool, live: bool) -> "Iterator[Measured]":
+    from povgen.measure import verify, verify_gl, verify_live
 
-        return checks()
-    from povgen.measure import verify
-
-    return verify.checks(sheet)
+    return verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet)

@@ -1,0 +1,173 @@
+"""Make a picture of the gallery that compares scenes side by side: `python docs/panels.py NAME -o FILE.png`."""
+
+from argparse import ArgumentParser
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from povgen import Chess, Scene, Spheres, render
+from povgen.settings import Rendering
+from povgen.teach import agreement
+from povgen.video import encode
+from povgen.video.overlay import STRIP, Caption, annotated, write
+
+SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
+VIEW = 3.5  # tiles
+TIMES = 5  # how many times larger the magnified part is
+GAP = 8  # between two panels, pixels
+Picture = NDArray[np.uint8]
+
+
+class Panel(NamedTuple):
+    """A scene and its caption, and what is drawn on it. Places are in the plane z = 0, tiles."""
+
+    scene: Scene
+    text: str
+    line: tuple[complex, complex] | None = None
+    names: dict[str, tuple[complex, complex]] = {}  # where each is written, and where its line ends
+    magnify: bool = False
+    overlay: bool = False
+    size: tuple[int, int] = SIZE
+
+
+CHESS = Chess(view=VIEW)
+FAR = CHESS.replace(alpha=90, z1=15)
+LINE = Spheres(alpha=120, view=VIEW)
+ACROSS = (-1.4 + 0j, 1.4 + 0j)  # at the height of the eye
+BUILT = Chess(alpha=66, z1=10, z2=10, view=3.4)
+FINE = CHESS.replace(z1=2.5)
+PREDICTED = CHESS.replace(predicted_image=True)
+PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
+PIECES = Chess(
+    sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.6), view=1.8
+)
+
+
+def measured() -> str:
+    """Return by how much the piece is turned through prisms: measured, and as predicted for prisms of this size."""
+    (found,) = agreement.pieces([CHESS])
+    return f"measured: turned by {found.nu:.1f}°, predicted {CHESS.nu_and_M(CHESS.z1)[0]:.1f}°"
+
+
+PANELS: dict[str, list[Panel]] = {
+    "prisms": [
+        Panel(Chess(prisms=12, z1=2.5), "12 prisms"),
+        Panel(FINE, "100 prisms", magnify=True),
+        Panel(FINE.replace(sheet="ideal"), "infinitely many"),
+    ],
+    "prediction": [
+        Panel(PREDICTED, "measured"),  # the text is that of `measured`
+        Panel(PREDICTED.replace(sheet="ideal"), "ideal sheet"),
+    ],
+    "single": [
+        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS),
+        Panel(
+            CHESS.replace(sheet="single"),
+            "one sheet: what is far is upside down",
+            ACROSS,
+            {"mirror line": (1 + 0.25j, 1 + 0.03j)},
+        ),
+    ],
+    "black-tops": [
+        Panel(CHESS, "clear tops", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}),
+        Panel(CHESS.replace(tops="black"), "black tops: stray light is absorbed"),
+    ],
+    "far": [
+        Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
+        Panel(
+            FAR.replace(sheet="ideal"),
+            "α = 90°: the horizon is upright",
+            (-1.4j, 1.4j),
+            {"horizon": (0.45 - 1.1j, 0.03 - 1.1j)},
+        ),
+    ],
+    "spheres": [
+        Panel(LINE.replace(sheet="none"), "spheres on a line, the far ones at E", overlay=True),
+        Panel(LINE.replace(sheet="ideal"), "α = 120°: they appear on a circle", overlay=True),
+    ],
+    "refraction": [
+        Panel(CHESS.replace(sheet="none"), "without a sheet"),
+        Panel(
+            CHESS.replace(sheet="refraction", ratio=0.7, alpha=40),
+            "index ratio 0.7, α = 40°: straight lines bend",
+        ),
+    ],
+    "pieces": [
+        Panel(
+            PIECES, "", names={name: (6 / 14 * x - 0.74j, 6 / 14 * x - 0.74j) for name, x in PLACES.items()}, size=WIDE
+        )
+    ],
+    "lenticular": [
+        Panel(BUILT.replace(prisms=150), "Dove prisms"),
+        Panel(BUILT.replace(sheet="lenticular", lenses=150), "lenses f/3: blurred"),
+        Panel(
+            BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
+            "lenses f/6: sharper, with ghosts",
+            names={"ghost of the floor": (-0.55 - 1.2j, -0.9 - 0.55j)},
+        ),
+    ],
+}
+
+
+def panel(shown: Panel) -> Picture:
+    """Return the scene's picture with its caption and what is drawn on it."""
+    scene = shown.scene
+    width, height = shown.size
+
+    def pixels(z: complex) -> tuple[float, float]:
+        return width / 2 + z.real * height / scene.view, height / 2 - z.imag * height / scene.view
+
+    if shown.magnify:
+        large = Image.fromarray(render(scene, size=(TIMES * width, TIMES * height), antialias="off"))
+        image = large.reduce(TIMES)
+        _magnified(image, large)
+    else:
+        plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
+        image = Image.fromarray(render(plain, size=shown.size, quality="high"))
+    draw = ImageDraw.Draw(image)
+    if shown.line:
+        ends = [pixels(z) for z in shown.line]
+        draw.line(ends, fill="white", width=6)
+        draw.line(ends, fill=(213, 94, 0), width=3)
+    for name, (place, end) in shown.names.items():
+        (x, y), tip = pixels(place), pixels(end)
+        draw.line([(x, y), tip], fill="white", width=3)
+        write(draw, x - 5.5 * len(name), y, name, 22, edge=2)
+    text = measured() if shown.text == "measured" else shown.text
+    rendering = Rendering(size=shown.size, caption="short", overlay=shown.overlay)
+    texts = [text] if text else []
+    return annotated(np.asarray(image), scene, rendering, Caption(texts, texts))
+
+
+def _magnified(image: Image.Image, large: Image.Image) -> None:
+    """Show a small part of a picture, from its larger copy, at the lower left, and label a patch of stray light."""
+    left, top, side = 226, 316, 34
+    bottom, right = SIZE[1] - 10, 10 + TIMES * side
+    draw = ImageDraw.Draw(image)
+    draw.line([(left, top), (10, bottom - TIMES * side)], fill="white", width=2)
+    draw.line([(left + side, top + side), (right, bottom)], fill="white", width=2)
+    draw.rectangle([left - 2, top - 2, left + side + 1, top + side + 1], outline="white", width=2)
+    box = [TIMES * x for x in (left, top, left + side, top + side)]
+    image.paste(large.crop(box), (10, bottom - TIMES * side))
+    draw.rectangle([8, bottom - TIMES * side - 2, right + 1, bottom + 1], outline="white", width=2)
+    write(draw, 60, 70, "stray light", 22, edge=2)
+    draw.line([(100, 88), (90, 170)], fill="white", width=3)
+
+
+def main() -> None:
+    """Write the picture."""
+    parser = ArgumentParser()
+    parser.add_argument("name", choices=PANELS)
+    parser.add_argument("-o", dest="output", type=Path, required=True)
+    given = parser.parse_args()
+    pictures = [panel(each) for each in PANELS[given.name]]
+    gap = np.full((len(pictures[0]), GAP, 3), STRIP, np.uint8)
+    parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
+    given.output.write_bytes(encode.png(np.concatenate(parts, axis=1)))
+
+
+if __name__ == "__main__":
+    main()

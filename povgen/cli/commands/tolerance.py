@@ -1,0 +1,64 @@
+"""The command povgen tolerance."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from povgen.cli.options import SceneName, Scheduler, Workers, output_to, scene_of, takes
+from povgen.progress import tell
+
+
+@takes("scenes")
+def command(
+    scene: SceneName,
+    deviation: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=NUMBER",
+            help="standard deviation of an error of --error, such as turn=0.05; can be repeated",
+        ),
+    ] = None,
+    builds: Annotated[
+        str | None, typer.Option(metavar="N", help="how many random builds, 1 to 100000 (default 200)")
+    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    output: Annotated[Path | None, output_to("FILE", "also draw a chart into this .png file")] = None,
+    **values: object,
+) -> None:
+    """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from povgen.files import checked_output
+    from povgen.measure import tolerance
+    from povgen.rendering.parallel import worker_count
+    from povgen.sheets.prisms import ERRORS
+
+    made, count = scene_of(scene, values), worker_count(workers)
+    spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
+    if output:
+        output = checked_output(output, [".png"])
+        from povgen.measure.charts import save_tolerance  # says what is missing before anything is traced
+    found = tolerance.sensitivities(made, count, scheduler)
+    console = Console(width=None if sys.stdout.isatty() else 120)
+    columns = ("displaced, arcmin", "turned, degrees", "magnified, %", "blurred, arcmin")
+    table = Table("a unit of the error", *columns, title="what each error changes")
+    for name, change in found.items():
+        unit = {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of")
+        table.add_row(f"{unit} {name}", *(f"{float(value):.3g}" for value in change))
+    console.print(table)
+    differing = None
+    if spread.deviation:
+        differing = tolerance.builds(made, spread, count, scheduler)
+        given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
+        table = Table("of the builds", *columns, title=f"{spread.builds} builds with the standard deviations {given}")
+        for percentile in tolerance.PERCENTILES:
+            row = (f"{tolerance.percentile(change, percentile):.3g}" for change in differing)
+            table.add_row(f"{percentile} %: at most", *row)
+        console.print(table)
+    if output:
+        save_tolerance(found, differing, output)
+        tell(f"wrote {output}")

@@ -1,0 +1,26 @@
+"""The teaching page's sentences: templates/demo/languages/ has a table for each language."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from povgen.scene.sdl import TEMPLATES
+from povgen.sheets.sheet import Sheet
+
+FOLDER = TEMPLATES / "demo" / "languages"
+
+
+def tables(kinds: Mapping[str, type[Sheet]]) -> dict[str, dict[str, Any]]:
+    """Return the tables by the names of the languages, English first, with texts for all these kinds of sheets.
+
+    A kind that a table does not know has the texts of its class, which are English.
+    """
+    found = {path.stem: tomllib.loads(path.read_text("utf-8")) for path in sorted(FOLDER.glob("*.toml"))}
+    for table in found.values():
+        other = table["kinds"].pop("other")
+        for name, kind in kinds.items():
+            own = {part: text.format(title=kind.title, does=kind.does) for part, text in other.items()}
+            texts = table["kinds"].setdefault(name, own)
+            labels = {"alpha": table["controls"]["alpha"]} | texts.get("labels", {})
+            texts["labels"] = {each.name: labels.get(each.name, each.about) for each in kind.parameters}
+    return {"en": found.pop("en"), **found}

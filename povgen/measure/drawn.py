@@ -1,0 +1,75 @@
+"""The live view's shaders drawn by OpenGL, without a browser: what they find for each pixel, and for measurements."""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.rendering import gl_runner, gl_scene
+from povgen.rendering.views import check_gl
+from povgen.rendering.volumes import volumes
+from povgen.scene.models import Scene, checked_scene, pieces
+from povgen.scene.pictures import used
+from povgen.settings import Rendering
+
+if TYPE_CHECKING:  # needs moderngl
+    from povgen.rendering.gl import Drawer
+
+Size = tuple[int, int]  # width and height, pixels
+
+
+@cache
+def _drawer() -> "Drawer":
+    gl_runner.device()  # what is missing is an InputError
+    from povgen.rendering.gl import Drawer
+
+    return Drawer()
+
+
+def points(scene: Scene, size: Size) -> NDArray[np.float32]:
+    """Return the point in space that each pixel of a picture shows: x, y and z, in tiles, (height, width, 3).
+
+    z is the depth behind the first window. The points are NaN for the sky, and where no light arrives. `size` is the
+    picture's width and height in pixels. One ray is followed for each pixel, through all windows, by the renderer gl.
+    Raises InputError for other sizes, and if this system cannot draw with OpenGL.
+    """
+    size = Rendering(size=size, renderer="gl").size
+    check_gl(checked_scene(scene))
+    met = Drawn(scene).readout(size)["met"]
+    return np.where(met[..., 3:] > 0, met[..., :3], np.float32(np.nan))
+
+
+class Drawn:
+    """What the shaders draw of a scene, with the methods of browser.View. Pictures have their first row at the top."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises InputError if this system cannot draw with OpenGL."""
+        self._drawer = _drawer()
+        self.set(scene)
+
+    def set(self, scene: Scene) -> None:
+        """Show another scene."""
+        self._scene, self._shapes = scene, volumes(pieces(scene))
+
+    def readout(self, size: Size) -> dict[str, NDArray[np.float32]]:
+        """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
+        return dict(zip(("ray", "shown", "met"), self._drawer.readout(self._text("readout"), size), strict=True))
+
+    def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
+        """Return the picture, (height, width, 3), with so many rays a pixel, in this part of its side."""
+        return np.concatenate([*self._drawer.bands(self._text(), size, rays, part=part)])
+
+    def save(self, file: Path, rendering: Rendering) -> None:
+        """Write the picture to a PNG file, as `povgen frame --renderer gl` does."""
+        from povgen.rendering.gl import write_png
+
+        bands = self._drawer.bands(self._text(), rendering.size, rendering.rays, rendering.supersampling > 1)
+        write_png(file, bands, rendering.size)
+
+    def _text(self, shader_name: str = "picture") -> dict[str, object]:
+        text = json.loads(gl_scene.to_text(self._scene, self._shapes, shader_name=shader_name))
+        files = {part: used(name)[name] for part, name in text["pictures"].items()}
+        return {**text, "pictures": files}

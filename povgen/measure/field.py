@@ -1,0 +1,148 @@
+"""A chart of the field of light's directions before a sheet: it has a curl, so that light has no wave fronts there.
+
+docs/beyond.md explains it. Lengths are in tiles, but in the panel about prisms in metres and micrometres.
+"""
+
+from collections.abc import Callable
+from math import pi, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn, save_lines
+from povgen.optics import equations
+from povgen.optics.rays import Traced
+from povgen.scene.models import Chess, Scene
+
+ALPHA, Z1 = 66, 2.0  # degrees, tiles
+PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres
+WAVELENGTH = 550e-9  # metres
+
+Floats = NDArray[np.float64]
+
+
+def save_chart(folder: Path) -> None:
+    """Write field.png into a folder, and the curl of its last panel into field.csv."""
+    with drawn(12, 10, folder / "field.png") as figure:
+        draw_rays(figure.add_subplot(2, 2, 1))
+        draw_wave_front(figure.add_subplot(2, 2, 2, projection="3d"))
+        draw_pieces(figure.add_subplot(2, 2, 3))
+        curl = figure.add_subplot(2, 2, 4)
+        draw_curl(curl)
+        save_lines(folder / "field.csv", curl)
+
+
+def light_of(scene: Scene, radius: float, count: int) -> Traced:
+    """Return light from the point (0, 0, Z1), on the designed path, through a disc of the window with this radius."""
+    light = scene.trace(scene.pencil((0, 0, Z1), count, radius=radius))
+    return light[light.designed]
+
+
+def traced_curl(light: Traced, z2: float) -> float:
+    """Return the curl on the axis, at a distance z2 before the window, per tile: of a linear function fitted to rays.
+
+    It is the mean over many prisms. Within a single one the curl is 0.
+    """
+    Q, slope = light.at(-z2), -light.slope  # towards the eye
+    (_, along, _), *_ = np.linalg.lstsq(np.column_stack((np.ones(len(Q)), Q, Q.conj())), slope, rcond=None)
+    return 2 * float(along.imag)
+
+
+def walked(start: Floats | float, steps: Floats, rate: Callable[[Floats, float], Floats]) -> Floats:
+    """Return w at each of the places `steps`, (steps, ...), of paths with dw/dstep = rate(w, step): midpoint method."""
+    w = [np.asarray(start, float)]
+    for here, step in zip(steps, np.diff(steps), strict=False):
+        middle = w[-1] + rate(w[-1], here) * step / 2
+        w.append(w[-1] + rate(middle, here + step / 2) * step)
+    return np.array(w)
+
+
+def wave_front(radii: Floats, turns: Floats, start: float) -> Floats:
+    """Return the distance before the sheet of a surface that is perpendicular to the rays, (turns, radii).
+
+    It begins on the axis at `start`. From there it follows a radius, at the angle 0, and from each of its points a turn
+    round the axis, through the angles `turns`, radians. A step of the surface is perpendicular to light with the slope
+    s = r/Z towards the eye if dw = -Re(conj(s) dr).
+    """
+
+    def inverse(w: Floats) -> Any:  # noqa: ANN401  (an array, or a number)
+        return 1 / equations.depth(Z1, w, radians(ALPHA))
+
+    along = walked(start, radii, lambda w, r: -r * inverse(w).real)
+    return walked(along, turns, lambda w, _: -(radii**2) * inverse(w).imag)
+
+
+def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
+    """Return the optical path, metres, from a point L = 0 to points Q on the near side of two sheets of prisms.
+
+    Paraxial, and without the constant path in glass. Each prism mirrors light about the middle of its base. So light
+    that passes two prisms seems to come from an image of L, which is different for each pair of prisms.
+    """
+    turn = np.exp(0.5j * radians(ALPHA))
+    far, near = (PITCH * np.round(place / PITCH) for place in (Q.imag, (Q / turn).imag))
+    image = 2j * (near * turn - far * turn**2)
+    return np.asarray(abs(Q - image) ** 2 / (2 * DISTANCE))
+
+
+def draw_rays(ax: Axes) -> None:
+    """Draw, as the eye sees it, where light from a point goes: the ray trace through the ideal sheet."""
+    light = light_of(Chess(sheet="ideal", alpha=ALPHA), 1.0, 150)
+    for P, Q in zip(light.at(0), light.at(-1.5), strict=True):
+        ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "->", "color": IDEAL})
+    ax.plot(0, 0, "o", color="black", markersize=9)
+    ax.text(0, -1.58, f"black: the point, {Z1:g} tiles behind the sheet", ha="center", va="bottom")
+    ax.set(xlim=(-1.6, 1.6), ylim=(-1.6, 1.6), aspect="equal", xlabel="x (tiles)", ylabel="y (tiles)")
+    ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
+
+
+def draw_wave_front(ax: Any) -> None:  # noqa: ANN401  (matplotlib's axes in space)
+    """Draw a surface perpendicular to the rays: after a turn round the axis it is not where it began."""
+    turns, radii = np.linspace(0, 2 * pi, 97), np.linspace(0, 0.6, 13)
+    w = wave_front(radii, turns, 1.0)
+    x, y = radii * np.cos(turns)[:, None], radii * np.sin(turns)[:, None]
+    ax.plot_surface(x, y, w, color="#f3c9bb", edgecolor=IDEAL, linewidth=0.3, rstride=4, cstride=2, alpha=0.7)
+    ax.plot([radii[-1]] * 2, [0, 0], w[[0, -1], -1], "-o", color="black", linewidth=3, markersize=4)
+    ax.text2D(0.5, 0.9, f"black: a gap of {w[0, -1] - w[-1, -1]:.2f} tiles", transform=ax.transAxes, ha="center")
+    ax.view_init(elev=22, azim=-60)
+    ticks = [-0.5, 0, 0.5]
+    ax.set(xlabel="x", ylabel="y", zlabel="before the sheet, tiles", xticks=ticks, yticks=ticks, zlim=(0, 1.1))
+    ax.set_title("So the ends of a surface perpendicular to it do not meet", fontsize=11)
+
+
+def draw_pieces(ax: Axes) -> None:
+    """Draw the optical path on a circle round the axis: what the ideal sheet's rays demand, and what prisms do."""
+    turns = np.linspace(0, 2 * pi, 6001)
+    demanded = RADIUS**2 * equations.curl(DISTANCE, 0, radians(ALPHA)) / 2 * turns
+    path = path_through_prisms(RADIUS * np.exp(1j * turns))
+    path[1:][abs(np.diff(path)) > 1e-7] = np.nan  # a jump between prisms
+    degrees = np.degrees(turns)
+    ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
+    ax.text(170, 88, f"the ideal sheet demands\n{1e6 * demanded[-1]:.0f} µm more after a turn", color=IDEAL, ha="right")
+    ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
+    ax.text(350, 14, "prisms make pieces, with jumps", color=PRISMS, ha="right")
+    ax.text(5, 140, f"circle of {1e3 * RADIUS:g} mm, pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m", color=GREY)
+    ax.set(xlabel="angle on the circle, degrees", ylabel="optical path, µm", xlim=(0, 360))
+    ax.set_title("Prisms make good the gap by jumps of the optical path", fontsize=11)
+
+
+def draw_curl(ax: Axes) -> None:
+    """Draw the curl on the axis against alpha, by its formula, and as measured in the ray trace."""
+    alphas = np.arange(0, 181)
+    distances = {0.0: "#111111", 1.0: "#666666", 4.0: "#aaaaaa"}
+    for z2, grey in distances.items():
+        curl = equations.curl(Z1, z2, np.radians(alphas))
+        ax.plot(alphas, curl, color=grey, linewidth=2, label=f"z₂ = {z2:g} tiles")
+        ax.text(alphas[curl.argmax()], curl.max() + 0.02, f"z₂ = {z2:g} tiles", color=grey, ha="center")
+    for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
+        for alpha in range(15, 180, 30):
+            light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
+            for z2 in distances:
+                look = {"markersize": 9, "markeredgewidth": 1.8, "fillstyle": "none"}
+                ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)  # type: ignore[arg-type]
+    ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
+    ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
+    ax.text(4, 1.50, "lines: the formula", color=GREY)
+    ax.set(xlabel="α, degrees", ylabel="curl on the axis, per tile", xlim=(0, 180), ylim=(0, 1.75))
+    ax.set_title(f"Sheets give light a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)

@@ -1,0 +1,137 @@
+"""How errors of building a pair of sheets change what is seen: sensitivities, and a Monte Carlo of many builds.
+
+All is found by the exact ray trace, on the designed path (`scene.quantities.seen`). The errors are those of
+`sheets.prisms.ERRORS`.
+"""
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field
+
+from povgen.errors import InputError
+from povgen.model import Model
+from povgen.rendering.results import results
+from povgen.scene.models import Scene
+from povgen.scene.windows import as_table
+from povgen.sheets.prisms import ERRORS, OF_LENSES, PrismPair
+
+# of the differences below. Random errors of the facets are no step: they blur, in proportion to no single number
+STEPS = {
+    name: {"tiles": 0.01, "": 0.005}.get(allowed.unit, 0.1)
+    for name, allowed in ERRORS.items()
+    if name not in ("facets", "seed", *OF_LENSES)
+}
+DEVIATIONS = (*STEPS, "facets")
+PERCENTILES = (50, 90, 95, 99)
+ARCMINUTE = np.pi / 180 / 60
+QUANTITIES = ("seen_x", "seen_y", "seen_nu", "seen_M", "blur")
+
+Floats = NDArray[np.float64]
+
+
+class Spread(Model):
+    """How far builds are from the plan. The errors are independent, and normally distributed."""
+
+    deviation: Annotated[
+        dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0, le=1)]],  # type: ignore[valid-type]
+        BeforeValidator(as_table),
+    ] = Field(
+        default={},
+        description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 counts as one "
+        "above 0; that of facets is the same in every build, which draws its own facets",
+    )
+    builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
+
+
+class Change(NamedTuple):
+    """How differently the first object appears: arrays, or single numbers."""
+
+    displaced: Any  # arcminutes, as the eye sees it
+    turned: Any  # degrees, counter-clockwise
+    magnified: Any  # percent
+    blurred: Any  # of the RMS blur, arcminutes
+
+
+def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
+    """Return what a unit of each error changes: a degree, or a tile of `separation`.
+
+    These are differences between small errors, divided by the errors' difference. `displaced` has no sign. Raises
+    InputError for other sheets than one pair of prisms.
+    """
+    scenes = [_checked(scene)]
+    for name, step in STEPS.items():
+        for change in (0.0 if name == "separation" else -step, step):
+            scenes.append(scene.replace(error={**scene.error, name: scene.error.get(name, 0.0) + change}))
+    seen = _seen(scenes, workers, scheduler)
+    found = {}
+    for number, (name, step) in enumerate(STEPS.items()):
+        low, high = (seen.at(2 * number + k) for k in (1, 2))
+        units = step if name == "separation" else 2 * step
+        found[name] = Change(*(each / units for each in _change(scene, low, high)))
+    return found
+
+
+def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
+    """Return by how much each of many builds differs from the plan: arrays (builds,), without signs.
+
+    Raises InputError for other sheets than one pair of prisms.
+    """
+    deviation = {name: value for name, value in spread.deviation.items() if name != "facets"}
+    facets = {name: value for name, value in spread.deviation.items() if name == "facets"}
+    drawn = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
+    scenes = [_checked(scene)]
+    for number, errors in enumerate((drawn * list(deviation.values())).tolist()):
+        added = dict(zip(deviation, errors, strict=True))
+        error = {name: scene.error.get(name, 0.0) + added.get(name, 0.0) for name in ERRORS}
+        if facets:  # each build has facets of its own
+            error |= facets | {"seed": (spread.seed * 100_000 + number) % 1e9}
+        scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
+    seen = _seen(scenes, workers, scheduler)
+    change = _change(scene, seen.at(0), seen.at(slice(1, None)))
+    return Change(*map(abs, change))
+
+
+def percentile(changes: Floats, share: float) -> float:
+    """Return what so many percent of the builds do not exceed; infinite if in more the object is not seen."""
+    return float(np.percentile(np.nan_to_num(changes, nan=np.inf), share, method="higher"))
+
+
+class _Seen(NamedTuple):
+    """`scene.quantities.Seen` of several scenes."""
+
+    position: NDArray[np.complex128]
+    nu: Floats
+    M: Floats
+    blur: Floats
+
+    def at(self, which: int | slice) -> "_Seen":
+        return _Seen(self.position[which], self.nu[which], self.M[which], self.blur[which])
+
+
+def _checked(scene: Scene) -> Scene:
+    if not isinstance(scene.sheets[0], PrismPair) or scene.window:
+        raise InputError(f"sheet = {scene.sheet!r}: allowed: 'detailed', in a single window")
+    return scene
+
+
+def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:
+    table = results(scenes, *QUANTITIES, workers=workers, scheduler=scheduler)
+    return _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
+
+
+def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:
+    first, second = (_direction(scene, each.position) for each in (before, after))
+    angle = 2 * np.arcsin(np.linalg.norm(second - first, axis=-1) / 2)
+    turned = (after.nu - before.nu + 180) % 360 - 180
+    blurred = (after.blur - before.blur) / scene.z2
+    return Change(angle / ARCMINUTE, turned, 100 * (after.M / before.M - 1), blurred / ARCMINUTE)
+
+
+def _direction(scene: Scene, position: NDArray[np.complex128]) -> Floats:
+    """Return unit vectors from the eye to positions in the plane z = 0."""
+    step = position - scene.E
+    vectors = np.stack((step.real, step.imag, np.full(step.shape, float(scene.z2))), -1)
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -1,0 +1,251 @@
+"""The mathematics of ray rotation (sections 2 to 4 of the paper), on numpy arrays that broadcast.
+
+Angles are in radians. The ray-rotation angle alpha is positive if light on its way from the object to the eye is turned
+counter-clockwise, as the eye sees it. Points in the plane of the sheet are complex numbers x + iy: x points right and y
+up, as the eye sees them, and z points away from the eye. The object L is a distance z1 behind the sheet. The eye E is a
+distance z2 in front of the sheet. Light from L to E crosses the sheet at P. The ratio r = z2/z1 is from 0 to infinity.
+Equations 5 to 9 are for L = 0 and E = 1.
+
+At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P and 1 - P are the complex infinity
+(inf + 0j). A double cannot be exactly pi: for r = 1, the double nearest to pi is treated as the pole. Near the pole no
+digits are lost by cancellation. `condition` returns the factor by which errors of r and alpha grow there.
+
+alpha, r and distances are real. Complex numbers raise TypeError. Negative r or distances raise ValueError, and so do
+angles beyond 10 pi, which are probably in degrees. NaN gives NaN.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+# Results are arrays, or numpy scalars if all arguments are scalars. For type checkers they are Any, as in numpy.
+Floats = Any
+Complexes = Any
+Booleans = Any
+
+# The windows behind the first one, in the order in which an eye looks through them. Each is the pair of its distance
+# from the window before it, and its alpha.
+Windows = Iterable[tuple[ArrayLike, ArrayLike]]
+# The terms of a sum of distances in several directions have relative errors of some 1e-16. A sum smaller than ROUNDING
+# times the sum of their sizes counts as 0.
+ROUNDING = 1e-14
+LARGEST_ANGLE = 10 * np.pi
+
+
+def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
+    """Return eq. 1: the distance between L and P in projection onto the sheet.
+
+    theta is the angle between the ray and the sheet's normal.
+    """
+    return real("z1", z1, 0) * np.tan(radians("theta", theta))
+
+
+def p2(z2: ArrayLike, theta: ArrayLike) -> Floats:
+    """Return eq. 2: the distance between P and E in projection onto the sheet. The sheet does not change theta."""
+    return real("z2", z2, 0) * np.tan(radians("theta", theta))
+
+
+def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
+    """Return eq. 3: the ratio of distances z2/z1 = p2/p1. It is infinite for z1 = 0, and NaN if z2 = 0 as well."""
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.divide(z2, z1)
+
+
+def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
+    """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P, and 1 for infinite P."""
+    infinite = np.isinf(P)
+    P = np.where(infinite, 0, P)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(infinite, 1, np.divide(np.abs(np.subtract(E, P)), np.abs(np.subtract(P, L))))[()]
+
+
+def E_minus_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
+    """Return eq. 5: r exp(i alpha) P, the projection of the ray from P to E onto the sheet. P and r are finite."""
+    return np.multiply(real("r", r, 0), np.exp(1j * radians("alpha", alpha)) * P)
+
+
+def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
+    """Return eq. 6: P (1 + r exp(i alpha)), where the ray through P meets the eye's plane. P and r are finite."""
+    return np.multiply(P, _sum(1.0, real("r", r, 0), radians("alpha", alpha)))
+
+
+def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
+    """Return eq. 7: 1/(1 + r exp(i alpha)), the point where light from L = 0 to E = 1 crosses the sheet."""
+    r, alpha, touching = _checked(r, alpha)
+    return np.where(touching, 0, _divide(1, _sum(1.0, np.where(touching, 1, r), alpha)))[()]
+
+
+def one_minus_P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
+    """Return E - P for L = 0 and E = 1.
+
+    For any L and E, the eye sees L at E + (L - E) (1 - P), with P of eq. 7.
+    """
+    r, alpha, touching = _checked(r, alpha)
+    finite = np.where(touching, 1, r)
+    return np.where(touching, 1, _divide(finite, _sum(finite, 1.0, -alpha)))[()]
+
+
+def nu(r: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Return eq. 8, corrected: arg(1 - P), the angle through which an object appears turned about E. NaN at the pole.
+
+    Erratum: the paper prints arg(P), the angle at L. The text next to eq. 8, and the paper's pictures, show the angle
+    at E.
+    """
+    r, alpha, touching = _checked(r, alpha)
+    inverse = _sum(np.where(touching, 1, r), np.where(touching, 0, 1.0), -alpha)  # a positive multiple of 1/(1 - P)
+    return np.where(inverse == 0, np.nan, -np.angle(inverse))[()]
+
+
+def M(r: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Return eq. 9, corrected: |1 - P|, the magnification compared with the same object in the plane of the sheet.
+
+    M is infinite at the pole. Erratum: the paper prints |P|, which is 0 for an object that touches the sheet. There the
+    magnification is 1.
+    """
+    return np.abs(one_minus_P(r, alpha))
+
+
+def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Return the condition number of P with respect to r exp(i alpha): |1 - P|. (For 1 - P it is |P|.)
+
+    A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, changes P. The relative error of P is 1e-16
+    times the condition number.
+    """
+    return M(r, alpha)
+
+
+def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
+    """Return the complex depth Z: light from L that reaches E with the slope s has crossed L - E = Z s.
+
+    z2 is the distance from the eye to the first window, alpha the angle of this window, and z1 the distance from the
+    last window to the object. `behind` are the windows between the first one and the object: pairs (d, alpha). For
+    windows of alpha_1 ... alpha_n, the nearest to the eye first,
+    Z = z2 + d_1 exp(-i alpha_1) + d_2 exp(-i (alpha_1 + alpha_2)) + ... + z1 exp(-i (alpha_1 + ... + alpha_n)).
+    For one window Z = z2 + z1 exp(-i alpha), without cancellation. For several windows a Z as small as the rounding
+    errors, ROUNDING times the sum of the distances, is given as 0. Distances of either sign are allowed.
+    """
+    Z, behind = real("z1", z1), tuple(behind)
+    size = abs(Z)
+    for distance, turn in reversed([(z2, alpha), *behind]):
+        distance = real("distance", distance)
+        Z, size = _sum(distance, Z, -radians("alpha", turn)), size + abs(distance)
+    return np.where(abs(Z) <= ROUNDING * size, 0, Z)[()] if behind else Z
+
+
+def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, behind: Windows = ()) -> Floats:
+    """Return the curl of the field of unit directions of light from a point L, a distance z2 before the first window.
+
+    theta is the angle there between the light and the normal. The curl is parallel to the light. The result is its
+    component along the light, per unit of length: -(1 + cos^2 theta) Im Z/|Z|^2, with Z of `depth`. For one window that
+    is (1 + cos^2 theta) z1 sin(alpha)/|Z|^2. Where the curl is not 0, no surface is perpendicular to the light: it has
+    no wave fronts (docs/beyond.md). NaN if Z = 0.
+    """
+    Z = depth(z1, real("z2", z2, 0), alpha, behind)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (1 + np.cos(radians("theta", theta)) ** 2) * np.divide(-np.imag(Z), np.abs(Z) ** 2)
+
+
+def apparent_position(
+    L: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()
+) -> Complexes:
+    """Return where light from L to E crosses the first window: P = E + (L - E) z2/Z, with Z of `depth`.
+
+    For one window this is E + (L - E) (1 - P), with P of eq. 7. L and E are complex. z1 >= 0 and z2 > 0 are finite. All
+    are in one unit. At the pole, Z = 0, the result is the complex infinity. For L = E it is NaN there, because the eye
+    then sees L in every direction.
+    """
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
+    return np.asarray(E) + _divide(np.subtract(L, E) * z2, depth(z1, z2, alpha, behind))
+
+
+def object_position(
+    P: ArrayLike, E: ArrayLike, z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()
+) -> Complexes:
+    """Return the point L at which an object appears at P: the inverse of `apparent_position`.
+
+    P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
+    """
+    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
+    with np.errstate(invalid="ignore"):  # complex NaN would warn
+        return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
+
+
+def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
+    """Return the directions (..., 3) of light after a sheet that rotates it by alpha.
+
+    A direction with z < 0 runs towards the eye: its transverse part x + iy is multiplied by exp(i alpha). A direction
+    with z > 0 runs away from the eye, as a camera's rays do: it is turned by -alpha, because a reversed ray retraces
+    its path. Raises ValueError for light parallel to the sheet, z = 0.
+    """
+    direction = real("direction", direction)
+    if (direction[..., 2] == 0).any():
+        raise ValueError("direction: z = 0, parallel to the sheet; allowed: any other z")
+    sense = np.where(direction[..., 2] > 0, -1, 1)
+    return _with_transverse(direction, _transverse(direction) * np.exp(1j * sense * radians("alpha", alpha)))
+
+
+def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
+    """Return the directions (..., 3) of light after one sheet of infinitely fine Dove prisms.
+
+    `angle` is the angle between the prisms' ridges and the x axis. The transverse part d = x + iy is mirrored about the
+    ridges: it becomes exp(2i angle) conj(d).
+    """
+    direction = real("direction", direction)
+    return _with_transverse(direction, np.exp(2j * radians("angle", angle)) * _transverse(direction).conj())
+
+
+def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.float64]:
+    """Return the values of a parameter as floats.
+
+    Raises TypeError if they are complex, and ValueError if one is less than `least`.
+    """
+    values = np.asarray(values)
+    if np.iscomplexobj(values):
+        raise TypeError(f"{name} is complex; allowed: real numbers")
+    values = values.astype(float)
+    if (values < least).any():
+        raise ValueError(f"{name} = {np.nanmin(values):g}; allowed: {least:g} or more")
+    return values
+
+
+def radians(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Return the values of an angle as floats. Raises as `real`, and ValueError for what is probably in degrees."""
+    values = real(name, values)
+    if (np.abs(values) > LARGEST_ANGLE).any():
+        raise ValueError(f"{name} = {values[np.abs(values) > LARGEST_ANGLE][0]:g}; allowed: -10 pi to 10 pi, radians")
+    return values
+
+
+def _checked(r: ArrayLike, alpha: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], Booleans]:
+    """Return r and alpha as floats, and whether the object touches the sheet: r is infinite, and alpha is not NaN."""
+    r, alpha = real("r", r, 0), radians("alpha", alpha)
+    return r, alpha, np.isinf(r) & ~np.isnan(alpha)
+
+
+def _transverse(direction: Floats) -> Complexes:
+    return direction[..., 0] + 1j * direction[..., 1]
+
+
+def _with_transverse(direction: Floats, transverse: Complexes) -> Floats:
+    d, z = np.broadcast_arrays(transverse, direction[..., 2])
+    return np.stack((d.real, d.imag, z), axis=-1)
+
+
+def _sum(a: Floats, b: Floats, alpha: Floats) -> Complexes:
+    """Return a + b exp(i alpha), for real a and b without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
+    half = alpha / 2
+    cosine = np.cos(half)
+    at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # alpha is the double nearest to an odd multiple of pi
+    cosine = np.where(at_pi & (a == b), 0, cosine)
+    return (a - b) + b * (2 * cosine * np.exp(1j * half))
+
+
+def _divide(a: Complexes, b: Complexes) -> Complexes:
+    """Return a/b; the complex infinity if only b is 0; NaN if both are 0."""
+    pole = b == 0
+    with np.errstate(invalid="ignore"):  # division by a complex NaN would warn
+        ratio = a / np.where(pole, 1, b)
+    return np.where(pole, np.where(a == 0, np.nan, complex(np.inf, 0)), ratio)[()]

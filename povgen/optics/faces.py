@@ -1,0 +1,351 @@
+"""What a ray meets in a sheet: the faces of one cell, for prisms and for any other profile, on numpy arrays.
+
+The coordinates are those of `optics.trace`, and so are the cells.
+"""
+
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+from functools import cached_property
+from math import ceil, sqrt
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.optics.prism import MOST_DEVIATION, Prism
+from povgen.optics.profile import Edge, Profile, dove
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Booleans = NDArray[np.bool_]
+
+
+class Face(IntEnum):
+    """Faces of a prism. NEAR is the slanted facet towards negative z, where the eye is. `profile.dove` has their order.
+
+    The faces of another profile have the numbers of its edges.
+    """
+
+    NONE = 0
+    BASE = 1
+    NEAR = 2
+    TOP = 3
+    FAR = 4
+
+
+BORDER = 255  # in place of a face: the border between two cells of a profile
+ROUNDING = 1e-12  # periods, or radii of arcs: by how much a ray may miss the end of an edge
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A sheet of equal prisms or lenses, turned by `angle` (radians) about z. Its middle plane is z = `centre`.
+
+    A sheet that is not built exactly can also be tilted about its middle, by `tilt` (radians): about x, and then about
+    y. Its frame is tilted with it.
+    """
+
+    angle: float
+    centre: float
+    shape: Prism | Profile
+    window: int = 0  # the window that the sheet is in; a window's sheets follow one another
+    tilt: tuple[float, float] = (0.0, 0.0)
+    # standard deviation of the angle between base and each single facet, radians, and what draws it: `facet_angles`
+    facets: float = 0.0
+    seed: tuple[int, int] = (0, 0)
+
+    @property
+    def axes(self) -> Floats:
+        """The unit vectors of a sheet that is tilted, but not turned: the rows of a matrix (3, 3)."""
+        (cx, cy), (sx, sy) = np.cos(self.tilt), np.sin(self.tilt)
+        return np.array([[cy, 0, -sy], [sx * sy, cx, sx * cy], [cx * sy, -sx, cx * cy]])
+
+    def reach(self, window: float) -> float:
+        """Return how far the sheet extends along z from its middle, in a window with this side."""
+        along = abs(self.axes[:, 2])
+        return float(along @ (window / 2, window / 2, self.shape.length / 2))
+
+
+@dataclass(frozen=True)
+class Prisms:
+    """The shapes of the prisms: numbers if all sheets have the same, otherwise arrays with one of each sheet or ray."""
+
+    pitch: Floats
+    height: Floats
+    half: Floats  # of the length
+    index: Floats
+    cosine: Floats  # of the base angle
+    sine: Floats
+    first: Floats  # y of the base of prism 0
+    row: Indices  # in `normal_u` and `normal_z`
+    # the faces' outward normals: for each shape of prisms, in the order of `Face`
+    normal_u: Floats
+    normal_z: Floats
+
+    @classmethod
+    def of(cls, shapes: list[Prism], window: float) -> "Prisms":
+        """Return these shapes of the prisms in sheets, in windows with this side."""
+        if len(set(shapes)) == 1:
+            shapes = shapes[:1]
+        base = np.radians([prism.base_angle for prism in shapes])
+        pitch, height, half, index, gap = np.array(
+            [(prism.pitch, prism.height, prism.length / 2, prism.index, prism.gap) for prism in shapes]
+        ).T
+        first = -window / 2 + gap * pitch / 2
+        c, s = np.cos(base), np.sin(base)
+        none = np.zeros_like(c)
+        normals = np.stack((none, none - 1, c, none + 1, c), -1), np.stack((none, none, -s, none, s), -1)
+        found = (pitch, height, half, index, c, s, first, np.arange(len(shapes)))
+        numbers: list[Any] = [values if len(shapes) > 1 else values[0] for values in found]
+        return cls(*numbers, *normals)  # type: ignore[call-arg]
+
+    def at(self, sheet: Indices, cell: Floats | None = None) -> Self:
+        """Return the shapes of the prisms in the sheets with these numbers, or those of the prisms `cell` there."""
+        if not np.ndim(self.pitch):
+            return self
+        own = [field.name for field in fields(Prisms) if not field.name.startswith("normal")]
+        return replace(self, **{name: getattr(self, name)[sheet] for name in own})
+
+    def normals(self, face: Indices, u: Floats, z: Floats) -> tuple[Floats, Floats]:
+        """Return u and z of the faces' outward normals at the places of rays."""
+        return self.normal_u[self.row, face], self.normal_z[self.row, face]
+
+    @property
+    def slants(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        """Cosine and sine of the angle between the base and the facet: of the near one, and of the far one."""
+        return (self.cosine, self.sine), (self.cosine, self.sine)
+
+    def _facets(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> list[tuple[Face, Floats, Floats]]:
+        """For each slanted facet: how fast a ray approaches its plane from inside, and when the ray meets it."""
+        found = []
+        for face, side, (cosine, sine) in zip((Face.NEAR, Face.FAR), (-1, 1), self.slants, strict=True):
+            along = cosine * dy + side * sine * dz
+            found.append((face, along, (sine * self.half - cosine * u - side * sine * z) / along))
+        return found
+
+    def way_out(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return where rays in the glass meet a face, as a multiple of their direction, and the `Face`."""
+        up = dy > 0
+        t = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
+        face = np.where(up, Face.TOP, Face.BASE)
+        for facet, along, reach in self._facets(u, z, dy, dz):
+            nearer = (along > 0) & (reach < t)
+            t, face = np.where(nearer, reach, t), np.where(nearer, facet, face)
+        return np.maximum(t, 0), face
+
+    def way_in(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return where rays in the air meet a face, as a multiple of their direction, and the `Face`.
+
+        `Face.BASE` is the base of the prism above. `Face.NONE` means that the ray leaves the sheet.
+        """
+        up = dy > 0
+        t_in = np.where(up | (dy == 0), np.where(u > self.height, np.inf, -np.inf), (self.height - u) / dy)
+        face = np.full(len(u), Face.TOP)
+        t_out = np.where(dy == 0, np.inf, (np.where(up, self.height, 0) - u) / dy)
+        for facet, along, reach in self._facets(u, z, dy, dz):
+            t_out = np.where((along > 0) & (reach < t_out), reach, t_out)
+            later = (along < 0) & (reach > t_in)
+            t_in, face = np.where(later, reach, t_in), np.where(later, facet, face)
+            t_in = np.where((along == 0) & (reach < 0), np.inf, t_in)  # parallel to the facet, outside
+        meets = (t_in > -1e-12 * self.pitch) & (t_in < t_out) & (t_out >= 0)
+        t = np.where(meets, np.maximum(t_in, 0), np.inf)
+        base = np.maximum(np.where(up, (self.pitch - u) / dy, np.inf), 0)
+        t, face = np.where(base < t, base, t), np.where(base < t, Face.BASE, face)
+        side = np.maximum(np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz), 0)
+        return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
+
+
+@dataclass(frozen=True)
+class UnequalPrisms(Prisms):
+    """Prisms whose single facets differ from the planned angle."""
+
+    angles: Floats  # of each prism's near and far facet to the base, radians: (sheets, prisms, 2)
+    lowest: Indices  # the number of the first of these prisms in each sheet, (sheets,)
+    own: tuple[tuple[Floats, Floats], tuple[Floats, Floats]] = ((np.empty(0), np.empty(0)),) * 2  # as `slants`
+
+    @classmethod
+    def of_sheets(cls, sheets: tuple[Sheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
+        """Return the prisms of these sheets, in windows with this side."""
+        found = [
+            facet_angles(shape, window, sheet.facets, sheet.seed) for sheet, shape in zip(sheets, shapes, strict=True)
+        ]
+        most = max(len(angles) for _, angles in found)
+        angles = [np.pad(angles, ((0, most - len(angles)), (0, 0)), "edge") for _, angles in found]
+        equal = Prisms.of(shapes, window)
+        same = {field.name: getattr(equal, field.name) for field in fields(equal)}
+        return cls(**same, angles=np.array(angles), lowest=np.array([lowest for lowest, _ in found]))
+
+    def at(self, sheet: Indices, cell: Floats | None = None) -> Self:
+        equal = super().at(sheet)
+        if cell is None:
+            return equal
+        angle = self.angles[sheet, np.clip(cell.astype(int) - self.lowest[sheet], 0, self.angles.shape[1] - 1)].T
+        near, far = zip(np.cos(angle), np.sin(angle), strict=True)
+        return replace(equal, own=(near, far))
+
+    @property
+    def slants(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        return self.own
+
+    def normals(self, face: Indices, u: Floats, z: Floats) -> tuple[Floats, Floats]:
+        (near_c, near_s), (far_c, far_s) = self.own
+        which = [face == Face.BASE, face == Face.TOP, face == Face.NEAR]
+        return np.select(which, [-1.0, 1.0, near_c], far_c), np.select(which, [0.0, 0.0, -near_s], far_s)
+
+
+@dataclass(frozen=True)
+class Profiles:
+    """Profiles, with the methods of `Prisms`. Numbers are as there: one, or an array with one of each sheet or ray."""
+
+    shapes: list[Profile]
+    which: Any  # the number of the shape: None if all sheets have the same, or an array
+    pitch: Any
+    half: Any
+    index: Any
+    first: float  # the lower border of cell 0
+    cell: Any = None  # of edges with another period, the cells in which rays are, counted from the window's middle
+
+    @classmethod
+    def of(cls, shapes: list[Prism | Profile], window: float) -> "Profiles":
+        """Return these shapes of sheets, in windows with this side."""
+        profiles = [dove(shape) if isinstance(shape, Prism) else shape for shape in shapes]
+        one, many = profiles[0], [*dict.fromkeys(profiles)]
+        if len(many) == 1:
+            return cls(many, None, one.pitch, one.length / 2, one.index, -window / 2)
+        which = np.array([many.index(shape) for shape in profiles])
+        pitch, half, index = np.array([(shape.pitch, shape.length / 2, shape.index) for shape in profiles]).T
+        return cls(many, which, pitch, half, index, -window / 2)
+
+    def at(self, sheet: Indices, cell: Floats | None = None) -> "Profiles":
+        """Return the shapes of the sheets with these numbers, or those in the cells `cell` there."""
+        own = () if self.which is None else ("which", "pitch", "half", "index")
+        found = replace(self, **{name: getattr(self, name)[sheet] for name in own}) if own else self
+        if cell is None or not self.is_mismatched:
+            return found
+        return replace(found, cell=cell + found.first / found.pitch)
+
+    @cached_property
+    def is_mismatched(self) -> bool:
+        """Whether edges have another period than their cells."""
+        return any(shape.is_mismatched for shape in self.shapes)
+
+    def copy(self, face: Indices, u: Floats) -> Floats:
+        """Return by how many copies of an edge the one at a ray's place is above the one that its cell is of."""
+        found = np.zeros(len(u))
+        for k, shape in enumerate(self.shapes if self.is_mismatched else ()):
+            for number, edge in enumerate(shape.edges, 1):
+                own = (face == number) & (self.which is None or self.which == k) & (edge.period != 1)
+                found[own] = np.rint(_copy(edge, self.cell[own], u[own] / shape.pitch) - self.cell[own])
+        return found
+
+    def way_out(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return where rays in the glass meet a face or a border, as a multiple of their direction, and which."""
+        return self._way(u, z, dy, dz, 1)
+
+    def way_in(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
+        """Return the same for rays in the air. `Face.NONE` means that the ray leaves the sheet."""
+        t, face = self._way(u, z, dy, dz, -1)
+        side = np.maximum(np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz), 0)
+        leaves = (side < t) | (side == t) & (face == BORDER)
+        return np.where(leaves, side, t), np.where(leaves, Face.NONE, face)
+
+    def _way(self, u: Floats, z: Floats, dy: Floats, dz: Floats, outwards: int) -> tuple[Floats, Indices]:
+        if self.which is None:
+            return _met(self.shapes[0], u, z, dy, dz, outwards, self.cell)
+        t, face = np.empty(len(u)), np.empty(len(u), int)
+        for k, shape in enumerate(self.shapes):
+            own = self.which == k
+            cell = None if self.cell is None else self.cell[own]
+            t[own], face[own] = _met(shape, u[own], z[own], dy[own], dz[own], outwards, cell)
+        return t, face
+
+    def normals(self, face: Indices, u: Floats, z: Floats) -> tuple[Floats, Floats]:
+        """Return u and z of the edges' outward normals at the places of rays."""
+        nu, nz = np.empty(len(u)), np.empty(len(u))
+        for k, shape in enumerate(self.shapes):
+            for number, edge in enumerate(shape.edges, 1):
+                own = face == number if self.which is None else (face == number) & (self.which == k)
+                if edge.radius:
+                    (cu, cz), radius, shift = edge.centre, edge.radius * shape.pitch, np.zeros(1)
+                    if edge.period != 1:
+                        shift = _shift(edge, self.cell[own], _copy(edge, self.cell[own], u[own] / shape.pitch))
+                    nu[own] = (u[own] - (cu + shift) * shape.pitch) / radius
+                    nz[own] = (z[own] - cz * shape.pitch) / radius
+                else:
+                    nu[own], nz[own] = edge.normal
+        return nu, nz
+
+
+def _copy(edge: Edge, cell: Floats, u: Floats | float) -> Floats:
+    """Return the number of the edge's copy at the place u, in periods, of a cell. Both count from the middle."""
+    # of an even or of an odd number of cells, a copy begins as far from the middle as a cell does
+    begin = cell % 1
+    return np.asarray(np.floor((cell + u) / edge.period - begin) + begin)
+
+
+def _shift(edge: Edge, cell: Floats, copy: Floats) -> Floats:
+    """Return where a copy of an edge is in a cell: how much farther, in periods, than in its own."""
+    return copy * edge.period - cell
+
+
+def _met(
+    shape: Profile, u: Floats, z: Floats, dy: Floats, dz: Floats, outwards: int, cell: Floats | None = None
+) -> tuple[Floats, Indices]:
+    """Return where rays in a cell first meet an edge or a border, as a multiple of their direction, and which.
+
+    Only edges count that rays cross from glass to air (`outwards` 1), or from air to glass (-1). So a ray that has just
+    met an edge does not meet it again at the same place. It meets a circle where it enters it, or where it leaves it,
+    but not in both points.
+    """
+    pitch = shape.pitch
+    t = np.where(dy == 0, np.inf, (np.where(dy > 0, pitch, 0) - u) / dy)
+    face = np.full(len(u), BORDER)
+    square = dy**2 + dz**2
+    copies: list[tuple[int, Edge, Floats]] = []  # with u from the place where the edge's period begins
+    for number, edge in enumerate(shape.edges, 1):
+        if edge.period == 1 or cell is None:
+            copies.append((number, edge, u))
+        else:  # a cell meets up to three copies
+            lowest = _copy(edge, cell, 0.0)
+            copies += [(number, edge, u - pitch * _shift(edge, cell, lowest + k)) for k in range(3)]
+    for number, edge, own_u in copies:
+        reach, meets = _reach(edge, pitch, own_u, z, dy, dz, square, outwards)
+        least = ROUNDING * pitch * max(1, abs(edge.radius))
+        (su, sz), (tu, tz), (nu, nz) = edge.start, edge.along, edge.normal
+        hu, hz = own_u + reach * dy - pitch * su, z + reach * dz - pitch * sz
+        along = tu * hu + tz * hz
+        meets &= (reach > -least) & (reach < t) & (along >= -least) & (along <= pitch * edge.chord + least)
+        if edge.radius:  # the circle's other part is on the other side of the chord
+            meets &= np.copysign(1, edge.radius) * (nu * hu + nz * hz) >= -least
+        t, face = np.where(meets, reach, t), np.where(meets, number, face)
+    return np.maximum(t, 0), face
+
+
+def _reach(
+    edge: Edge, pitch: float, u: Floats, z: Floats, dy: Floats, dz: Floats, square: Floats, outwards: int
+) -> tuple[Floats, Booleans]:
+    """Return where rays cross the line or the circle of an edge in the right direction, and whether they do."""
+    if not edge.radius:
+        nu, nz = edge.normal
+        along = nu * dy + nz * dz
+        return (nu * (pitch * edge.start[0] - u) + nz * (pitch * edge.start[1] - z)) / along, along * outwards > 0
+    cu, cz = edge.centre
+    qu, qz = u - pitch * cu, z - pitch * cz
+    half = qu * dy + qz * dz
+    root = half**2 - square * (qu**2 + qz**2 - (pitch * edge.radius) ** 2)
+    sign = outwards if edge.radius > 0 else -outwards
+    return (sign * np.sqrt(root) - half) / square, root > 0
+
+
+def facet_angles(shape: Prism, window: float, deviation: float, seed: tuple[int, int]) -> tuple[int, Floats]:
+    """Return the number of the lowest prism in a sheet, and the angles of each prism's near and far facet to the base.
+
+    The angles, (prisms, 2), are in radians. They are normally distributed, and no one differs by more than
+    MOST_DEVIATION times `deviation` (radians). Prism 0 begins at the lower edge of the window, with this side, before
+    the sheet is turned.
+    """
+    count = round(window / shape.pitch)
+    beyond = ceil((sqrt(2) - 1) / 2 * count) + 2  # of a turned sheet, on either side
+    drawn = np.random.default_rng(seed).normal(size=(count + 2 * beyond, 2))
+    drawn = np.clip(drawn, -MOST_DEVIATION, MOST_DEVIATION)
+    return -beyond, np.radians(shape.base_angle) + deviation * drawn

@@ -1,0 +1,379 @@
+"""Cross-sections of the sheets that light-ray metamaterials are built of: prisms, lenticular arrays, wedges.
+
+A sheet is a cross-section, extruded along the ridges and repeated across them. Points of the cross-section are (u, z):
+u runs across the ridges, z away from the eye. Both are in units of the period, so that u is from 0 to 1. The outlines
+between glass and air consist of straight edges and of circular arcs. An outline is closed, as round a prism, or it
+continues in the next period, as the face of an array of lenses does.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
+from math import asin, hypot, inf, isfinite, radians, sqrt, tan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.optics.prism import Prism
+
+MAX_EDGES = 32  # of a profile
+CHORDS = 64  # into which an arc is divided to find out whether outlines cross; even
+TOLERANCE = 1e-9  # of a corner's place
+ASIDE = 1e-5  # from an outline: there must be glass on one side, and air on the other
+
+Point = tuple[float, float]
+Polyline = NDArray[np.float64]  # (points, 2)
+
+
+class Outline(NamedTuple):
+    """Corners of an outline, and for each edge between two corners its radius: `Edge.radius`."""
+
+    corners: tuple[Point, ...]  # the last is the first, or the first one period farther
+    radii: tuple[float, ...]
+
+
+class Edge(NamedTuple):
+    """An edge of an outline: straight, or an arc of up to a semicircle. Glass is on its left if u is right and z up.
+
+    So the normal that points out of the glass is the direction from start to end, turned by 90 degrees clockwise.
+    """
+
+    start: Point
+    end: Point
+    radius: float  # of an arc: above 0 if the glass bulges, below 0 if it is hollow; 0: a straight edge
+    # from the edge to its next copy, in periods. If it is not 1, copies are counted from the middle of the window
+    period: float = 1.0
+
+    @property
+    def chord(self) -> float:
+        """The distance from start to end."""
+        return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
+
+    @property
+    def along(self) -> Point:
+        """The unit vector from start to end."""
+        return (self.end[0] - self.start[0]) / self.chord, (self.end[1] - self.start[1]) / self.chord
+
+    @property
+    def normal(self) -> Point:
+        """The unit vector perpendicular to the chord that points out of the glass."""
+        return self.along[1], -self.along[0]
+
+    @property
+    def centre(self) -> Point:
+        """The centre of the arc; of a straight edge, its start."""
+        if not self.radius:
+            return self.start
+        aside = sqrt(max(self.radius**2 - self.chord**2 / 4, 0)) * (-1 if self.radius > 0 else 1)
+        (u0, z0), (u1, z1), (nu, nz) = self.start, self.end, self.normal
+        return (u0 + u1) / 2 + aside * nu, (z0 + z1) / 2 + aside * nz
+
+    def points(self, chords: int = CHORDS) -> Polyline:
+        """Return the ends of equal parts of the edge, (chords + 1, 2)."""
+        if not self.radius:
+            return np.linspace(self.start, self.end, chords + 1)
+        half = asin(min(self.chord / 2 / abs(self.radius), 1))
+        angle = np.linspace(-half, half, chords + 1)[:, None]
+        outwards = np.array(self.normal) * (1 if self.radius > 0 else -1)
+        found = self.centre + abs(self.radius) * (np.sin(angle) * self.along + np.cos(angle) * outwards)
+        found[[0, -1]] = self.start, self.end
+        return np.asarray(found)
+
+    @property
+    def depths(self) -> Point:
+        """The least and the greatest z."""
+        z = [self.start[1], self.end[1]]
+        for sign in (-1, 1) if self.radius else ():
+            u, top = self.centre[0], self.centre[1] + sign * abs(self.radius)
+            outwards = (u - self.start[0]) * self.normal[0] + (top - self.start[1]) * self.normal[1]
+            along = (u - self.start[0]) * self.along[0] + (top - self.start[1]) * self.along[1]
+            if outwards * self.radius > 0 and 0 < along < self.chord:
+                z.append(top)
+        return min(z), max(z)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """One period of a sheet. `of_outlines` makes it from outlines that a user states, and checks them."""
+
+    edges: tuple[Edge, ...]  # of all outlines, numbered from 1; z = 0 is midway between the least and the greatest z
+    path: tuple[int, ...]  # the edges that light on the designed path meets on its way to greater z, in order
+    index: float = 1.5  # refractive index n of the glass, above 1
+    gap: float = 0.01  # air between two sheets, in periods
+    pitch: float = 1.0  # the period, in any unit of length
+
+    @classmethod
+    def of_outlines(
+        cls, outlines: Sequence[Outline], path: Sequence[int], index: float = 1.5, gap: float = 0.01
+    ) -> "Profile":
+        """Return the profile with these outlines, in units of the period.
+
+        The glass lies within closed outlines. Of outlines that continue in the next period it lies between the first
+        and the second along z, the third and the fourth, and so on. Raises ValueError for outlines that do not close,
+        that cross or leave the period, and for numbers outside their ranges. NaN is outside.
+        """
+        for name, value, allowed, inside in (
+            ("index", index, "above 1, up to 4", 1 < index <= 4),
+            ("gap", gap, "0 or more, up to 100 periods", 0 <= gap <= 100),
+        ):
+            if not inside:
+                raise ValueError(f"{name} = {value:g}; allowed: {allowed}")
+        several = [_edges(outline, number) for number, outline in enumerate(outlines, 1)]
+        if not 1 <= sum(map(len, several)) <= MAX_EDGES:
+            raise ValueError(f"{sum(map(len, several))} edges; allowed: 1 to {MAX_EDGES}")
+        edges = _with_glass(several)
+        for number, edge in enumerate(edges, 1):
+            _check_edge(edge, number)
+        _check_apart(edges)
+        for number in path:
+            if not 1 <= number <= len(edges):
+                raise ValueError(f"path: edge {number}; allowed: 1 to {len(edges)}")
+        if len(path) < 2:
+            raise ValueError(f"path = {list(path)}; allowed: the numbers of two or more edges")
+        z = [depth for edge in edges for depth in edge.depths]
+        middle = (min(z) + max(z)) / 2
+        if not max(z) - min(z) > 0:
+            raise ValueError("thickness = 0; allowed: above 0")
+        centred = [
+            edge._replace(start=(edge.start[0], edge.start[1] - middle), end=(edge.end[0], edge.end[1] - middle))
+            for edge in edges
+        ]
+        return cls(tuple(centred), tuple(path), index, gap)
+
+    @classmethod
+    def of_table(cls, table: Mapping[str, object]) -> "Profile":
+        """Return the profile that a table of a TOML file states. Raises ValueError, with the key and what is allowed.
+
+        Its keys are `index`, `gap`, `period`, `path`, and a table `[[outline]]` with `corners` and `radii` for each
+        outline. Lengths are in the unit of the period.
+        """
+        allowed = {"index", "gap", "period", "path", "outline"}
+        for key in table.keys() - allowed:
+            raise ValueError(f"{key}: unknown; allowed: {', '.join(sorted(allowed))}")
+        period = _number(table, "period", 1.0)
+        if not period > 0:
+            raise ValueError(f"period = {period:g}; allowed: above 0")
+        outlines = table.get("outline")
+        if not isinstance(outlines, list) or not all(isinstance(each, dict) for each in outlines):
+            raise ValueError("outline: missing; allowed: a table [[outline]] for each outline")
+        path = table.get("path")
+        if not isinstance(path, list) or not all(type(number) is int for number in path):
+            raise ValueError("path: missing; allowed: the numbers of the edges that light should meet, as [1, 2]")
+        found = [_outline(each, number, period) for number, each in enumerate(outlines, 1)]
+        return cls.of_outlines(found, path, _number(table, "index", 1.5), _number(table, "gap", 0.01 * period) / period)
+
+    def scaled(self, pitch: float) -> "Profile":
+        """Return the profile with another period."""
+        return replace(self, pitch=pitch)
+
+    @property
+    def is_mismatched(self) -> bool:
+        """Whether an edge has another period than the others."""
+        return any(edge.period != 1 for edge in self.edges)
+
+    @property
+    def half(self) -> float:
+        """Half of the extent along z, in periods."""
+        return max(abs(depth) for edge in self.edges for depth in edge.depths)
+
+    @property
+    def length(self) -> float:
+        """Extent along z."""
+        return 2 * self.half * self.pitch
+
+    @property
+    def separation(self) -> float:
+        """Distance between the middle planes of two parallel sheets."""
+        return self.length + self.gap * self.pitch
+
+    def thickness(self, sheets: int) -> float:
+        """Extent along z of one sheet, or of two parallel sheets and the air between them."""
+        return self.length + (sheets - 1) * self.separation
+
+
+def dove(prism: Prism) -> Profile:
+    """Return the profile of Dove prisms. The edges are the base, the slanted facet near the eye, the top, the other."""
+    low, high = prism.gap / 2, 1 - prism.gap / 2
+    base, top = prism.length / prism.pitch / 2, prism.top_length / prism.pitch / 2
+    corners = ((low, base), (low, -base), (high, -top), (high, top), (low, base))
+    return Profile.of_outlines([Outline(corners, (0,) * 4)], (2, 1, 4), prism.index, prism.gap).scaled(prism.pitch)
+
+
+def confocal(
+    ratio: float = 1.0, f_number: float = 3.0, index: float = 1.5, gap: float = 0.01, mismatch: float = 0.0
+) -> Profile:
+    """Return the profile of a block of glass with an array of lenses on both faces, whose focal planes coincide.
+
+    f_number is the focal length in the glass of the lenses on the eye's side, in periods; ratio is the focal length on
+    the object's side over it. The block is as thick as both focal lengths together. The period of the lenses on the
+    object's side is greater by the fraction `mismatch`. Raises ValueError for a focal length whose lens would be more
+    than a semicircle.
+    """
+    near, far = _lens_radius(f_number, index), _lens_radius(ratio * f_number, index, 1 + mismatch)
+    thickness = (1 + ratio) * f_number
+    made = Profile.of_outlines([_lenses(0.0, near, -1), _lenses(thickness, far, 1)], (1, 2), index, gap)
+    if not mismatch:
+        return made
+    edge, wide = made.edges[1], 1 + mismatch  # of the same radius, and as far from the other lenses
+    z = edge.depths[1] - (far - sqrt(far**2 - wide**2 / 4))
+    start, end = ((u * wide, z) for u in (edge.start[0], edge.end[0]))
+    return replace(made, edges=(made.edges[0], Edge(start, end, far, wide)))
+
+
+def lenticulars(
+    ratio: float = 1.0, f_number: float = 2.0, index: float = 1.5, gap: float = 0.01, sheet: float = 0.3
+) -> Profile:
+    """Return the profile of two thin sheets of lenses, with air between them, whose focal planes coincide.
+
+    The lenses are on the outer faces. f_number is the focal length in air on the eye's side, in periods; ratio is as
+    for `confocal`. A sheet has the thickness `sheet`, in periods. Raises ValueError for lenses that do not fit.
+    """
+    near, far = _lens_radius(f_number * index, index), _lens_radius(ratio * f_number * index, index)
+    air = (1 + ratio) * f_number - 2 * sheet / index
+    least = max(radius - sqrt(radius**2 - 0.25) for radius in (near, far))
+    if not (sheet > least and air > 0):
+        most = (1 + ratio) * f_number * index / 2
+        raise ValueError(f"sheet = {sheet:g}; allowed: above {least:.4g}, and below {most:.4g} periods")
+    flat = [Outline(((0, z), (1, z)), (0,)) for z in (sheet, sheet + air)]
+    return Profile.of_outlines(
+        [_lenses(0.0, near, -1), *flat, _lenses(2 * sheet + air, far, 1)], (1, 2, 3, 4), index, gap
+    )
+
+
+def wedges(angle: float = 15.0, index: float = 1.5, gap: float = 0.01, draft: float = 0.02) -> Profile:
+    """Return the profile of an array of wedges: a flat face to the eye, slanted facets by `angle` degrees behind it.
+
+    Each steep side between two facets takes `draft` periods. Raises ValueError for an angle that is not from 1 to 60.
+    """
+    if not 1 <= angle <= 60:
+        raise ValueError(f"angle = {angle:g}; allowed: 1 to 60 degrees")
+    rise = (1 - draft) * tan(radians(angle))
+    facets = Outline(((0, 0.2), (1 - draft, 0.2 + rise), (1, 0.2)), (0, 0))
+    return Profile.of_outlines([Outline(((0, 0), (1, 0)), (0,)), facets], (1, 2), index, gap)
+
+
+def _lens_radius(focal_length: float, index: float, width: float = 1.0) -> float:
+    """Return the radius of a lens with this width and focal length in its glass, in periods. Raises ValueError."""
+    radius = focal_length * (index - 1) / index
+    if not (isfinite(radius) and radius >= width / 2):
+        least = index * width / (2 * (index - 1))
+        raise ValueError(
+            f"focal length = {focal_length:g} periods in glass of index {index:g}: a lens would be more than a "
+            f"semicircle; allowed: {least:.4g} periods or more"
+        )
+    return radius
+
+
+def _lenses(vertex: float, radius: float, side: int) -> Outline:
+    """Return a face of lenses that bulge to smaller z (side -1) or to greater z (1), up to z = `vertex`."""
+    corner = vertex - side * (radius - sqrt(radius**2 - 0.25))
+    return Outline(((0, corner), (1, corner)), (radius,))
+
+
+def _number(table: Mapping[str, object], key: str, default: float) -> float:
+    """Return a number of a table. Raises ValueError."""
+    value = table.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+        raise ValueError(f"{key} = {value}; allowed: a number")
+    return float(value)
+
+
+def _outline(table: Mapping[str, object], number: int, period: float) -> Outline:
+    """Return the outline of a table, in periods. Raises ValueError."""
+    for key in table.keys() - {"corners", "radii"}:
+        raise ValueError(f"outline {number}: {key}: unknown; allowed: corners, radii")
+    corners: Any = table.get("corners")
+    radii: Any = table.get("radii", [])
+    if not isinstance(corners, list) or len(corners) < 2 or not all(_is_numbers(corner, 2) for corner in corners):
+        raise ValueError(f"outline {number}: corners = {corners}; allowed: two or more points, as [[0, 0], [1, 0]]")
+    if not _is_numbers(radii) or len(radii) not in (0, len(corners) - 1):
+        raise ValueError(f"outline {number}: radii = {radii}; allowed: a number for each of {len(corners) - 1} edges")
+    points = tuple((u / period, z / period) for u, z in corners)
+    return Outline(points, tuple(radius / period for radius in radii) or (0.0,) * (len(corners) - 1))
+
+
+def _is_numbers(value: object, count: int | None = None) -> bool:
+    """Whether a value is a list of numbers, of so many."""
+    return (
+        isinstance(value, list)
+        and (count is None or len(value) == count)
+        and all(isinstance(x, (int, float)) and not isinstance(x, bool) and abs(x) < inf for x in value)
+    )
+
+
+def _edges(outline: Outline, number: int) -> list[Edge]:
+    """Return an outline's edges as they are stated. Raises ValueError if it does not close, or an edge is short."""
+    where, corners = f"outline {number}", outline.corners
+    (u0, z0), (u1, z1) = corners[0], corners[-1]
+    if abs(z1 - z0) > TOLERANCE or min(abs(u1 - u0), abs(abs(u1 - u0) - 1)) > TOLERANCE:
+        raise ValueError(
+            f"{where}: begins at {_text(corners[0])} and ends at {_text(corners[-1])}; "
+            "allowed: the same point, or one period farther"
+        )
+    edges = [Edge(*ends, radius) for ends, radius in zip(pairwise(corners), outline.radii, strict=True)]
+    for n, edge in enumerate(edges, 1):
+        if not edge.chord > TOLERANCE:
+            raise ValueError(f"{where}, edge {n}: begins and ends at {_text(edge.start)}; allowed: two points")
+    return edges
+
+
+def _check_edge(edge: Edge, number: int) -> None:
+    """Raise ValueError for an arc whose radius is too small, and for an edge that leaves the period."""
+    if edge.radius and not abs(edge.radius) >= (1 - TOLERANCE) * edge.chord / 2:
+        raise ValueError(
+            f"edge {number}: radius = {edge.radius:g}; allowed: 0, or at least {edge.chord / 2:.4g} periods in size"
+        )
+    u = edge.points()[:, 0]
+    if u.min() < -TOLERANCE or u.max() > 1 + TOLERANCE:
+        raise ValueError(f"edge {number}: u from {u.min():.4g} to {u.max():.4g} periods; allowed: 0 to 1")
+    if u.max() < TOLERANCE or u.min() > 1 - TOLERANCE:
+        raise ValueError(f"edge {number}: lies on the border of the period; allowed: inside")
+
+
+def _text(point: Point) -> str:
+    return "[{:g}, {:g}]".format(*point)
+
+
+def _check_apart(edges: Sequence[Edge]) -> None:
+    """Raise ValueError if edges cross."""
+    for (n, one), (m, other) in combinations(enumerate(edges, 1), 2):
+        a, b, c, d = one.points()[:-1, None], one.points()[1:, None], other.points()[:-1], other.points()[1:]
+        sides = [_side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)]
+        crossed = (sides[0] < -(TOLERANCE**2)) & (sides[1] < -(TOLERANCE**2))
+        if crossed.any():
+            at = a[np.argwhere(crossed)[0][0], 0]
+            raise ValueError(f"edges {n} and {m} cross near {_text(at)}; allowed: outlines that do not cross")
+
+
+def _side(a: Polyline, b: Polyline, point: Polyline) -> NDArray[np.float64]:
+    """Return on which side of the lines from a to b points are, as a signed area."""
+    d, e = b - a, point - a
+    return np.asarray(d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0])
+
+
+def _with_glass(outlines: Sequence[Sequence[Edge]]) -> list[Edge]:
+    """Return the edges of outlines, turned where needed so that glass is on the side that `Edge` says.
+
+    Straight lines take the place of arcs: on which side of an arc it bulges is known only then.
+    Raises ValueError if there is not glass on one side of an outline and air on the other.
+    """
+    ends = np.array([(edge.start, edge.end) for outline in outlines for edge in outline])
+    (u0, z0), (u1, z1) = np.moveaxis(ends, 0, -1)
+
+    def is_glass(u: float, z: float) -> bool:
+        """Whether a line along z, from before the sheet to this point, crosses an odd number of outlines."""
+        crossed = (u0 <= u) != (u1 <= u)
+        at = z0[crossed] + (u - u0[crossed]) / (u1 - u0)[crossed] * (z1 - z0)[crossed]
+        return bool((at < z).sum() % 2)
+
+    found: list[Edge] = []
+    for number, outline in enumerate(outlines, 1):
+        edge = max(outline, key=lambda each: each.chord)
+        u, z = (edge.start[0] + edge.end[0]) / 2, (edge.start[1] + edge.end[1]) / 2
+        nu, nz = edge.normal
+        inside, outside = (is_glass(u + side * ASIDE * nu, z + side * ASIDE * nz) for side in (-1, 1))
+        if inside == outside:
+            raise ValueError(f"outline {number}: glass or air on both sides; allowed: glass on one, air on the other")
+        found += outline if inside else [Edge(edge.end, edge.start, edge.radius) for edge in outline]
+    return found

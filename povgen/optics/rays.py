@@ -1,0 +1,309 @@
+"""Bundles of rays through any list of windows: where the rays go, the spot they make, and where they converge.
+
+The coordinates are the scenes': x right, y up, z away from the eye, and z = 0 in the middle of the first window. All
+lengths are in one unit, in scenes the tile. There are no angles: a direction is a vector (dx, dy, dz).
+
+Rays with dz > 0 run away from the eye, as a camera's do. Rays with dz < 0 run with the light, towards the eye. Both
+take the same paths. `trace.trace` follows rays through prisms. An ideal sheet bends them where they meet it.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from povgen.optics.aim import Element, newton
+from povgen.optics.equations import Complexes
+from povgen.optics.faces import Booleans, Floats, Indices
+from povgen.optics.trace import CHUNK, End, Rays, trace
+
+Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye first, each with the z of its middle
+# A law states the slope behind an ideal sheet for each slope before it. Newton's method finds the slope before it of
+# light, which comes from behind. The search starts from the slope behind the sheet, and then from these.
+_STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
+LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
+MOST = 10**9  # rays
+_PRECISION = 1e-11  # of slopes, relative to 1 + |slope|
+
+
+class Convergence(NamedTuple):
+    """Where rays are closest together, in a plane parallel to the sheets. Lengths are in the unit of the rays."""
+
+    x: float  # middle of the rays in this plane
+    y: float
+    z: float  # of the plane; infinite for parallel rays
+    rms: float  # distance of the rays from the middle, in this plane
+
+
+class _Lines:
+    """What a bundle of rays has before and behind the windows: each ray is on a straight line."""
+
+    position: Floats
+    direction: Floats
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the bundle, such as (height, width) if there is a ray for each pixel."""
+        return self.position.shape[:-1]
+
+    @property
+    def slope(self) -> Complexes:
+        """(dx + i dy)/dz of each ray, without a unit. It is the same whichever way the ray runs."""
+        return (self.direction[..., 0] + 1j * self.direction[..., 1]) / self.direction[..., 2]
+
+    def at(self, z: float) -> Complexes:
+        """Return where the rays, extended both ways, cross the plane z: x + iy, in the unit of z."""
+        return self.position[..., 0] + 1j * self.position[..., 1] + (z - self.position[..., 2]) * self.slope
+
+    def convergence(self) -> Convergence:
+        """Return where the rays, extended both ways, are closest together: where they make the smallest spot.
+
+        Its size is the RMS distance of the rays from their mean, in a plane z = constant. For an image that is not
+        sharp, the spot is the circle of least confusion. Raises ValueError for fewer than two rays.
+        """
+        slope, place = self.slope.ravel(), self.at(0).ravel()
+        if len(slope) < 2:
+            raise ValueError(f"{len(slope)} rays; allowed: two or more")
+        ds, dP = slope - slope.mean(), place - place.mean()
+        square = np.vdot(ds, ds).real
+        if square <= 1e-30 * len(ds):
+            return Convergence(np.nan, np.nan, np.inf, float(np.sqrt(np.mean(abs(dP) ** 2))))
+        z = -np.vdot(ds, dP).real / square
+        middle = place.mean() + z * slope.mean()
+        return Convergence(float(middle.real), float(middle.imag), float(z), _rms(dP + z * ds))
+
+    def __getitem__(self, which: Any) -> Self:  # noqa: ANN401  (what numpy takes)
+        """Return some of the rays: rays[rays.designed], or of the rays of pixels rays[row, column]."""
+        return type(self)(**{name: values[which] for name, values in vars(self).items()})
+
+
+class Bundle(_Lines):
+    """Rays: where they start, and their directions.
+
+    `position` is (x, y, z) in tiles, `direction` (dx, dy, dz) of any length, which becomes a unit vector. Both are
+    arrays (..., 3), and broadcast. Raises ValueError for other shapes, for numbers that are not finite, and for a
+    direction without length or parallel to the sheets.
+    """
+
+    def __init__(self, position: ArrayLike, direction: ArrayLike) -> None:
+        start, along = np.asarray(position, float), np.asarray(direction, float)
+        for name, values in (("position", start), ("direction", along)):
+            if not values.ndim or values.shape[-1] != 3:
+                raise ValueError(f"{name}: an array of the shape {values.shape}; allowed: (..., 3), x, y and z")
+            if not np.isfinite(values).all():
+                raise ValueError(f"{name}: not finite; allowed: finite numbers")
+        if not along[..., 2].all():
+            raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
+        self.position, along = np.broadcast_arrays(start, along)
+        self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
+
+
+class Traced(_Lines, Rays):
+    """Where and how the rays of a bundle end. All arrays begin with the bundle's shape.
+
+    `position` (..., 3), in tiles, is where a ray leaves the last window, or ends; `direction` (..., 3) is its last
+    direction, a unit vector; `end` says how it ends. A ray is `designed` if it leaves on the path for which the sheets
+    are made: through all ideal sheets and, in each sheet of prisms, through one slanted facet, to the base, and through
+    the other slanted facet. `faces` (..., most) are the prisms' faces that the ray has met, in their order, and `count`
+    is their number. `orders` (..., sheets) says how many lenses of a sheet the ray has passed over in the glass: 0 on
+    the designed path.
+    """
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A spot diagram: where the rays of a pencil cross a plane."""
+
+    points: NDArray[np.complex128]  # x + iy (n,), tiles
+    z: float  # of the plane, tiles
+    share: float  # of the pencil's rays, 0 to 1: the others are lost, or stray light
+
+    @property
+    def centre(self) -> complex:
+        """The mean of the points, x + iy, tiles."""
+        return complex(self.points.mean())
+
+    @property
+    def rms(self) -> float:
+        """The RMS distance of the points from the centre, tiles."""
+        return _rms(self.points - self.centre)
+
+
+def pencil(
+    windows: Placed, point: ArrayLike, count: int, middle: complex, radius: float, seed: int, at_once: int = CHUNK
+) -> Iterator[Bundle]:
+    """Yield `count` rays from a point (x, y, z) to random points of a disc, `at_once` at a time.
+
+    Regular points would make moire with prisms. The disc's centre is `middle`, x + iy, in the plane of the window that
+    is nearest to the point. Raises ValueError for a point between the windows, and for numbers outside their ranges.
+    """
+    start = np.asarray(point, float)
+    if start.shape != (3,) or not (abs(start) <= LARGEST).all():
+        raise ValueError(f"point = {start}: allowed: x, y and z, from -{LARGEST:g} to {LARGEST:g}, in tiles")
+    first, last = windows[0][0], windows[-1][0]
+    if first <= start[2] <= last:
+        raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
+    if not (0 < radius <= LARGEST and abs(middle) <= LARGEST):
+        raise ValueError(f"middle = {middle}, radius = {radius}: allowed: up to {LARGEST:g} tiles, radius above 0")
+    count, rng = checked_count("count", count, MOST), np.random.default_rng(seed)
+    z = last if start[2] > last else first
+    for n in range(0, count, at_once):
+        size, turn = rng.uniform(size=(2, min(at_once, count - n)))
+        disc = middle + radius * np.sqrt(size) * np.exp(2j * np.pi * turn)
+        yield Bundle(start, np.column_stack((disc.real, disc.imag, np.full(len(disc), z))) - start)
+
+
+def checked_count(name: str, value: object, most: int) -> int:
+    """Return a number of rays or pixels. Raises ValueError if it is not a whole number from 1 to `most`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 1 <= value <= most:
+        raise ValueError(f"{name} = {value!r}: allowed: a whole number from 1 to {most}")
+    return int(value)
+
+
+def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
+    """Return the spot diagram in the plane z of all these rays that are designed, or with `stray` of all that leave."""
+    points, count = [], 0
+    for rays in traced:
+        points.append(rays[rays.end == End.THROUGH if stray else rays.designed].at(z).ravel())
+        count += rays.end.size
+    joined = np.concatenate(points)
+    return Spot(joined, z, len(joined) / count)
+
+
+def trace_windows(
+    rays: Bundle,
+    windows: Placed,
+    aperture: float,
+    frame: float = 0.0,
+    most: int = 60,
+    partial: np.random.Generator | None = None,
+) -> Traced:
+    """Follow a bundle through windows: ideal sheets, or prisms, or ideal sheets before prisms.
+
+    `aperture` is the side of the square windows, and `frame` the extent of each window's frame along z. A ray ends
+    after `most` faces of prisms. `partial` is as for `trace.trace`. Prisms can send stray light back to the ideal
+    sheets before them, which bend it too. Raises ValueError if a ray does not start outside the windows and towards
+    them, if an ideal sheet stands behind prisms, and what `trace.trace` raises.
+    """
+    ideal = [(z, window) for z, window in windows if not window.layers_at(z, 0)]
+    glass = windows[len(ideal) :]
+    sheets = tuple(sheet for n, (z, window) in enumerate(glass) for sheet in window.layers_at(z, n))
+    if len({sheet.window for sheet in sheets}) < len(glass):
+        raise ValueError("windows: an ideal sheet behind prisms; allowed: ideal sheets first")
+    n = int(np.prod(rays.shape))
+    found = Rays(
+        rays.position.reshape(n, 3).copy(),
+        rays.direction.reshape(n, 3).copy(),
+        np.full(n, End.THROUGH, np.uint8),
+        np.zeros((n, most if sheets else 0), np.uint8),
+        np.zeros(n, int),
+        np.ones(n),
+        np.zeros(n, bool),
+        np.full(n, not sheets),
+        np.zeros((n, len(sheets)), int),
+    )
+    _check_start(found, windows[0][0], windows[-1][0])
+    way = _Way(found, aperture / 2, frame / 2)
+    camera, light = np.flatnonzero(found.direction[:, 2] > 0), np.flatnonzero(found.direction[:, 2] < 0)
+    camera = way.through(camera, ideal, End.FRAME)
+    if glass:
+        camera = way.enter(camera, glass[0][0], End.BESIDE if ideal else End.FRAME)
+        light = way.enter(light, glass[-1][0], End.FRAME)
+        both = np.concatenate((camera, light))
+        after = trace(found.position[both], found.direction[both], sheets, aperture, most, frame, partial)
+        for field in fields(Rays):
+            getattr(found, field.name)[both] = getattr(after, field.name)
+        light, back = light[found.end[light] == End.THROUGH], camera[found.end[camera] == End.BACK]
+        light = np.concatenate((light, back))
+    way.through(light, ideal[::-1], End.BESIDE if glass else End.FRAME)
+    found.designed &= found.end == End.THROUGH
+    return Traced(*(values.reshape(*rays.shape, *values.shape[1:]) for values in vars(found).values()))
+
+
+def _check_start(rays: Rays, first: float, last: float) -> None:
+    """Raise ValueError for the first ray that starts between the windows, or runs away from them."""
+    z, dz = rays.position[:, 2], rays.direction[:, 2]
+    wrong = np.where(dz > 0, z > first, z < last)
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        allowed = f"z <= {first:g} for dz > 0" if dz[i] > 0 else f"z >= {last:g} for dz < 0"
+        raise ValueError(f"ray {i} from {rays.position[i]} along {rays.direction[i]}: allowed: {allowed}")
+
+
+class _Way:
+    """Rays on their way through frames and ideal sheets. The methods return the indices of the rays that go on."""
+
+    def __init__(self, rays: Rays, half_window: float, half_frame: float) -> None:
+        self.rays, self.half, self.frame = rays, half_window, half_frame
+
+    def through(self, i: Indices, windows: Placed, missed: End) -> Indices:
+        """Take rays through ideal sheets, which are in the rays' order. `missed` ends rays beside the first one."""
+        for z, window in windows:
+            i = self.move(self.enter(i, z, missed), z, End.FRAME)
+            i = self.bend(i, window)
+            passed = self.within(i, z + self.ahead(i))
+            i, missed = self.without(i, ~passed, End.FRAME), End.BESIDE
+        return i
+
+    def enter(self, i: Indices, z: float, missed: End) -> Indices:
+        """Take rays to the opening of a window's frame on their side. `missed` ends those beside it."""
+        return self.move(i, z - self.ahead(i), missed)
+
+    def ahead(self, i: Indices) -> Floats:
+        """Return how far along z the end of a frame is from its middle, in the direction of each ray."""
+        return np.asarray(np.copysign(self.frame, self.rays.direction[i, 2]))
+
+    def within(self, i: Indices, z: Floats | float) -> Booleans:
+        """Return which rays are within the windows' square in the plane z."""
+        x, y, _ = abs(self.place(i, z)).T
+        return np.asarray(np.maximum(x, y) <= self.half)
+
+    def place(self, i: Indices, z: Floats | float) -> Floats:
+        position, direction = self.rays.position[i], self.rays.direction[i]
+        step = (z - position[:, 2]) / direction[:, 2]
+        return position + step[:, None] * direction
+
+    def move(self, i: Indices, z: Floats | float, missed: End) -> Indices:
+        """Take rays to the plane z. `missed` ends those outside the windows' square."""
+        within = self.within(i, z)
+        self.rays.position[i] = self.place(i, z)
+        return self.without(i, ~within, missed)
+
+    def bend(self, i: Indices, window: Element) -> Indices:
+        """Give rays the direction behind an ideal sheet. End those that it lets not pass."""
+        d = self.rays.direction[i]
+        before, place = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], self.rays.position[i] @ (1, 1j, 0)
+        after, from_eye = np.empty_like(before), d[:, 2] > 0
+        after[from_eye] = window.slope(before[from_eye], place[from_eye])
+        after[~from_eye] = _slope_of_light(window, before[~from_eye], place[~from_eye])
+        passes = np.isfinite(after)
+        bent = np.column_stack((after.real, after.imag, np.ones(len(i)))) * np.sign(d[:, 2:])
+        self.rays.direction[i[passes]] = (bent / np.linalg.norm(bent, axis=1, keepdims=True))[passes]
+        return self.without(i, ~passes, End.BLOCKED)
+
+    def without(self, i: Indices, ended: Booleans, end: End) -> Indices:
+        """Write the end of the rays that have ended. Return the others."""
+        self.rays.end[i[ended]] = end
+        return i[~ended]
+
+
+def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
+    """Return the slopes (n,) on the eye's side of light with the slopes `behind` an ideal sheet; NaN if none passes."""
+    found = np.full(len(behind), complex(np.nan, np.nan))
+
+    def miss(slope: Complexes, target: Indices) -> Complexes:
+        return window.slope(slope, place[target]) - behind[target]
+
+    left = np.arange(len(behind))
+    for start in (behind, *_STARTS):
+        enough = _PRECISION * (1 + abs(behind[left]))
+        slope, off = newton(np.broadcast_to(start, behind.shape)[left].astype(complex), left, miss, enough)
+        hit = off <= enough
+        found[left[hit]], left = slope[hit], left[~hit]
+    return found
+
+
+def _rms(steps: Complexes) -> float:
+    return float(np.sqrt(np.mean(abs(steps) ** 2)))

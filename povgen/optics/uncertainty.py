@@ -1,0 +1,103 @@
+"""By how far a prediction for prisms of finite size can be wrong. Signs are as in `aim`. Lengths are in tiles."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from povgen.optics import aim
+from povgen.optics.equations import Complexes, Floats
+
+# The errors hold for apparent radii in this range, tiles. A radius outside it counts as the nearer limit.
+RADII = (0.05, 0.25)
+# The least apparent radius of an object that averages the displacements over a period, in periods
+OWN = 1.0  # of the prisms in one sheet
+BANDS = 0.6  # of the dark bands (moire) that two sheets make together
+FALL = 0.15  # radians: at a field angle greater by this, much less light takes the designed path
+_STEP = 1e-6  # of the slopes of neighbouring rays
+
+
+class Layer(NamedTuple):
+    """A sheet of prisms that a ray crosses, and its spatial frequency as the eye sees it."""
+
+    # The spatial frequency in the first window's plane: there, for the eye, a step d leads across Im(k d) prisms.
+    # So 1/|k| is the apparent pitch. The step i conj(k) leads straight across the prisms.
+    k: complex
+    n: float  # refractive index of its glass
+    does: aim.SmallAngles  # to light at small angles
+    tangent: float  # of the angle between the ray and the normal, in front of the sheet's window
+
+
+def layers(P: complex, E: complex, windows: aim.Windows) -> list[Layer]:
+    """Return every sheet of prisms that the ray from the eye through P crosses. P lies in the first window's plane."""
+    found = []
+    z2 = windows[0][0]
+    for (place, slope, *_), (_, window) in zip(_neighbours(P, E, windows), windows, strict=True):
+        ray, z = np.vstack((_derivative(place), _derivative(slope))), 0.0
+        for sheet in window.layers_at(0.0, 0):
+            ray, z = aim.free(sheet.centre - z)[:4, :4] @ ray, sheet.centre
+            across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2] / (z2 * sheet.shape.pitch)
+            does = aim.small_angles(sheet.shape)
+            found.append(Layer(complex(across[1], across[0]), sheet.shape.index, does, float(abs(slope[0]))))
+            ray = aim.layer(sheet)[:4, :4] @ ray
+    return found
+
+
+def possible_error(P: complex, E: complex, z1: float, radius: float, windows: aim.Windows) -> float:
+    """Return how far, at most, an object at z1 appears from P, its predicted position.
+
+    `radius` is the object's. The result is infinite if the object appears at infinity. The error has four parts:
+
+    - A prism displaces light across its ridges, for an aspect of 1 by up to its height. The prediction uses the mean
+      displacement over a prism, which is zero. An object that covers only a part of a prism does not show this mean.
+      Sheets whose prisms look nearly parallel to the eye make dark bands (moire). In a band their displacements can add
+      up. So an object that covers only a part of a band does not show the mean either. This part of the error is
+      greatest up to an apparent radius of OWN prisms or BANDS bands. Beyond, it falls as 1/radius^4.
+    - Light is shifted along the ridges. The prediction is a shift proportional to the slope. The shift by a slab of
+      glass is greater by the fraction (n + 1)/(2 n^2) slope^2.
+    - At greater field angles, less light takes the designed path. So if displacements spread the light of an object,
+      the centre of this light is nearer to E.
+    - Lenses with spherical aberration turn light on the designed path by different angles. The prediction is for the
+      mean. The error is less than the RMS displacement at the object that follows.
+
+    OWN, BANDS and FALL are fitted to ray traces: docs/accuracy.md.
+    """
+    *_, place, slope = _neighbours(P, E, windows)[-1]
+    to_object = _derivative(place + z1 * slope)
+    if not np.isfinite(to_object).all():
+        return np.inf
+    z2 = windows[0][0]
+    sizes = np.linalg.svd(to_object, compute_uv=False)
+    if sizes[1] <= 1e-9 * z2:
+        return np.inf
+    scale = float(z2 / sizes[1])  # how far the object appears to move if the windows displace light by one unit
+    apparent = np.clip(radius * np.mean(z2 / sizes), *RADII)
+    glass = layers(P, E, windows)
+
+    def share(frequency: complex, least: float) -> float:
+        covered = abs(frequency) * apparent
+        return float((least / covered) ** 4) if covered > least else 1.0
+
+    spreads = [scale * layer.does.reach for layer in glass]
+    shares = []
+    for one, spread in zip(glass, spreads, strict=True):
+        bands = [share(one.k + sign * other.k, BANDS) for other in glass if other is not one for sign in (1, -1)]
+        shares.append(spread * max([share(one.k, OWN), *bands]))
+    beyond = sum(does.slab_shift * tangent**3 * (n + 1) / (2 * n**2) for _, n, does, tangent in glass)
+    blur = z1 * float(np.linalg.norm([each.does.blur for each in glass]))
+    return max(2 * max(shares), sum(shares)) + scale * (beyond + blur) + max(spreads) ** 2 / (FALL * z2)
+
+
+def _neighbours(P: complex, E: complex, windows: aim.Windows) -> list[tuple[Complexes, ...]]:
+    """Follow the ray through P and four rays whose slopes are a small step to the right, left, up and down."""
+    steps = np.array([0, _STEP, -_STEP, 1j * _STEP, -1j * _STEP])
+    return aim.follow((P - E) / windows[0][0] + steps, E, windows)
+
+
+def _derivative(values: Complexes) -> Floats:
+    """Return the Jacobian matrix (2, 2) of `values`, which are points x + iy on the rays of `_neighbours`.
+
+    The variable is the slope at the eye.
+    """
+    _, right, left, up, down = values
+    columns = np.array([right - left, up - down]) / (2 * _STEP)
+    return np.array([columns.real, columns.imag])

@@ -1,0 +1,36 @@
+"""How to install what is missing: the command for this system, and for this installation of povgen."""
+
+import os
+import shlex
+import shutil
+from pathlib import Path
+
+# For each program that installs a system's packages: the packages of POV-Ray, of Mesa's OpenGL without a window, and of
+# the program ffmpeg. Homebrew and conda-forge have no Mesa that draws without a window: macOS has its own OpenGL, and a
+# conda environment uses the system's. Fedora's ffmpeg has no encoder for H.264.
+PACKAGES = {
+    "apt-get": {"povray": "povray", "gl": "libegl1 libgl1 libegl-mesa0 libgl1-mesa-dri", "ffmpeg": "ffmpeg"},
+    "dnf": {"povray": "povray", "gl": "mesa-libEGL mesa-libGL mesa-dri-drivers"},
+    "brew": {"povray": "povray", "ffmpeg": "ffmpeg"},
+    "conda": {"povray": "conda-forge::povray", "ffmpeg": "conda-forge::ffmpeg"},
+}
+CHECKOUT = Path(__file__).parents[1]
+
+
+def system(what: str) -> str:
+    """Return the command that installs `what` (povray, gl or ffmpeg) on this system, or Debian's with its name.
+
+    In an environment of conda this is conda's command, which needs no administrator.
+    """
+    programs = ["conda", *PACKAGES] if "CONDA_PREFIX" in os.environ else [*PACKAGES]
+    for program in programs:
+        if what in PACKAGES[program] and shutil.which(program):
+            return f"{program} install {PACKAGES[program][what]}"
+    return f"on Debian: apt-get install {PACKAGES['apt-get'][what]}"
+
+
+def extra(name: str) -> str:
+    """Return the command that installs an extra of povgen: from the checkout, if povgen runs from one."""
+    if (CHECKOUT / "pyproject.toml").exists():
+        return f"pip install -e {shlex.quote(f'{CHECKOUT}[{name}]')}"
+    return f"pip install 'povgen[{name}]'"

@@ -1,0 +1,59 @@
+"""How long rendering takes, before it begins.
+
+The numbers are CPU seconds of the machine in docs/speed.md, on which a picture of 640x480 pixels through 2x100 prisms
+takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long.
+"""
+
+from collections.abc import Sequence
+
+from povgen.rendering.parallel import cores
+from povgen.rendering.views import views
+from povgen.scene.models import Scene
+from povgen.settings import Rendering
+
+# CPU seconds: of a picture, of a ray, and of a ray through a window of glass, for each such window
+COSTS = {"povray": (0.05, 1.3e-6, 9e-6), "gl": (0.03, 2e-7, 5e-7)}
+MORE_RAYS = 0.35, 0.8  # of POV-Ray's own antialiasing, for each square of its depth: without prisms, and through prisms
+LONG = 60.0  # seconds of wall time
+
+
+def cpu_seconds(scenes: Sequence[Scene], rendering: Rendering) -> float:
+    """Return about how many CPU seconds these pictures take."""
+    return sum(_cpu_seconds(scene, rendering) for scene in scenes)
+
+
+def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
+    sampling = rendering.suited(scene.has_prisms)
+    width, height = rendering.size
+    rays = float(sampling.rays)
+    if rendering.renderer == "povray":
+        antialias, more = sampling.antialias, MORE_RAYS[scene.has_prisms]
+        rays = 1 + more * antialias[2] ** 2 if isinstance(antialias, tuple) else sampling.supersampling**2
+    picture, ray, glass = COSTS[rendering.renderer]
+    layered = sum(sheet.layers > 0 for sheet in scene.sheets)
+    inside = min(1.0, height / width * (scene.aperture / scene.view) ** 2)  # of the picture: the first window
+    return len(views(scene, rendering)) * (picture + width * height * rays * (ray + layered * inside * glass))
+
+
+def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
+    """Return in words what these pictures are, and how long they take if none is in the cache."""
+    seconds = cpu_seconds(scenes, rendering)
+    width, height = rendering.size
+    what = f"{len(scenes)} frames" if len(scenes) > 1 else "a picture"
+    each = " each" if len(scenes) > 1 else ""
+    return (
+        f"{what} of {width}x{height} pixels, about {seconds / len(scenes):.2g} CPU seconds{each}, without those in the "
+        f"cache: about {duration(seconds / cores())} on {cores()} cores"
+    )
+
+
+def duration(seconds: float) -> str:
+    """Return a time with two digits at most."""
+    if seconds < LONG:
+        return f"{seconds:.1g} s" if seconds < 10 else f"{round(seconds, -1):.0f} s"
+    return f"{seconds / 60:.2g} min" if seconds < 3600 else f"{seconds / 3600:.2g} h"
+
+
+def is_long(scenes: Sequence[Scene], rendering: Rendering) -> bool:
+    """Whether these pictures take more than a minute, if none is in the cache."""
+    return cpu_seconds(scenes, rendering) / cores() > LONG

@@ -1,0 +1,295 @@
+"""Draw pictures with the graphics library OpenGL, by the live view's shaders. No other module uses it.
+
+`gl_runner` starts this module as a process. A graphics driver that crashes then ends this process alone. It writes a
+line of JSON with the device's name. Then it reads a line for each picture and answers with an empty object, or with an
+`error`.
+"""
+
+import base64
+import json
+import sys
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from io import BytesIO
+from itertools import product
+from math import hypot, isqrt
+from pathlib import Path
+from struct import pack
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+from PIL.PngImagePlugin import PngImageFile
+
+from povgen.scene import hdr
+
+TILE = 1024  # pixels, a power of 2: a picture is drawn in tiles of this side, so that it may be of any size
+STEP = 512  # a ray's place in its pixel is a multiple of 1/STEP: these places are exact in 32-bit numbers in every tile
+SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
+VERTICES = """#version 330
+void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
+NEAR = 0.9  # steps along diagonals in the sum of steps that `extend` makes are up to a tenth too long
+
+
+class Drawer:
+    """An OpenGL context, and the programs and distance fields that it knows."""
+
+    def __init__(self) -> None:
+        """Make a context without a window. Raises Exception, of no other type, if the system has none."""
+        backend: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
+        self.gl = moderngl.create_context(standalone=True, require=330, **backend)
+        self.device = self.gl.info["GL_RENDERER"]
+        self.version = self.gl.info["GL_VERSION"]
+        self.programs: dict[str, Any] = {}
+        self.fields: dict[str, Any] = {}
+        self.pictures: dict[tuple[str, bytes], Any] = {}
+        # the light of one ray for each pixel and for those round the tile, the sum of all rays, and the sum as bytes
+        self.rays, self.sum, self.shown = (
+            self.gl.framebuffer([self.gl.texture((side, side), 4, dtype=kind)])
+            for side, kind in ((TILE + 2, "f4"), (TILE, "f4"), (TILE, "f1"))
+        )
+        # the bytes or the light of two tiles: one is read while the other is drawn
+        self.buffers = [self.gl.buffer(reserve=12 * TILE * TILE) for _ in range(2)]
+        self.sum.clear()
+        self.gl.blend_func = moderngl.ONE, moderngl.ONE
+
+    def bands(
+        self,
+        scene: dict[str, Any],
+        size: tuple[int, int],
+        rays: int,
+        wide_filter: bool = False,
+        part: float = 1,
+        is_light: bool = False,
+        told: Callable[[float], None] = lambda _: None,
+    ) -> Iterator[NDArray[Any]]:
+        """Yield the picture's rows from top to bottom, in bands (up to TILE, width, 3), with so many rays a pixel.
+
+        They are sRGB bytes, or numbers of 32 bits: light, where 1 is white. `told` is called with each further part.
+        `scene` is what `gl_scene.to_text` wrote. A pixel shows the mean of its own rays, or with the wide filter the
+        weighted mean of the rays nearer than one pixel (`light.reduced`). The rays are in this part of a pixel's side.
+        """
+        picture, share, display = (self._program(scene[name]) for name in ("shader", "share", "display"))
+        self._volumes(scene)
+        self._pictures(scene["pictures"])
+        set_uniforms(picture, {**scene["uniforms"], "size": size, "first": True, "sum": 0})
+        set_uniforms(share, {"picture": 0})
+        set_uniforms(display, {"size": (TILE, TILE), "canvas": (TILE, TILE), "rays": rays, "sum": 0})
+        width, height = size
+        sides = range(0, height, TILE), range(0, width, TILE)
+        tiles = [(top, left, min(TILE, height - top), min(TILE, width - left)) for top, left in product(*sides)]
+        kind = np.dtype(np.float32 if is_light else np.uint8)
+        band = np.empty((0, width, 3), kind)
+        for number, tile in enumerate([*tiles, None]):
+            if tile:
+                top, left, high, wide = tile
+                self.sum.clear(viewport=(0, 0, wide, high))
+                for ray in range(rays):
+                    x, y = (part * u for u in place(ray, rays, wide_filter))
+                    lower_left = x + left - 1, y + height - top - high - 1
+                    set_uniforms(picture, {"jitter": lower_left, "rayNumber": ray})
+                    self._draw(picture, self.rays, (wide + 2, high + 2))
+                    set_uniforms(share, {"jitter": (x, y) if wide_filter else (0, 0)})
+                    self.gl.enable(moderngl.BLEND)
+                    self._draw(share, self.sum, (wide, high), self.rays)
+                    self.gl.disable(moderngl.BLEND)
+                if is_light:
+                    self.sum.read_into(self.buffers[number % 2], (0, 0, wide, high), 3, alignment=1, dtype="f4")
+                else:
+                    self._draw(display, self.shown, (wide, high), self.sum)
+                    self.shown.read_into(self.buffers[number % 2], (0, 0, wide, high), 3, alignment=1)
+            if number:  # this waits for the tile before, while a graphics processor draws the next
+                _, left, high, wide = tiles[number - 1]
+                if not left:
+                    band = np.empty((high, width, 3), kind)
+                pixels = self.buffers[(number - 1) % 2].read(kind.itemsize * 3 * wide * high)
+                band[:, left : left + wide] = np.frombuffer(pixels, kind).reshape(high, wide, 3)[::-1]
+                told(wide * high / (width * height))
+                if left + wide == width:
+                    yield band / kind.type(rays) if is_light else band
+
+    def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
+        """Return the numbers (height, width, 4) that templates/live/readout.glsl finds for each pixel."""
+        numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
+        program = self._program(scene["shader"])
+        self._volumes(scene)
+        self._pictures(scene["pictures"])
+        set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
+        self._draw(program, numbers, size)
+        read = [np.frombuffer(numbers.read(components=4, attachment=k, dtype="f4"), np.float32) for k in range(3)]
+        return [each.reshape(size[1], size[0], 4)[::-1] for each in read]
+
+    def _draw(self, program: Any, target: Any, size: tuple[int, int], source: Any = None) -> None:  # noqa: ANN401
+        """Run a program for the lower left pixels of a framebuffer. It reads the framebuffer `source`."""
+        target.viewport = 0, 0, *size
+        target.use()
+        if source:
+            source.color_attachments[0].use(0)
+        self.gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+
+    def _program(self, text: str) -> Any:  # noqa: ANN401  (moderngl's)
+        if text not in self.programs:
+            self.programs[text] = self.gl.program(vertex_shader=VERTICES, fragment_shader=f"#version 330\n{text}")
+        return self.programs[text]
+
+    def _volumes(self, scene: dict[str, Any]) -> None:
+        """Put the distance fields into a texture: three a row along x, the rows along z."""
+        if not scene["volumes"]:
+            return
+        key = "\0".join(volume["data"] for volume in scene["volumes"])
+        if key not in self.fields:
+            nx, ny, nz = scene["grid"]
+            count = len(scene["volumes"])
+            all_ = np.zeros((-(-count // 3) * nz, ny, min(count, 3) * nx), np.float16)
+            for k, volume in enumerate(scene["volumes"]):
+                at = nz * (k // 3), nx * (k % 3)
+                all_[at[0] : at[0] + nz, :, at[1] : at[1] + nx] = field(volume, (nx, ny, nz))
+            texture = self.gl.texture3d(all_.shape[::-1], 1, all_.tobytes(), alignment=1, dtype="f2")
+            texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            self.fields = {key: texture}
+        self.fields[key].use(1)
+
+    def _pictures(self, files: dict[str, bytes]) -> None:
+        """Put the pictures of the sky and the floor, PNG or Radiance files, into textures."""
+        self.pictures = {key: texture for key, texture in self.pictures.items() if key in files.items()}
+        for key in files.items():
+            if key not in self.pictures:
+                texture = self._texture(key[1])
+                texture.repeat_x, texture.repeat_y = True, key[0] == "floor"
+                self.pictures[key] = texture
+            self.pictures[key].use({"sky": 2, "floor": 3}[key[0]])
+
+    def _texture(self, file: bytes) -> Any:  # noqa: ANN401  (moderngl's)
+        if hdr.is_light(file):
+            light = hdr.read(file).astype(np.float16)
+            return self.gl.texture(light.shape[1::-1], 3, light.tobytes(), alignment=1, dtype="f2")
+        with PngImageFile(BytesIO(file)) as image:
+            return self.gl.texture(image.size, 3, image.tobytes(), alignment=1, internal_format=SRGB8)
+
+
+def set_uniforms(program: Any, values: dict[str, Any]) -> None:  # noqa: ANN401  (moderngl's)
+    """Set the uniforms that the program has of these."""
+    for name in program:
+        if name in values:
+            numbers = np.ravel(values[name])
+            program[name].write(numbers.astype("i4" if program[name].fmt[-1] == "i" else "f4").tobytes())
+
+
+def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
+    """Return the place of one of a pixel's rays, from the centre, pixels.
+
+    The rays are on a square grid. Without the wide filter, if there are n * n + 1, it is turned so that no two are in a
+    row or in a column: edges that are nearly level or upright are smoother then.
+    """
+    if wide_filter:
+        n = side = isqrt(rays)
+        at = number % side, number // side
+    else:
+        n, middle, rise = rays, rays // 2, isqrt(rays - 1)
+        at = number, (middle + (number - middle) * rise) % rays
+    x, y = (round(STEP * ((k + 0.5) / n - 0.5)) / STEP for k in at)
+    return x, y
+
+
+def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
+    """Return the distances to a piece's surface, in voxels, (z, y, x), as templates/live/volume.js does."""
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
+    stored = np.cumsum(steps, axis=0, dtype=np.uint8)
+    most = volume["most"]
+    return extend(np.where(stored == 255, np.inf, (stored.astype(float) - 128) / 127 * most), most)
+
+
+def extend(distance: NDArray[np.float64], most: float) -> NDArray[np.float64]:
+    """Return distances (z, y, x), also where they are greater than `most` voxels and not known.
+
+    Two sweeps: each adds the steps from the neighbours before. The result may be less than the distance, not more.
+    """
+    for _ in range(2):
+        known = distance < most
+        for z in range(len(distance)):
+            if z:
+                before = np.pad(np.maximum(distance[z - 1], 0), 1, constant_values=np.inf)
+                rows, columns = distance[z].shape
+                for y, x in product(range(3), range(3)):
+                    near = before[y : y + rows, x : x + columns] + NEAR * hypot(1, y - 1, x - 1)
+                    np.minimum(distance[z], near, out=distance[z], where=~known[z])
+            _extend_rows(distance[z], known[z])
+        distance = distance[::-1, ::-1, ::-1]
+    return distance
+
+
+def _extend_rows(distance: NDArray[np.float64], known: NDArray[np.bool_]) -> None:
+    along = NEAR * np.arange(distance.shape[1])
+    for y, row in enumerate(distance):
+        near = np.maximum(row, 0)
+        if y:
+            before = np.pad(np.maximum(distance[y - 1], 0), 1, constant_values=np.inf)
+            for x in range(3):
+                np.minimum(near, before[x : x + len(row)] + NEAR * hypot(1, x - 1), out=near, where=~known[y])
+        near = np.minimum.accumulate(near - along) + along
+        row[~known[y]] = near[~known[y]]
+
+
+def write_png(file: Path, bands: Iterator[NDArray[np.uint8]], size: tuple[int, int]) -> None:
+    """Write a picture's bands to a PNG file, which is never in memory as a whole. It is compressed fast, not well."""
+    packed = zlib.compressobj(1)
+    before = np.zeros((size[0], 3), np.uint8)
+    with file.open("wb") as png:
+
+        def part(name: bytes, data: bytes) -> None:
+            png.write(pack(">I", len(data)) + name + data + pack(">I", zlib.crc32(name + data)))
+
+        png.write(b"\x89PNG\r\n\x1a\n")
+        part(b"IHDR", pack(">IIBBBBB", *size, 8, 2, 0, 0, 0))
+        for band in bands:
+            for row in band:
+                up = row - before  # filter 2: the difference to the row above
+                part(b"IDAT", packed.compress(b"\2" + up.tobytes()))
+                before = row
+        part(b"IDAT", packed.flush())
+        part(b"IEND", b"")
+
+
+def write_light(file: Path, bands: Iterator[NDArray[np.float32]]) -> None:
+    """Write a picture's bands of light as a frame, as light.packed does."""
+    packed = zlib.compressobj(1)
+    with file.open("wb") as frame:
+        for band in bands:
+            frame.write(packed.compress(band.astype("<f4").tobytes()))
+        frame.write(packed.flush())
+
+
+def main() -> None:
+    """Draw what the lines of the standard input ask for, until it ends."""
+
+    def say(**values: object) -> None:
+        print(json.dumps(values), flush=True)
+
+    try:
+        drawer = Drawer()
+    except Exception as error:  # of moderngl's own, without a type
+        return say(error=str(error))
+    say(device=drawer.device, version=drawer.version)
+    for line in sys.stdin:
+        asked = json.loads(line)
+        try:
+            scene = json.loads(Path(asked["scene"]).read_text("utf-8"))
+            folder, size = Path(asked["scene"]).parent, tuple(asked["size"])
+            scene["pictures"] = {part: (folder / name).read_bytes() for part, name in scene["pictures"].items()}
+            is_light = asked["is_light"]
+            sampling = size, asked["rays"], asked["wide_filter"]
+            bands = drawer.bands(scene, *sampling, is_light=is_light, told=lambda part: say(part=part))
+            picture = Path(asked["picture"])
+            write_light(picture, bands) if is_light else write_png(picture, bands, size)
+        except Exception as error:  # said where povgen waits; this process goes on
+            say(error=f"{type(error).__name__}: {error}")
+        else:
+            say()
+
+
+if __name__ == "__main__":
+    with suppress(KeyboardInterrupt, BrokenPipeError):
+        main()

@@ -1,0 +1,166 @@
+"""The processes that draw with the graphics library: gl.py."""
+
+import json
+import os
+import subprocess
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from select import select
+from typing import Any
+
+from povgen import remedies, stopping
+from povgen.errors import InputError, PovrayError, TransientError, one_line
+from povgen.rendering.parallel import cores, end, python
+from povgen.scene import pictures
+from povgen.settings import Rendering
+
+SCENE = "scene.json"
+TRIES = 2
+START = 60.0  # seconds in which a process is ready to draw
+POVRAY = "allowed: renderer = 'povray'"
+
+
+@cache
+def device() -> str:
+    """Return the name of the device that draws, and its driver. Raises what `Runner` raises."""
+    runner = Runner()
+    try:
+        return runner.device()
+    finally:
+        runner.stop()
+
+
+def drawn_by() -> tuple[str, str]:
+    """Return the device and the text of the code that draws: both decide what a picture looks like."""
+    return device(), Path(__file__).with_name("gl.py").read_text("utf-8")
+
+
+@cache
+def shared() -> "Runner":
+    """Return a runner that goes on until this Python ends: for the workers of a cluster."""
+    return Runner()
+
+
+class Runner:
+    """Processes that draw, which can be stopped together. There is one for each picture that is drawn at once."""
+
+    def __init__(self, at_once: int = 1, part: Callable[[float], None] | None = None) -> None:
+        """Prepare for so many pictures at once. Raises InputError if moderngl is not installed.
+
+        `part` is called with each further part of a picture, while it is drawn.
+        """
+        if find_spec("moderngl") is None:
+            raise InputError(
+                f"renderer = 'gl' needs moderngl, which is not installed: {remedies.extra('gl')}; {POVRAY}"
+            )
+        self._part = part
+        self._threads = max(1, cores() // at_once)
+        self._idle: list[subprocess.Popen[bytes]] = []
+        self._all: set[subprocess.Popen[bytes]] = set()
+        self._stopped = False
+
+    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+        """Draw a scene's text, as of `gl_scene.to_text`, in a work folder and return the picture's path.
+
+        If the process crashes or hangs, another one tries once more. Raises InputError if this system cannot draw,
+        PovrayError if the process was stopped or refuses the scene, and TransientError if both tries fail.
+        """
+        (folder / SCENE).write_text(source, "utf-8")
+        for name, png in pictures.used(source).items():
+            (folder / name).write_bytes(png)
+        picture = folder / ("frame.light" if rendering.is_light else rendering.file)
+        asked = {
+            "scene": str(folder / SCENE),
+            "picture": str(picture),
+            "size": rendering.size,
+            "rays": rendering.rays,
+            "wide_filter": rendering.supersampling > 1,
+            "is_light": rendering.is_light,
+        }
+        for attempt in range(1, TRIES + 1):
+            process = self._taken()
+            try:
+                answer = self._answer(process, rendering.timeout, asked)
+            except TransientError as fault:
+                if attempt == TRIES:
+                    raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
+                continue
+            self._idle.append(process)
+            if "error" in answer:
+                raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
+            return picture
+        raise AssertionError("no tries")
+
+    def device(self) -> str:
+        """Return the name of the device that draws, and its driver. Raises InputError if this system cannot draw."""
+        process, answer = self._started()
+        self._idle.append(process)
+        return f"{answer['device']}, OpenGL {answer['version']}"
+
+    def stop(self) -> None:
+        """Kill every process of this runner, and start no more."""
+        with stopping.lock:
+            self._stopped = True
+            processes = list(self._all)
+        for process in processes:
+            self._end(process)
+
+    def _taken(self) -> "subprocess.Popen[bytes]":
+        with suppress(IndexError):
+            while (process := self._idle.pop()).poll() is not None:  # it was killed while it had nothing to draw
+                self._end(process)
+            return process
+        return self._started()[0]
+
+    def _started(self) -> "tuple[subprocess.Popen[bytes], dict[str, Any]]":
+        with stopping.lock:
+            self._check()
+            # llvmpipe's threads, Mesa's drawing without a GPU
+            process = python("povgen.rendering.gl", LP_NUM_THREADS=str(self._threads))
+            self._all.add(process)
+        answer = self._answer(process, START)
+        if "error" in answer:
+            self._end(process)
+            raise InputError(
+                f"renderer = 'gl': no OpenGL by EGL: {one_line(answer['error'])}; {remedies.system('gl')}; {POVRAY}"
+            )
+        return process, answer
+
+    def _answer(
+        self, process: "subprocess.Popen[bytes]", timeout: float, asked: dict[str, Any] | None = None
+    ) -> dict[str, Any]:
+        """Return the line with which a process answers. Raises TransientError, and ends the process, if none comes."""
+        assert process.stdin and process.stdout
+        text, end, ready = b"", time.monotonic() + timeout, True
+        with suppress(OSError):  # it has ended
+            if asked:
+                process.stdin.write(json.dumps(asked).encode() + b"\n")
+                process.stdin.flush()
+            # without a buffer of Python's, of which `select` would not know
+            while ready := bool(select([process.stdout], [], [], max(0, end - time.monotonic()))[0]):
+                if not (block := os.read(process.stdout.fileno(), 1 << 16)):
+                    break
+                *lines, text = (text + block).split(b"\n")
+                for answer in map(json.loads, lines):
+                    if "part" not in answer:
+                        return dict(answer)
+                    if self._part:
+                        self._part(answer["part"])
+        self._end(process)
+        self._check()
+        if not ready:
+            raise TransientError(f"the drawing process took longer than {timeout:g} s (--timeout) and was stopped")
+        raise TransientError(f"the drawing process ended with status {process.returncode}: the graphics driver crashed")
+
+    def _end(self, process: "subprocess.Popen[bytes]") -> None:
+        end(process)
+        with stopping.lock:
+            self._all.discard(process)
+
+    def _check(self) -> None:
+        if self._stopped or stopping.asked():
+            raise PovrayError("the drawing was stopped")

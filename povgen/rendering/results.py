@@ -1,0 +1,147 @@
+"""A table of many scenes: their parameters and `scene.quantities`, computed on all cores, or on a cluster."""
+
+import json
+import pickle
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.errors import InputError, PovrayError, shown
+from povgen.progress import bar
+from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
+from povgen.scene.models import SCENES, Scene, checked_scene
+from povgen.scene.quantities import QUANTITIES, parameters
+
+PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
+PARTS = 4  # of the scenes, for each thread of a cluster's workers
+
+Done = Callable[[], object]
+
+
+def results(
+    scenes: Iterable[Scene],
+    *quantities: str,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool = True,
+) -> dict[str, NDArray[Any]]:
+    """Return a table with a row for each scene, as a dictionary of arrays (n,), such as pandas.DataFrame takes.
+
+    Its columns are the parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and
+    the quantities. `povgen.scene.quantities` says what they are.
+    Lengths are in tiles, angles in degrees. What does not exist is NaN.
+
+    `workers` processes compute at once, by default as many as there are cores, or the workers of the Dask scheduler
+    with the address `scheduler`. `progress=False` shows no progress bar. Raises InputError for what is no scene and no
+    quantity, and PovrayError if a process or the cluster fails.
+    """
+    scenes = [checked_scene(scene) for scene in scenes]
+    for name in quantities or [None]:
+        if name not in QUANTITIES:
+            raise InputError(f"quantity = {shown(name)}: allowed: {', '.join(QUANTITIES)}")
+    count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
+    with bar("results", len(scenes), not progress, "scenes") as done:
+        if scheduler is None:
+            rows = _computed(scenes, quantities, count, done)
+        else:
+            rows = _on_cluster(scenes, quantities, scheduler, done)
+    given = [parameters(scene) for scene in scenes]
+    names = list(dict.fromkeys(name for each in given for name in each))
+    differ = [name for name in names if len({each.get(name) for each in given}) > 1]
+    table = {name: _column([each.get(name) for each in given]) for name in differ}
+    return table | {name: np.array([row[n] for row in rows], float) for n, name in enumerate(quantities)}
+
+
+def values_of(scenes: Sequence[Scene], quantities: Sequence[str]) -> list[list[float]]:
+    """Return the quantities of each scene."""
+    return [[QUANTITIES[name].of(scene) for name in quantities] for scene in scenes]
+
+
+def _column(values: list[Any]) -> NDArray[Any]:
+    """Return a column: numbers, with NaN for those that are missing, or texts."""
+    if any(isinstance(value, str) for value in values):
+        return np.array(["" if value is None else str(value) for value in values])
+    return np.array([np.nan if value is None else value for value in values])
+
+
+def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
+    """Return the quantities of each scene. If that takes longer than PATIENCE, other processes help."""
+    rows: list[list[float]] = []
+    # other processes know povgen's own scenes only
+    alone = workers == 1 or any(type(scene) not in SCENES.values() for scene in scenes)
+    start = time.monotonic()
+    while len(rows) < len(scenes) and (alone or time.monotonic() - start < PATIENCE):
+        rows += values_of([scenes[len(rows)]], quantities)
+        done()
+    left = scenes[len(rows) :]
+    if not left:
+        return rows
+    workers = min(workers, len(left))
+    later: list[list[float]] = [[]] * len(left)
+    with ExitStack() as opened:
+        pool = opened.enter_context(ThreadPoolExecutor(workers))
+        processes = []
+        for _ in range(workers):
+            processes.append(python(__name__))
+            opened.callback(end, processes[-1])  # before the pool ends: its threads wait for the process
+        parts = [range(n, len(left), workers) for n in range(workers)]
+
+        def compute(process: Any, part: range) -> None:  # noqa: ANN401  (subprocess.Popen)
+            for number, row in zip(part, _asked(process, [left[n] for n in part], quantities), strict=True):
+                later[number] = row
+                done()
+
+        for answered in [pool.submit(compute, *each) for each in zip(processes, parts, strict=True)]:
+            answered.result()
+    return rows + later
+
+
+def _asked(process: Any, scenes: Sequence[Scene], quantities: Sequence[str]) -> Iterator[list[float]]:  # noqa: ANN401
+    """Yield the quantities of each scene, as a process answers. Raises PovrayError if it fails."""
+    try:
+        process.stdin.write(pickle.dumps((scenes, quantities)))
+        process.stdin.close()
+    except OSError:  # it has ended
+        pass
+    for scene in scenes:
+        answer = process.stdout.readline()
+        if not answer.endswith(b"\n"):
+            raise PovrayError(f"results: the process that computes {shown(scene)} has ended")
+        yield json.loads(answer)
+
+
+def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
+    """Return the quantities of each scene, computed by a cluster's workers."""
+    from povgen.rendering.cluster import Cluster
+
+    rows: list[list[float]] = []
+    with Cluster(scheduler, None) as cluster, ThreadPoolExecutor(cluster.frames) as pool:
+        size = max(1, len(scenes) // (PARTS * cluster.frames))
+        parts = [scenes[start : start + size] for start in range(0, len(scenes), size)]
+        try:
+            for part in pool.map(lambda part: cluster.call(values_of, part, quantities), parts):
+                rows += part
+                for _ in part:
+                    done()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            cluster.stop()
+            raise
+    return rows
+
+
+def main() -> None:
+    """Answer the question on the standard input: a line for each scene."""
+    scenes, quantities = pickle.load(sys.stdin.buffer)
+    for scene in scenes:
+        print(json.dumps(values_of([scene], quantities)[0]), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+"""Reads an EXR file in a process with limits of memory and time: `python -m povgen.scene.exr_reader FILE`.
+
+OpenEXR writes about damaged files to both outputs. Standard output gets a zero byte, and then the light,
+(height, width, 3), in numpy's format. The exit status is 0, NO_OPENEXR, NO_COLOURS for a file without the channels R, G
+and B, TOO_LARGE, or another one.
+"""
+
+import resource
+import sys
+from contextlib import suppress
+from io import BytesIO
+
+NO_OPENEXR, NO_COLOURS, TOO_LARGE = 3, 4, 5
+MAX_MEMORY = 3 << 30  # bytes of address space
+MAX_TIME = 60  # seconds of CPU time
+MAX_PIXELS = 1 << 25
+
+
+def main() -> int:
+    """Read the file and write its light. Return the exit status."""
+    for limit, most in ((resource.RLIMIT_AS, MAX_MEMORY), (resource.RLIMIT_CPU, MAX_TIME)):
+        hard = resource.getrlimit(limit)[1]
+        resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    import numpy as np
+
+    try:
+        import OpenEXR
+    except ImportError:
+        return NO_OPENEXR
+    with OpenEXR.File(sys.argv[1], header_only=True) as file:
+        low, high = file.header()["dataWindow"]
+    width, height = (int(number) for number in high - low + 1)
+    if width * height > MAX_PIXELS:
+        return TOO_LARGE
+    with OpenEXR.File(sys.argv[1], separate_channels=True) as file:
+        channels = file.channels()
+        if not {"R", "G", "B"} <= channels.keys():
+            return NO_COLOURS
+        light = np.dstack([np.asarray(channels[name].pixels, np.float32) for name in "RGB"])
+    output = BytesIO()  # numpy cannot always write to a pipe
+    np.save(output, light.reshape(height, width, 3), allow_pickle=False)
+    sys.stdout.buffer.write(b"\0" + output.getvalue())  # after what OpenEXR may have written
+    return 0
+
+
+if __name__ == "__main__":
+    status = 1
+    with suppress(Exception):  # OpenEXR's, for a damaged file
+        status = main()
+    sys.exit(status)

@@ -1,0 +1,123 @@
+"""Pieces from mesh files: the file's numbers, and nothing else of it, become a mesh in POV-Ray's language."""
+
+import os
+import re
+import subprocess
+import sys
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from povgen import remedies
+from povgen.scene.mesh_reader import NO_TRIMESH
+
+if TYPE_CHECKING:  # numpy is slow to load
+    from numpy.typing import NDArray
+
+NAME = re.compile(r"(.*\.(stl|obj|ply|glb))((?:,[a-z]+=[^,=]*)*)", re.IGNORECASE | re.DOTALL)
+OWN = re.compile(
+    r"#declare Piece = mesh2 \{\nvertex_vectors \{ [\d,<>.e\s+-]*\}\n"
+    r"face_indices \{ [\d,<>\s]*\}\ninside_vector y\n\}\n",
+    re.ASCII,
+)
+MAX_BYTES = 50 * 10**6  # of a file
+PATIENCE = 120  # seconds
+MAX_HEIGHT = 1.7  # tiles, of a piece whose height is not stated
+TALLEST = 4.0  # tiles, that can be stated
+
+
+def split(value: str) -> tuple[str, str, str] | None:
+    """Return the file, its kind and the options of a value such as model.stl,height=1.2,up=z; None for no mesh."""
+    found = NAME.fullmatch(value)
+    return (found[1], found[2].lower(), found[3]) if found else None
+
+
+@lru_cache(maxsize=4)  # every frame of a movie may ask for the same
+def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[str, str]:
+    """Return a text that declares `Piece`, and a sentence about its size.
+
+    The piece stands on y = 0. The middle of its box is on the y axis, from which it stays within `radius`, in tiles. It
+    is as high as the option `height` says, or else as large as it can be, up to MAX_HEIGHT. The option `up`, y or z, is
+    the file's axis that points up: by default z for stl and ply, y for obj and glb. Raises ValueError.
+    """
+    height, up = _checked(kind, options)
+    import numpy as np  # slow to load
+
+    vertices, triangles, (count, moved) = _read(data, kind)
+    x, y, z = vertices.T
+    points = np.column_stack((x, y, -z) if up == "y" else (x, z, y))  # POV-Ray is left-handed: z points away
+    low, high = points.min(axis=0), points.max(axis=0)
+    points -= [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
+    reach, tall = float(np.hypot(points[:, 0], points[:, 2]).max()), float(points[:, 1].max())
+    most = min(radius / reach if reach else np.inf, TALLEST / tall if tall else np.inf)
+    scale = min(most, MAX_HEIGHT / tall if tall else np.inf)
+    if height is not None:
+        if not tall or height / tall > most * (1 + 1e-9):
+            raise ValueError(
+                f"should be within {radius:g} tiles of its axis: height = {height:g} is too much; "
+                f"allowed: up to {most * tall:.4g}"
+            )
+        scale = height / tall
+    points *= scale
+    note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (height= states another)"]
+    if len(triangles) < count and moved * scale > 1e-5:
+        note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
+    return _sdl(points, triangles), "; ".join(note)
+
+
+def _checked(kind: str, text: str) -> tuple[float | None, str]:
+    """Return the height in tiles, or None, and the axis that points up. Raises ValueError."""
+    options = {name: value for name, _, value in (part.partition("=") for part in text.split(",")[1:])}
+    for name in options.keys() - {"height", "up"}:
+        raise ValueError(f"should have no option {name!r}: allowed: height and up, as in model.stl,height=1.2,up=z")
+    up = options.get("up", "z" if kind in ("stl", "ply") else "y")
+    if up not in ("y", "z"):
+        raise ValueError(f"should have up=y or up=z, not up={up}")
+    if "height" not in options:
+        return None, up
+    try:
+        height = float(options["height"])
+    except ValueError:
+        height = 0
+    if not 0.01 <= height <= TALLEST:
+        raise ValueError(f"should have a height from 0.01 to {TALLEST:g} tiles, not height={options['height']}")
+    return height, up
+
+
+def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], ...]":
+    """Return vertices, triangles, and the file's number of triangles with the error of simplification."""
+    import numpy as np
+
+    path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, "-P", "-m", "povgen.scene.mesh_reader", kind]
+    try:
+        done = subprocess.run(command, input=data, capture_output=True, timeout=PATIENCE, cwd="/", env=environment)
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"should be a mesh that is read within {PATIENCE} s") from None
+    if done.returncode == NO_TRIMESH:
+        raise ValueError(f"needs trimesh, which is not installed: {remedies.extra('mesh')}")
+    if done.returncode:
+        said = done.stderr.decode(errors="replace").rpartition("\n")[2] if done.returncode == 1 else ""
+        raise ValueError(said or "should be a mesh that needs less time and memory")
+    output = BytesIO(done.stdout)
+    return tuple(np.load(output, allow_pickle=False) for _ in range(3))
+
+
+def is_own(text: str) -> bool:
+    """Return whether a text that declares `Piece` is a mesh of numbers, as `text_and_note` writes it."""
+    return bool(OWN.fullmatch(text))
+
+
+def _sdl(points: "NDArray[Any]", triangles: "NDArray[Any]") -> str:
+    """Return a text that declares `Piece` as a mesh2."""
+    vectors = ",\n".join(f"<{x:.6g}, {y:.6g}, {z:.6g}>" for x, y, z in points.tolist())
+    faces = ",\n".join(f"<{a}, {b}, {c}>" for a, b, c in triangles.tolist())
+    return (
+        "#declare Piece = mesh2 {\n"
+        f"vertex_vectors {{ {len(points)},\n{vectors} }}\n"
+        f"face_indices {{ {len(triangles)},\n{faces} }}\n"
+        "inside_vector y\n"
+        "}\n"
+    )

@@ -1,0 +1,94 @@
+"""Reads a mesh in a process of its own, whose memory and time are limited: `python -m povgen.scene.mesh_reader KIND`.
+
+KIND is stl, obj, ply or glb. The file's bytes come by standard input. Standard output gets three arrays in numpy's
+format: vertices (n, 3), triangles (m, 3), which are numbers of vertices, and (2): the number of triangles in the file,
+and by how much simplification moves a vertex at most. Lengths are the file's. A fault is a line on standard error, with
+the exit status 1; NO_TRIMESH: trimesh is not installed. Only this module uses trimesh.
+"""
+
+import resource
+import sys
+from io import BytesIO
+from typing import Any
+
+NO_TRIMESH = 3
+MAX_MEMORY = 3 << 30  # bytes of address space
+MAX_TIME = 60  # seconds of CPU time
+MAX_TRIANGLES = 200_000  # of the result; a text for POV-Ray of about 8 MB
+FINEST = 2**20  # cells along the longest side, in which equal vertices are one vertex
+
+
+def main() -> int:
+    """Read, simplify and write a mesh. Return the exit status."""
+    limits = ((resource.RLIMIT_AS, MAX_MEMORY), (resource.RLIMIT_CPU, MAX_TIME))
+    for limit, most in limits:
+        hard = resource.getrlimit(limit)[1]
+        resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    try:
+        output = BytesIO()  # numpy cannot always write to a pipe
+        for array in _mesh(sys.stdin.buffer.read(), sys.argv[1]):
+            _numpy().save(output, array, allow_pickle=False)
+        sys.stdout.buffer.write(output.getvalue())
+    except ImportError:
+        return NO_TRIMESH
+    except MemoryError:
+        fault = "should be a mesh that needs less memory"
+    except ValueError as error:
+        fault = str(error) if str(error).startswith("should be ") else f"should be a whole {sys.argv[1]} file"
+    except Exception:  # of trimesh, for a malformed file
+        fault = f"should be a whole {sys.argv[1]} file"
+    else:
+        return 0
+    sys.stderr.write(fault)
+    return 1
+
+
+def _numpy() -> Any:  # noqa: ANN401  (imported after the limits are set)
+    import numpy
+
+    return numpy
+
+
+def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
+    """Return the three arrays. Raises ValueError, or anything that trimesh raises."""
+    import numpy as np
+    import trimesh
+
+    mesh = trimesh.load_mesh(BytesIO(data), file_type=kind, process=False)
+    vertices, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
+    if not len(triangles):
+        raise ValueError("should be a mesh with triangles")
+    if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices[triangles]).all():
+        raise ValueError("should be a mesh whose numbers are finite and whose vertices exist")
+    used, triangles = np.unique(triangles, return_inverse=True)
+    vertices, triangles = vertices[used], triangles.reshape(-1, 3)
+    count, longest = len(triangles), float(np.ptp(vertices, axis=0).max())
+    if not 1e-9 < longest < 1e9:
+        raise ValueError("should be a mesh whose longest side is from 1e-9 to 1e9")
+    kept, left, moved = _clustered(vertices, triangles, longest / FINEST)
+    size = longest / 1024
+    while len(left) > MAX_TRIANGLES:
+        kept, left, moved = _clustered(vertices, triangles, size)
+        size *= 1.25
+    if not len(left):
+        raise ValueError("should be a mesh with triangles that have an area")
+    return kept, left, np.array([count, moved])
+
+
+def _clustered(vertices: Any, triangles: Any, size: float) -> tuple[Any, Any, float]:  # noqa: ANN401  (numpy's)
+    """Make one vertex, the mean, of all in a cubic cell. Return vertices, triangles and how far a vertex moves."""
+    import numpy as np
+
+    cells = ((vertices - vertices.min(axis=0)) / size).astype(np.int64)
+    _, number, count = np.unique(cells @ [1, 2**21, 2**42], return_inverse=True, return_counts=True)
+    number = number.reshape(-1)
+    means = np.column_stack([np.bincount(number, column) / count for column in vertices.T])
+    moved = float(np.linalg.norm(vertices - means[number], axis=1).max())
+    left = number[triangles]
+    whole = (left[:, 0] != left[:, 1]) & (left[:, 1] != left[:, 2]) & (left[:, 2] != left[:, 0])
+    _, single = np.unique(np.sort(left[whole], axis=1), axis=0, return_index=True)
+    return means, left[whole][np.sort(single)], moved
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,167 @@
+"""Numbers that a scene has without a picture: what the equations predict, and what the ray trace finds.
+
+They are of the scene's first object, and of all windows. A quantity that does not exist is NaN, such as nu at the pole.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from povgen.optics.rays import Convergence, Traced
+from povgen.optics.shares import Shares, shares
+from povgen.scene import camera
+from povgen.scene.models import Scene
+from povgen.sheets.sheet import Said
+
+MIN_RAYS = 100  # on the designed path
+RAYS = 10_000  # with so many, a share is right to 0.005
+
+
+# How captions call the parameters that a scene has besides those of its sheets, and the units of these parameters. For
+# sheets' parameters, `Parameter.unit` and `Parameter.said` say it.
+SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
+UNITS = dict.fromkeys(("z", "z1", "z2", "x", "eye", "line", "aperture", "view", "pedestal"), " tiles") | {
+    "base_angle": "°",
+    "wavelength": " nm",
+}
+# of the place of a window behind the first one: if it is the only one, and otherwise with its number
+SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
+
+
+class Quantity(NamedTuple):
+    """A number of a scene."""
+
+    of: Callable[[Scene], float]
+    unit: str
+    text: str
+
+
+@lru_cache(1)  # one trace for all quantities
+def _shares(scene: Scene) -> Shares:
+    """Return what becomes of rays from the eye to random points of the opening in the first window's frame."""
+    x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
+    P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
+    return shares(scene.trace(camera.through(scene, P)), "black" in _tops(scene))
+
+
+@lru_cache(1)
+def _light(scene: Scene) -> Traced:
+    """Return the light from the first object that takes the designed path through the windows."""
+    L, z1 = scene.objects[0]
+    light = scene.trace(scene.pencil((L.real, L.imag, scene.places[-1] + z1), RAYS))
+    return light[light.designed]
+
+
+class Seen(NamedTuple):
+    """The first object as the eye sees it through the windows, by the ray trace."""
+
+    position: complex  # in the plane z = 0, tiles
+    nu: float  # the angle by which it appears turned, degrees
+    M: float  # its size in the plane z = 0, divided by its own
+    blur: float  # RMS distance, in the plane z = 0, of a point's images by the single prisms, tiles
+
+
+NOT_SEEN = Seen(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
+
+
+@lru_cache(1)
+def seen(scene: Scene) -> Seen:
+    """Return the first object as the eye sees it: NaN if too little light on the designed path shows it.
+
+    Rays from the eye pass random points of a disc around the object's predicted position. Where they cross the object's
+    plane is a linear function of these points, and a remainder that depends on where a ray meets its prisms: the blur.
+    """
+    L, z1 = scene.objects[0]
+    centre = _position(scene)
+    if not np.isfinite(centre):
+        return NOT_SEEN
+    pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.layers_at(0.0, 0)), default=0.0)
+    radius, turn = np.random.default_rng(1).uniform(size=(2, RAYS))
+    step = max(0.1, 8 * pitch) * np.sqrt(radius) * np.exp(2j * np.pi * turn)
+    light = scene.trace(camera.through(scene, centre + step))
+    step, place = step[light.designed], light[light.designed].at(scene.places[-1] + z1) - L
+    if len(step) < MIN_RAYS:
+        return NOT_SEEN
+    basis = np.column_stack((np.ones(len(step)), step, step.conj()))
+    (there, a, b), *_ = np.linalg.lstsq(basis, place, rcond=None)
+    size = abs(a) ** 2 - abs(b) ** 2  # the linear function is inverted: a step on the object is seen as this step
+    right, other = a.conjugate() / size, -b / size
+    off = place - basis @ (there, a, b)
+    blur = np.sqrt(np.mean(abs(right * off + other * off.conj()) ** 2))
+    return Seen(
+        complex(centre - right * there - other * there.conjugate()),
+        float(np.degrees(np.angle(right))),
+        float(abs(right)),
+        float(blur),
+    )
+
+
+def _tops(scene: Scene) -> set[str]:
+    return {sheet.values.get("tops", "clear") for sheet in scene.layered}
+
+
+def _stray(scene: Scene) -> float:
+    """Return the share of stray light: NaN if only some windows have black tops, which `shares` does not know."""
+    return _shares(scene).stray if len(_tops(scene)) < 2 else np.nan
+
+
+def _convergence(scene: Scene) -> Convergence:
+    light = _light(scene)
+    return light.convergence() if len(light.end) > 1 else Convergence(*[np.nan] * 4)
+
+
+def _position(scene: Scene) -> complex:
+    L, z1 = scene.objects[0]
+    return complex(scene.apparent_position(L, z1))
+
+
+QUANTITIES = {
+    "x": Quantity(lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0"),
+    "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards"),
+    "nu": Quantity(
+        lambda scene: float(scene.nu_and_M(scene.distances[0])[0]), "degrees", "the angle by which it appears turned"
+    ),
+    "M": Quantity(lambda scene: float(scene.nu_and_M(scene.distances[0])[1]), "", "its magnification"),
+    "visible": Quantity(lambda scene: float(scene.visible(*scene.objects[0])), "", "1 if the eye sees it, otherwise 0"),
+    "seen_x": Quantity(lambda scene: seen(scene).position.real, "tiles", "x by the ray trace, on the designed path"),
+    "seen_y": Quantity(lambda scene: seen(scene).position.imag, "tiles", "the same for y"),
+    "seen_nu": Quantity(lambda scene: seen(scene).nu, "degrees", "nu by the ray trace, from -180 to 180"),
+    "seen_M": Quantity(lambda scene: seen(scene).M, "", "M by the ray trace"),
+    "blur": Quantity(
+        lambda scene: seen(scene).blur, "tiles", "RMS distance in the plane z = 0 of a point's images by single prisms"
+    ),
+    "designed": Quantity(
+        lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
+    ),
+    "stray": Quantity(_stray, "", "share of these rays that leave on other paths, 0 to 1"),
+    "focus": Quantity(
+        lambda scene: _convergence(scene).z, "tiles", "z of the plane where the object's light is closest together"
+    ),
+    "spot": Quantity(lambda scene: _convergence(scene).rms, "tiles", "RMS radius of the spot of its light there"),
+}
+
+
+def parameters(scene: Scene) -> dict[str, object]:
+    """Return a scene's parameters, numbers and texts, by names such as alpha, eye_x, window2_z and z1_2."""
+    found: dict[str, object] = {"scene": scene.name}
+
+    def add(name: str, value: object) -> None:
+        if isinstance(value, dict):
+            for part, each in value.items():
+                add(f"{name}_{part}", each)
+        elif isinstance(value, (tuple, list)):
+            parts = "xyz" if name in ("eye", "line", "axis") else [str(n) for n in range(1, len(value) + 1)]
+            for part, each in zip(parts, value, strict=False):
+                add(f"{name}_{part}", each)
+        elif value is not None:
+            found[name] = value if isinstance(value, (bool, int, float)) else str(value)
+
+    for name, value in scene.model_dump().items():
+        if name == "window":
+            for number, window in enumerate(value, 2):
+                add(f"window{number}", window)
+        else:
+            add(name, value)
+    return found

@@ -1,0 +1,173 @@
+"""What the live view's shaders are given for a scene: constants for the compiler, and uniforms. No file, no browser.
+
+templates/live/values.js does the same in a page. Lengths are in tiles, angles of the result in radians.
+"""
+
+from collections.abc import Sequence
+from math import cos, radians, sin
+from typing import TYPE_CHECKING, Any
+
+from povgen.model import Model
+from povgen.optics.prism import Prism
+from povgen.scene.laws import Text, to_live
+from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, Spheres
+from povgen.scene.pictures import Picture
+from povgen.scene.survey import Survey, max_trace_level
+from povgen.sheets.layered import Layered
+from povgen.sheets.own import OwnLaw
+from povgen.sheets.prisms import SHAPE
+from povgen.sheets.sheet import Ideal, Sheet
+
+if TYPE_CHECKING:  # numpy is slow to load
+    from povgen.optics.profile import Profile
+
+BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
+MOST_SPHERES = 11  # a scene with fewer has as many in the shader, so that it need not be compiled anew
+
+
+def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str, int | str]:
+    """Return what the shaders are compiled for. `names` are the pieces', `grid` the size of their distance fields."""
+    found: dict[str, int | str] = {
+        "WINDOWS": len(scene.windows),
+        "CONSTANTS": _constants(to_live([scene])),
+        "PIECES": len(scene.pieces) if isinstance(scene, Chess) else 0,
+        "SPHERES": max(MOST_SPHERES, len(scene.objects)) if isinstance(scene, Spheres) else 0,
+        "VOLUMES": len(names),
+        "CORNERS": len(_frame_section(scene)),
+        "GRID": ", ".join(map(str, grid)),
+    }
+    if edges := [len(profile.edges) for profile in _profiles(scene) if profile]:
+        found["PROFILE_EDGES"] = max(edges)
+    found |= {f"{part.upper()}_PICTURE": 1 for part in surroundings(scene)}
+    return found
+
+
+def surroundings(scene: Scene) -> dict[str, Picture]:
+    """Return the pictures that the scene shows: sky and floor."""
+    parts = {"sky": scene.sky, "floor": getattr(scene, "floor", None)}
+    return {name: part for name, part in parts.items() if isinstance(part, Picture)}
+
+
+def uniforms(
+    scene: Scene, names: Sequence[str], places: Sequence[Sequence[float]], found: Survey | None = None
+) -> dict[str, Any]:
+    """Return the shaders' uniforms, for a scene with these pieces and the places of their distance fields.
+
+    `found` is the scene's survey; without it, rays are traced.
+    """
+    laws = to_live([scene])
+    last = scene.places[-1]
+    layers = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
+    turns = [[layer.angle for layer in several] + [0.0] * (2 - len(several)) for several in layers]
+    centres = [[layer.centre for layer in several] + [0.0] * (2 - len(several)) for several in layers]
+    plain = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    axes = [[layer.axes.tolist() for layer in several] + [plain] * (2 - len(several)) for several in layers]
+    prisms = [_prism(scene, window) for window in (scene, *scene.window)]
+    profiles = _profiles(scene)
+    shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
+    # of each sheet: sheets that are not built exactly differ
+    own = [([layer.shape for layer in several] + [plan] * 2)[:2] for several, plan in zip(layers, shapes, strict=True)]
+    pieces = scene.pieces if isinstance(scene, Chess) else ()
+    spheres = scene.objects if isinstance(scene, Spheres) else ()
+    radii = scene.radii if spheres else ()
+    ball = [(L.real, L.imag, last + z1, radius) for (L, z1), radius in zip(spheres, radii, strict=True)]
+    floor = -(scene.aperture / 2 + scene.rim)
+    ground = surroundings(scene).get("floor")
+    return {
+        "simulated": 0 if {sheet.name for sheet in scene.ideal} <= {"none"} else len(scene.ideal),
+        "kind": [_kind(sheet, laws) for sheet in scene.sheets],
+        "constants": [number for sheet in scene.sheets for number in _law_constants(sheet, _constants(laws))],
+        "eye": [*scene.eye, -scene.z2],
+        "viewHeight": scene.view,
+        "background": BACKGROUNDS.index(scene.background),
+        "window": scene.aperture,
+        "windowZ": scene.places,
+        "frameDepth": scene.depth,
+        "frameSection": _frame_section(scene),
+        "frameLip": 0.2 * scene.rim,
+        "hasFloor": isinstance(scene, Chess) and scene.floor != "none",
+        "skyPicture": 2,
+        "floorPicture": 3,
+        "floorTiles": ground.tiles if ground else (1, 1),
+        "floorMean": ground.mean if ground else (0, 0, 0),
+        "floorY": floor,
+        "horizon": 1e7 / scene.tile,  # POV-Ray does not show what is farther away
+        "sheetCounts": [len(several) for several in layers],
+        "sheetTurns": [(cos(angle), sin(angle)) for several in turns for angle in several],
+        "sheetAxes": axes,
+        "sheetCentres": centres,
+        "pitches": [shape.pitch for shape in shapes],
+        "firstBases": [
+            ((shape.gap if isinstance(shape, Prism) else 0) - scene.aperture / shape.pitch) / 2 for shape in shapes
+        ],
+        "prismHeights": [prism.height / prism.pitch for prism in prisms],
+        "prismHalves": [shape.length / shape.pitch / 2 for shape in shapes],
+        "slants": [
+            (cos(base), sin(base))
+            for several, prism in zip(own, prisms, strict=True)
+            for base in (radians((shape if isinstance(shape, Prism) else prism).base_angle) for shape in several)
+        ],
+        "glassIndices": [shape.index for several in own for shape in several],
+        "blackTops": [sheet.values.get("tops") == "black" for sheet in scene.sheets],
+        "maxFaces": max_trace_level(scene, found),
+        "volumes": 1,
+        "pieceFoot": [(piece.x, floor + scene.pedestal, last + piece.z1) for piece in pieces],
+        "pedestal": scene.pedestal if isinstance(scene, Chess) else 0.0,
+        "pedestalHalf": [piece.radius + PEDESTAL_EDGE for piece in pieces],
+        "pieceColour": [piece.colour for piece in pieces],
+        "pieceVolume": [names.index(str(piece.piece)) for piece in pieces],
+        "volumePlace": places,
+        "sphereCount": len(ball),
+        "spheres": ball + [(0, 0, 1, 0)] * (MOST_SPHERES - len(ball)),
+    } | _edges(profiles)
+
+
+def _profiles(scene: Scene) -> "list[Profile | None]":
+    """Return the profile of the sheets in each window, None for Dove prisms and ideal sheets."""
+    shapes = (sheet.shape if isinstance(sheet, Layered) else None for sheet in scene.sheets)
+    return [None if isinstance(shape, Prism) else shape for shape in shapes]
+
+
+def _edges(profiles: "Sequence[Profile | None]") -> dict[str, Any]:
+    """Return the uniforms of profiles in templates/live/prisms.glsl."""
+    several = [profile.edges if profile else () for profile in profiles]
+    most = max(map(len, several))
+    if not most:
+        return {}
+    lines = [[(*edge.start, *edge.end) for edge in edges] + [(0.0,) * 4] * (most - len(edges)) for edges in several]
+    radii = [[edge.radius for edge in edges] + [0.0] * (most - len(edges)) for edges in several]
+    return {"profileCounts": [*map(len, several)], "profileEdges": sum(lines, []), "profileRadii": sum(radii, [])}
+
+
+def _prism(scene: Scene, window: Model) -> Prism:
+    """Return the shape of the prisms in a window. A window without prisms has values for them too."""
+    values = {
+        name: getattr(scene, name) if (own := getattr(window, name)) is None else own for name in ("prisms", *SHAPE)
+    }
+    return Prism(scene.aperture / values["prisms"], **{name: values[name] for name in SHAPE})
+
+
+def _frame_section(scene: Scene) -> list[tuple[float, float]]:
+    """Return the frame's cross-section, from the opening's front to its back: distance from the opening, and z."""
+    half, rim = scene.depth / 2, scene.rim
+    slant = min(rim, 2 * half)
+    front = [(0.0, -half), (0.6 * rim, -half), (0.75 * rim, 0.25 * slant - half), (rim, 0.5 * slant - half)]
+    return [*front, (rim, half), (0.0, half)]
+
+
+def _constants(laws: Sequence[Text]) -> int:
+    return max(1, *(len(law.constants) for law in laws))
+
+
+def _kind(sheet: Sheet, laws: Sequence[Text]) -> int:
+    """Return the number of a sheet's law in laws.glsl. Prisms have none."""
+    if sheet.layers:
+        return -1
+    name = f"law {sheet.values['law']}" if isinstance(sheet, OwnLaw) else sheet.name
+    return [law.name for law in laws].index(name)
+
+
+def _law_constants(sheet: Sheet, count: int) -> list[float]:
+    """Return the numbers that depend on a law's parameters alone, and zeros up to `count`."""
+    found = sheet.law.constant_numbers(sheet.numbers) if isinstance(sheet, Ideal) else []
+    return found + [0.0] * (count - len(found))

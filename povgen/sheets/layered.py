@@ -1,0 +1,45 @@
+"""What sheets of glass share: they consist of equal prisms or lenses of a finite size."""
+
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+from povgen.sheets.sheet import Sheet
+
+if TYPE_CHECKING:
+    from povgen.optics import faces
+    from povgen.optics.aim import Matrix
+    from povgen.optics.prism import Prism
+    from povgen.optics.profile import Profile
+
+
+class Layered(Sheet):
+    """One sheet with ridges along x, or two: then the one near the eye is turned by alpha/2 about the normal."""
+
+    counted: ClassVar[str]  # the parameter that says how many prisms or lenses there are across the window
+
+    @property
+    def pitch(self) -> float:
+        """From one prism or lens to the next, tiles."""
+        return self.aperture / float(self.values[self.counted])
+
+    @property
+    def shape(self) -> "Prism | Profile":
+        """The cross-section. Lengths are in tiles. Raises ValueError if there is no such shape."""
+        raise NotImplementedError
+
+    @property
+    def depth(self) -> float:
+        return self.shape.thickness(self.layers)
+
+    @cached_property
+    def transfer(self) -> "Matrix":
+        from povgen.optics import aim
+
+        return aim.transfer(self.layers_at(0.0, 0))
+
+    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
+        from povgen.optics import faces, trace
+
+        if self.layers == 1:
+            return (faces.Sheet(0.0, z, self.shape, window),)
+        return trace.pair(self.alpha, self.shape, z, window)

@@ -1,0 +1,123 @@
+"""Sheets of any profile: a cross-section that the user states, or one of povgen's."""
+
+import os
+import tomllib
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pydantic import model_serializer
+from pydantic.dataclasses import dataclass
+
+from povgen.files import read_text
+from povgen.limits import MAX_PRISMS
+from povgen.sheets.crossed import Alone, Crossed
+from povgen.sheets.layered import Layered
+from povgen.sheets.parameters import ALPHA
+from povgen.sheets.sheet import Ideal, Parameter
+
+if TYPE_CHECKING:
+    from povgen.optics import aim, profile
+
+NAMES = ("dove", "confocal", "lenticulars", "wedges")  # functions of optics/profile.py
+MAX_BYTES = 2**14  # of a file
+NEARLY = 0.02  # the slope's factor may differ so much from -1 in sheets that count as mirrors
+
+
+@dataclass(frozen=True)
+class ProfileFile:
+    """A TOML file that states a profile, and its text."""
+
+    path: str
+    text: str
+
+    @cached_property
+    def profile(self) -> "profile.Profile":
+        """The profile. Raises ValueError."""
+        from povgen.optics import profile
+
+        try:
+            return profile.Profile.of_table(tomllib.loads(self.text))
+        except RecursionError:  # thousands of brackets
+            raise ValueError("not TOML") from None
+
+    @model_serializer
+    def __str__(self) -> str:
+        return self.path.encode(errors="backslashreplace").decode()  # a path can have bytes that are no text
+
+
+def as_profile(value: object) -> object:
+    """Read the file if the value is text but no name of a profile. Raises ValueError for what is no profile."""
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if isinstance(value, str) and value not in NAMES:
+        value = os.path.expanduser(value)
+        value = ProfileFile(value, read_text(value, MAX_BYTES))
+    if not isinstance(value, ProfileFile):
+        return value
+    try:
+        value.profile  # noqa: B018  (it is checked)
+    except ValueError as error:
+        raise ValueError(f"no profile: {error}") from None
+    return value
+
+
+class ProfileSheets(Layered):
+    """The cross-section is repeated across the window, and extruded along the ridges."""
+
+    name = "profile"
+    title = "sheets of any profile"
+    does = "does what the profile does"
+    source = "this project"
+    parameters = (
+        ALPHA,
+        Parameter(
+            "profile",
+            f"cross-section of a sheet: {', '.join(NAMES)}, or a TOML file",
+            "lenticulars",
+            kind="profile",
+        ),
+        Parameter("periods", f"periods of the profile across the window, 1 to {MAX_PRISMS}", 100, 1, MAX_PRISMS,
+                  kind="whole number"),
+        Parameter(
+            "arrangement",
+            "a pair of sheets, of which the near one is turned by alpha/2, or a single one",
+            "pair",
+            kind="choice",
+            choices=("pair", "single"),
+        ),
+    )  # fmt: skip
+    counted = "periods"
+
+    @property
+    def layers(self) -> int:  # type: ignore[override]  # of other kinds it is the class's
+        return 1 if self.values["arrangement"] == "single" else 2
+
+    @property
+    def rotates(self) -> bool:  # type: ignore[override]
+        if self.layers == 1:
+            return False
+        does = self._does
+        return abs(does.factor + 1) < NEARLY and abs(does.deviation) < NEARLY
+
+    @cached_property
+    def shape(self) -> "profile.Profile":
+        from povgen.optics import profile
+        from povgen.optics.prism import Prism
+
+        value = self.values["profile"]
+        if isinstance(value, ProfileFile):
+            return value.profile.scaled(self.pitch)
+        made = profile.dove(Prism(1.0)) if value == "dove" else getattr(profile, value)()
+        return made.scaled(self.pitch)
+
+    @cached_property
+    def _does(self) -> "aim.SmallAngles":
+        from povgen.optics import aim
+
+        return aim.small_angles(self.shape)
+
+    @property
+    def thin(self) -> Ideal:
+        does = self._does
+        values = {"factor": does.factor, "deviation": does.deviation}
+        return Alone(values) if self.layers == 1 else Crossed({"alpha": self.values["alpha"], **values})

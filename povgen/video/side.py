@@ -1,0 +1,171 @@
+"""A side view of a scene, to scale: the eye, the windows, the objects, and the image of each if there is one."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from povgen.optics import aim
+from povgen.optics.series import image_distance
+from povgen.scene.models import Chess, Scene
+from povgen.video.overlay import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
+
+HEIGHT = 0.3  # of the side view, as a fraction of the picture's height
+FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
+LINE, RAY = (150, 155, 165), (200, 205, 215)
+SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
+ARROW = 1.2  # height of the arrow that stands for a piece, tiles
+
+
+def images(scene: Scene) -> list[float]:
+    """Return z of the image of each object, tiles: NaN where light from the object never comes together.
+
+    For ideal sheets, of which prisms are an approximation, and for others that have a ray-transfer matrix. z < 0 is
+    before the first window: a real image.
+    """
+    if not scene.rotates:
+        return [_image_of_slopes(scene, z1) for z1 in scene.distances]
+    found = image_distance(np.array(scene.distances), np.radians(scene.alphas[0]), scene.behind)
+    return [float(z) for z in np.atleast_1d(found)]
+
+
+def _image_of_slopes(scene: Scene, z1: float) -> float:
+    """Return z of the image by a single sheet that multiplies slopes by a real number, and adds one times the place."""
+    matrix = scene.sheets[0].transfer if len(scene.sheets) == 1 else None
+    if matrix is None:
+        return float("nan")
+    of_place, of_slope = matrix[2:4, 0:2], matrix[2:4, 2:4]
+    alike = [np.allclose(part, part[0, 0] * np.eye(2), atol=1e-9) for part in (of_place, of_slope)]
+    return float(z1 * of_slope[0, 0] / (1 + z1 * of_place[0, 0])) if all(alike) else float("nan")
+
+
+class Extent(NamedTuple):
+    """What a side view shows: least and greatest z, and up to which distance from the z axis, tiles."""
+
+    first: float
+    last: float
+    reach: float
+
+
+def extent(scenes: Iterable[Scene]) -> Extent:
+    """Return what shows the objects and images of all these scenes."""
+    ends, heights = [0.0], [0.1]
+    for scene in scenes:
+        shown, there = _shown(scene)
+        ends += [-scene.z2, *scene.places, *(z for _, z, _ in shown), *there]
+        heights += [scene.aperture / 2, abs(scene.E.imag), *(abs(y) for y, _, _ in shown)]
+    return Extent(min(ends), max(ends), max(heights))
+
+
+def _shown(scene: Scene) -> tuple[list[tuple[float, float, float]], list[float]]:
+    """Return y, z and z of the image of each object that is not beyond FARTHEST, and z of the images that are not."""
+    most = FARTHEST * scene.z2
+    objects = [(L.imag, scene.places[-1] + z1, z) for (L, z1), z in zip(scene.objects, images(scene), strict=True)]
+    shown = [each for each in objects if each[1] - scene.places[-1] <= most]
+    return shown, [z for _, _, z in shown if abs(z) <= most]
+
+
+def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
+    """Return a strip with the side view for a picture of this size. Its height is even.
+
+    z points to the right, y up. Objects beyond FARTHEST, and their images, are left out, and the text says how many.
+    `shows` is the extent if it is not that of this scene alone: that of a movie.
+    """
+    most = FARTHEST * scene.z2
+    shown, there = _shown(scene)
+    first, last, reach = shows or extent([scene])
+    rows = 2 * round(HEIGHT * height / 2)
+    size = 0.8 * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
+    scale = min((width - 7 * size) / (last - first), (rows - 3.6 * size) / (2 * reach))
+    left = (width - scale * (last - first)) / 2 - scale * first
+    middle = (rows - 1.6 * size) / 2
+
+    def at(z: float, y: float) -> tuple[float, float]:
+        return left + scale * z, middle - scale * y
+
+    image = Image.new("RGB", (width, rows), STRIP)
+    draw = ImageDraw.Draw(image)
+    thick = max(1, round(height / 240))
+    draw.line([at(first, scene.E.imag), at(last, scene.E.imag)], fill=LINE, width=max(1, thick // 2))
+    for z in scene.places:
+        draw.line([at(z, -scene.aperture / 2), at(z, scene.aperture / 2)], fill=SHEET, width=2 * thick)
+    if len(shown) == 1 and there:
+        for points in _rays(scene):
+            draw.line([at(z, y) for z, y in points], fill=RAY, width=max(1, thick * 2 // 3))
+    radii = scene.radii
+    for (y, z, seen), radius in zip(shown, radii, strict=False):
+        _object(draw, at(z, y), scale, radius, isinstance(scene, Chess), OBJECT, thick)
+        if abs(seen) <= most:
+            _object(draw, at(seen, y), scale, radius, isinstance(scene, Chess), IMAGE, thick)
+    x, y = at(-scene.z2, scene.E.imag)
+    draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
+    labels = [(-scene.z2, "eye"), *((z, "sheets") for z in scene.places[:1])]
+    labels += (
+        [(z, "object") for _, z, _ in shown[:1]] if len(shown) == 1 else [(shown[-1][1], "objects")] if shown else []
+    )
+    labels += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
+    if len(shown) < len(scene.objects):
+        labels.append((last, f"{len(scene.objects) - len(shown)} farther"))
+    elif scene.rotates and not there:
+        labels.append((-scene.z2 / 2, "no image"))
+    _labels(draw, [(at(z, 0)[0], text) for z, text in labels], middle + scale * reach + 0.9 * size, size, width)
+    return np.asarray(image)
+
+
+def _rays(scene: Scene) -> list[list[tuple[float, float]]]:
+    """Return z and y of the corners of rays from the object's upper end to the eye, and to a point above the eye.
+
+    A ray that does not pass all windows is left out.
+    """
+    L, z1 = scene.objects[0]
+    tip = L + 1j * (ARROW if isinstance(scene, Chess) else 0)
+    found = []
+    for eye in (scene.E, scene.E + 0.3j * scene.aperture):
+        seen = scene.replace(eye=(eye.real, eye.imag), view=scene.view)
+        if not bool(seen.visible(tip, z1)):
+            continue
+        slope = (complex(seen.apparent_position(tip, z1)) - eye) / scene.z2
+        corners = [(-scene.z2, eye.imag)]
+        for z, (before, _, _, _) in zip(scene.places, aim.follow(slope, eye, seen.elements), strict=True):
+            corners.append((z, float(before.imag)))
+        found.append([*corners, (scene.places[-1] + z1, tip.imag)])
+    return found
+
+
+def _object(
+    draw: ImageDraw.ImageDraw,
+    place: tuple[float, float],
+    scale: float,
+    radius: float,
+    upright: bool,
+    colour: tuple[int, int, int],
+    thick: int,
+) -> None:
+    """Draw a piece as an arrow that stands on the place, or a sphere around it."""
+    x, y = place
+    if upright:
+        top, head = y - ARROW * scale, 4 * thick
+        draw.line([(x, y), (x, top + head)], fill=colour, width=2 * thick)
+        draw.polygon([(x, top), (x - head, top + 1.6 * head), (x + head, top + 1.6 * head)], fill=colour)
+    else:
+        half = max(radius * scale, 2 * thick)
+        draw.ellipse([x - half, y - half, x + half, y + half], fill=colour)
+
+
+def _labels(
+    draw: ImageDraw.ImageDraw, labels: Sequence[tuple[float, str]], middle: float, size: float, width: int
+) -> None:
+    """Write texts below their places. Those that would overlap move apart, and all stay within the picture."""
+    labels = sorted(labels, key=lambda each: each[0])  # of two at the same place the first one is on the left
+    widths = [size * text_width(text) for _, text in labels]
+    starts = [x - wide / 2 for (x, _), wide in zip(labels, widths, strict=True)]
+    gap, margin = 0.7 * size, 0.3 * size
+    for _ in range(100):  # a pair that is too near moves apart by equal steps
+        starts = [min(max(x, margin), width - margin - wide) for x, wide in zip(starts, widths, strict=True)]
+        for n, wide in enumerate(widths[:-1]):
+            short = max(starts[n] + wide + gap - starts[n + 1], 0)
+            starts[n], starts[n + 1] = starts[n] - short / 2, starts[n + 1] + short / 2
+    for start, (_, text) in zip(starts, labels, strict=True):
+        write(draw, start, middle, text, size)

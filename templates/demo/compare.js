@@ -1,0 +1,43 @@
+// Two settings side by side: a curtain across the picture, to the right of which the window has other sheets. A second live view
+// draws them. It is made when it is first wanted.
+
+import { LiveView } from "../live/view.js";
+import { $, data } from "./data.js";
+import { refresh } from "./frame.js";
+import { ofKind } from "./phrases.js";
+import { change, session, state } from "./state.js";
+
+/** @type {LiveView | null} */
+let other = null;
+export const otherView = () => other;
+
+export function drawCompare(now) {
+  const on = state.compare !== "off";
+  for (const id of ["curtain", "curtain-line", "other-view", "curtain-names"]) $(id).hidden = !on;
+  $("compare").value = state.compare;
+  if (!on) return;
+  const scene = { ...now.scene, sheet: state.compare, window: [] };
+  if (!other) other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);
+  else other.set(scene);
+  $("stage").style.setProperty("--curtain", session.curtain);
+  $("curtain").value = 100 * session.curtain;
+  $("name-left").textContent = ofKind(now.sheet, "choice", data.kinds[now.sheet]);
+  $("name-right").textContent = ofKind(state.compare, "choice");
+}
+
+// Draw what is to the right of the curtain, for a picture's file.
+export function drawOther(pen, { width, height }) {
+  if (state.compare === "off" || !other?.gl) return;
+  const left = Math.round(session.curtain * width), { canvas } = other;
+  other.context.repaint();
+  pen.drawImage(canvas, session.curtain * canvas.width, 0, (1 - session.curtain) * canvas.width, canvas.height, left, 0, width - left, height);
+}
+
+$("compare").addEventListener("change", () => {
+  change({ compare: $("compare").value });
+  refresh();
+});
+$("curtain").addEventListener("input", () => {
+  session.curtain = $("curtain").value / 100;
+  refresh();
+});

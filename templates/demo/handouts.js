@@ -1,0 +1,101 @@
+// What a lesson takes away: a link with its QR code, a frame for another page, a recorded movement, a printed page.
+
+import { toHash } from "./address.js";
+import { $ } from "./data.js";
+import { say } from "./language.js";
+import { savedAs, view } from "./picture.js";
+import { qr } from "./qr.js";
+import { svg } from "./shapes.js";
+
+const link = () => location.href.replace(/#.*|$/, "") + toHash();
+
+// Put a text on the clipboard. Where the browser does not allow it, the text is shown, and chosen.
+async function copy(text) {
+  const field = $("link-text");
+  try {
+    await navigator.clipboard.writeText(text);
+    field.hidden = true;
+    $("copied").textContent = [say("share.copied"), ...(location.host ? [] : [say("share.only_here")])].join(" ");
+  } catch {
+    Object.assign(field, { value: text, hidden: false }).select();
+    $("copied").textContent = say("share.not_copied");
+  }
+}
+
+$("copy-link").addEventListener("click", () => copy(link()));
+$("copy-embed").addEventListener("click", () => {
+  const hidden = [...document.querySelectorAll("[name=hide]:checked")].map(({ value }) => value);
+  const address = link().replace(/(\?[^#]*)?(#|$)/, `?embed${hidden.length ? `&hide=${hidden.join(",")}` : ""}$2`);
+  const frame = document.createElement("iframe");
+  for (const [name, value] of Object.entries({ src: address, width: 800, height: 640, title: say("page.title"), allow: "fullscreen" })) frame.setAttribute(name, value);
+  copy(frame.outerHTML);
+});
+
+// A QR code leads somewhere only if the page has an address that others can open.
+function drawCode() {
+  const dark = location.host ? qr(link()) : null;
+  $("qr").toggleAttribute("hidden", !dark);
+  if (location.host && !dark) $("copied").textContent = say("share.too_long");
+  if (!dark) return;
+  const side = dark.length + 8;
+  const d = dark.flatMap((row, y) => row.flatMap((on, x) => (on ? `M${x + 4} ${y + 4}h1v1h-1z` : []))).join("");
+  $("qr").setAttribute("viewBox", `0 0 ${side} ${side}`);
+  $("qr").replaceChildren(svg("rect", { width: side, height: side, fill: "#fff" }), svg("path", { d, fill: "#000" }));
+}
+
+for (const id of ["share", "room"]) {
+  const button = $(`${id}-open`);
+  const open = (shown) => {
+    $(id).hidden = !shown;
+    button.setAttribute("aria-expanded", String(shown));
+    $("copied").textContent = "";
+    if (shown) drawCode();
+  };
+  button.addEventListener("click", () => open($(id).hidden));
+  $(id).addEventListener("keydown", ({ key }) => {
+    if (key !== "Escape") return;
+    open(false);
+    button.focus();
+  });
+}
+
+// ---- A recorded movement: of the picture, without what is drawn on it ----
+
+/** @type {MediaRecorder | null} */
+let recorder = null;
+
+$("record").hidden = typeof MediaRecorder === "undefined";
+$("record").addEventListener("click", () => {
+  if (recorder) return recorder.stop();
+  const parts = [];
+  recorder = new MediaRecorder(view.canvas.captureStream(30), { videoBitsPerSecond: 8e6 });
+  recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
+  recorder.addEventListener("stop", () => {
+    const type = recorder.mimeType;
+    recorder = null;
+    showRecording();
+    savedAs(URL.createObjectURL(new Blob(parts, { type })), type.includes("mp4") ? "mp4" : "webm");
+  });
+  recorder.start();
+  showRecording();
+});
+
+function showRecording() {
+  $("record").setAttribute("aria-pressed", Boolean(recorder));
+  $("record").dataset.say = recorder ? "share.recording" : "share.record";
+  $("record").textContent = say($("record").dataset.say);
+}
+
+// ---- Print: a browser prints no WebGL, but a picture ----
+
+const printed = $("print-picture");
+addEventListener("beforeprint", () => {
+  if (!view.gl || view.gl.isContextLost()) return;
+  view.context.repaint();
+  printed.src = view.canvas.toDataURL("image/png");
+});
+addEventListener("afterprint", () => printed.removeAttribute("src"));
+$("print").addEventListener("click", () => {
+  dispatchEvent(new Event("beforeprint"));
+  printed.decode().catch(() => {}).then(() => print());
+});

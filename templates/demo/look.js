@@ -1,0 +1,37 @@
+// How the page looks: dark or light, for a projector, or as a frame in another page.
+
+import { $ } from "./data.js";
+import { refresh } from "./frame.js";
+
+const root = document.documentElement, dark = matchMedia("(prefers-color-scheme: dark)");
+
+function look(isDark) {
+  root.dataset.look = isDark ? "dark" : "light";
+  $("dark").setAttribute("aria-pressed", isDark);
+  refresh();
+}
+look(dark.matches);
+dark.addEventListener("change", () => look(dark.matches));
+$("dark").addEventListener("click", () => look(root.dataset.look !== "dark"));
+
+// For a projector: the picture, the sentence and one slider, in large type, and a pointer.
+export function present(on) {
+  document.body.classList.toggle("present", on);
+  $("leave").hidden = !on;
+  refresh();
+}
+$("present").addEventListener("click", () => {
+  $("share-open").click();  // closes the tools
+  present(true);
+  $("leave").focus();
+});
+$("leave").addEventListener("click", () => present(false));
+document.addEventListener("keydown", ({ key }) => key === "Escape" && document.body.classList.contains("present") && present(false));
+$("stage").addEventListener("pointermove", ({ clientX, clientY }) => {
+  $("pointer").style.transform = `translate(${clientX}px, ${clientY}px)`;
+});
+
+// ?embed: a frame in another page. ?hide=header,panel,said,player: what it leaves out.
+const asked = new URLSearchParams(location.search);
+document.body.classList.toggle("embed", asked.has("embed"));
+for (const part of (asked.get("hide") ?? "").split(",")) if (/^(header|panel|said|player)$/.test(part)) document.body.classList.add(`hide-${part}`);

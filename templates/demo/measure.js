@@ -1,0 +1,223 @@
+// Measuring on the picture: a protractor with two arms, whose ends are a ruler's too, and a table of what a class has measured, over
+// the curves of the equations. Points are in tiles of the window's plane.
+
+import { radians } from "../live/geometry.js";
+import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
+import { $, clamped } from "./data.js";
+import { refresh } from "./frame.js";
+import { localised, say, separator } from "./language.js";
+import { apparentPosition, appearance, moment } from "./moment.js";
+import { angle, fixed, placeText, readNumber, SYMBOL, tilesText } from "./numbers.js";
+import { outlineOf } from "./outline.js";
+import { onStage, tilePixels } from "./overlay.js";
+import { bare } from "./phrases.js";
+import { arc, curve, dot, heading, line, step, words } from "./shapes.js";
+import { session, state } from "./state.js";
+
+const FARTHEST = [2.4, 1.8];  // from the picture's middle
+/** @type {Record<string, any>} */
+const points = { A: [0, -0.75], B: [0, 0.35], C: [0.6, 0.2] };
+/** @type {{alpha: number, z1: number, z2: number, nu: string, M: string}[]} */
+export const rows = [];
+
+// What the tool measures: the angle from the arm AB to the arm AC, counter-clockwise, and the lengths of both.
+function measured() {
+  const [b, c] = [minus(points.B, points.A), minus(points.C, points.A)];
+  return { angle: arg(quotient(c, b)), AB: abs(b), AC: abs(c) };
+}
+
+// The height of the piece in tiles, as its outline says; 0 for spheres, and while the outline is not known.
+function height() {
+  const ys = state.scene === "chess" ? outlineOf(state.piece).flat().map(([, y]) => y) : [];
+  return ys.length ? Math.max(...ys) - Math.min(...ys) : 0;
+}
+
+let shown = false;
+
+export function drawMeasure(now) {
+  const on = session.measuring && state.question < 0;
+  if (on && !shown) lay(now, [0.6, 0.95]);
+  shown = on;
+  $("tool").toggleAttribute("hidden", !on);
+  for (const name of Object.keys(points)) $(`point-${name}`).hidden = !on;
+  if (!on) return;
+  const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
+  const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
+  const { clientWidth: width, clientHeight: all } = $("stage"), rem = Math.max(12, all / 36);
+  $("tool").setAttribute("viewBox", `${-width / 2} ${-all / 2} ${width} ${all}`);
+  $("tool").style.fontSize = `${rem}px`;
+  $("tool").replaceChildren(
+    ...[B, C].flatMap((end) => [line("halo", A, end), line("arm", A, end)]), ...ticks(points.A, points.C), arc("halo", A, radius, start, found), arc("arm", A, radius, start, found),
+    words("reading", step(A, start + found / 2, 1.35 * radius), angle(found)),
+    words("reading", step(scaled(0.5, plus(A, C)), -Math.PI / 2, 1.2 * rem), tilesText(AC)),
+    ...Object.keys(points).flatMap((name, n) => [dot("end", [A, B, C][n], 5), words("reading", step([A, B, C][n], n ? Math.PI / 2 : -Math.PI / 2, rem), name)]),
+  );
+  for (const [name, place] of Object.entries(points)) {
+    const [x, y] = onStage(place);
+    $(`point-${name}`).style.transform = `translate(${x}px, ${y}px)`;
+    $(`point-${name}`).setAttribute("aria-label", say("measure.point", { name, place: placeText(place) }));
+  }
+  const tall = height();
+  $("readings").textContent = say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
+    + (tall ? ` ${say("measure.height", { tiles: tilesText(tall), M: fixed(AC / tall, 2), times: fixed(AC / tall / bare(now), 2) })}` : "");
+  drawPlots(now);
+}
+
+// Put A on the object's foot, B above it, and C at an aside from it.
+function lay({ place }, aside) {
+  if (!finite(place) || place.some((x, k) => Math.abs(x) > FARTHEST[k])) return;
+  Object.assign(points, { A: place, B: plus(place, [0, abs(aside)]), C: plus(place, aside) });
+}
+
+// The ruler's marks: one each tenth of a tile.
+function ticks(from, to) {
+  const way = minus(to, from), length = abs(way), aside = scaled(1 / length, [-way[1], way[0]]);
+  return Array.from({ length: Math.min(60, Math.floor(length * 10)) }, (_, k) => {
+    const place = plus(from, scaled((k + 1) / (10 * length), way));
+    return line("arm", onStage(place), onStage(plus(place, scaled((k + 1) % 10 ? 0.04 : 0.09, aside))));
+  });
+}
+
+const move = (name, place) => {
+  points[name] = place.map((x, k) => clamped(x, [-FARTHEST[k], FARTHEST[k]]));
+  refresh();
+};
+const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+for (const name of Object.keys(points)) {
+  const button = $(`point-${name}`);
+  let held = null;
+  button.addEventListener("pointerdown", (event) => {
+    if (event.button) return;
+    event.stopPropagation();  // it is not the picture that is dragged
+    held = { start: [event.clientX, event.clientY], from: points[name] };
+    button.setPointerCapture(event.pointerId);
+  });
+  button.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    /** @type {any} */
+    const way = [event.clientX - held.start[0], held.start[1] - event.clientY];
+    move(name, plus(held.from, scaled(1 / tilePixels(), way)));
+  });
+  for (const ended of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(ended, () => (held = null));
+  button.addEventListener("keydown", (event) => {
+    const aside = STEPS[event.key];
+    if (!aside || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    move(name, plus(points[name], scaled(event.shiftKey ? 0.1 : 0.01, aside)));
+  });
+}
+
+// ---- The table ----
+
+const QUANTITIES = ["alpha", "z1", "z2", "nu", "M"];
+
+$("write-down").addEventListener("click", () => {
+  const { angle: found, AC } = measured(), tall = height();
+  const { z1, z2 } = moment();
+  const row = { alpha: state.alpha, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
+  rows.push(row);
+  $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, M: row.M });
+  drawRows();
+});
+$("put-on").addEventListener("click", () => {
+  const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];
+  lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));
+  refresh();
+});
+
+function drawRows() {
+  session.measured = rows.length > 0;
+  $("rows").replaceChildren(...rows.map((row, n) => {
+    const tr = document.createElement("tr");
+    for (const name of QUANTITIES) {
+      const td = tr.insertCell();
+      if (name !== "nu" && name !== "M") {
+        td.textContent = String(Number(row[name].toPrecision(4)));
+        continue;
+      }
+      const field = Object.assign(document.createElement("input"), { className: "field", value: row[name], autocomplete: "off" });
+      field.setAttribute("aria-label", say("measure.field", { name: name === "nu" ? "ν" : "M", n: n + 1 }));
+      field.addEventListener("input", () => {
+        row[name] = field.value;
+        refresh();
+      });
+      td.append(field);
+    }
+    const remove = Object.assign(document.createElement("button"), { type: "button", textContent: "×", className: "what" });
+    remove.setAttribute("aria-label", say("measure.remove", { n: n + 1 }));
+    remove.addEventListener("click", () => {
+      rows.splice(n, 1);
+      drawRows();
+      $("write-down").focus();
+    });
+    tr.insertCell().append(remove);
+    return tr;
+  }));
+  $("save-csv").disabled = !rows.length;
+  refresh();
+}
+
+// Where the decimal sign is a comma, spreadsheets part columns by semicolons.
+export function csv() {
+  const mark = separator().trim();
+  return [QUANTITIES.join(mark), ...rows.map((row) => QUANTITIES.map((name) => {
+    const x = typeof row[name] === "number" ? row[name] : readNumber(row[name]);
+    return Number.isFinite(x) ? localised(String(x)) : "";
+  }).join(mark))].join("\r\n");
+}
+
+$("save-csv").addEventListener("click", () => {
+  const link = document.createElement("a");
+  link.href = `data:text/csv;charset=utf-8,${encodeURIComponent(csv())}`;
+  link.download = "povgen.csv";
+  link.click();
+});
+
+// ---- The measured numbers over the curves ----
+
+// What changes between the rows: alpha, unless only a distance does.
+function abscissa() {
+  const changes = (name) => new Set(rows.map((row) => row[name])).size > 1;
+  return changes("alpha") ? "alpha" : changes("z1") ? "z1" : changes("z2") ? "z2" : "alpha";
+}
+
+const ENDS_OF_NU = [30, 90, 180];
+const ENDS = { alpha: [-180, 180], z1: [0.3, 30], z2: [0.5, 30] };
+
+function drawPlots(now) {
+  const x = abscissa();
+  for (const [name, id] of [["nu", "plot-nu"], ["M", "plot-M"]]) drawPlot($(id), name, x, now);
+}
+
+// The equation's curve for the present values, and the points. Hollow points have other values than the curve.
+function drawPlot(plot, name, x, now) {
+  const { clientWidth: width, clientHeight: all } = plot;
+  if (!width) return;
+  const [least, most] = ENDS[x], log = x !== "alpha";
+  const [left, right, top, bottom] = [30, width - 8, 16, all - 22];
+  const present = { alpha: state.alpha, z1: now.z1, z2: now.z2 };
+  const seen = (value) => {
+    const values = { ...present, [x]: value }, { nu, M } = appearance({ ...now, ...values, alpha: radians(values.alpha) });
+    return name === "nu" ? nu / radians(1) : M;
+  };
+  const points = now.two && rows.length ? Array.from({ length: 181 }, (_, k) => (log ? least * (most / least) ** (k / 180) : least + ((most - least) * k) / 180)) : [];
+  const angles = [...points.map((value) => seen(value)), ...rows.map(({ nu }) => readNumber(nu) || 0)].map(Math.abs);
+  const end = ENDS_OF_NU.find((limit) => limit === 180 || angles.every((each) => !(each > limit))), scale = name === "nu" ? [-end, end] : [0, 3];
+  const share = (value) => (log ? Math.log(value / least) / Math.log(most / least) : (value - least) / (most - least));
+  /** @type {(value: number, shown: number) => any} */
+  const to = (value, shown) => [left + share(value) * (right - left), bottom - ((shown - scale[0]) / (scale[1] - scale[0])) * (bottom - top)];
+  const inside = points.map((value) => [value, seen(value)]).map(([value, shown], n, all) =>
+    (shown >= scale[0] && shown <= scale[1] && !(n && Math.abs(shown - all[n - 1][1]) > 180) ? to(value, shown) : null));
+  const same = (row) => Object.keys(present).every((other) => other === x || Math.abs(row[other] - present[other]) < 1e-3 * Math.max(1, Math.abs(present[other])));
+  const marks = rows.filter((row) => Number.isFinite(readNumber(row[name])) && row[name].trim())
+    .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(readNumber(row[name]), /** @type {any} */ (scale))), 4));
+  plot.setAttribute("viewBox", `0 0 ${width} ${all}`);
+  plot.replaceChildren(
+    line("axis", [left, bottom], [right, bottom]), line("axis", [left, bottom], [left, top]),
+    ...(name === "nu" ? [line("axis", to(least, 0), to(most, 0))] : [line("axis", to(least, 1), to(most, 1))]),
+    words("scale", [left, all - 10], fixed(least, log ? 1 : 0)), words("scale", [right - 8, all - 10], fixed(most, 0)), words("scale", [(left + right) / 2, all - 9], SYMBOL[x]),
+    ...(name === "nu" ? [-end, 0, end] : [0, 1, 2, 3]).map((value) => words("scale", [15, to(least, value)[1]], fixed(value, 0))),
+    words("scale", [left + 12, 8], name === "nu" ? "ν" : "M"), curve("curve", inside), ...marks,
+  );
+  plot.setAttribute("aria-label", say("measure.plot", { name: name === "nu" ? "ν" : "M", x: SYMBOL[x], number: marks.length, value: now.two && rows.length ? (name === "nu" ? angle(now.nu) : fixed(now.M, 2)) : "–" }));
+}

@@ -1,0 +1,31 @@
+// A question of a teacher's own, in a link.
+
+import { fromHash, toHash } from "./address.js";
+import { openQuestion } from "./asking.js";
+import { $ } from "./data.js";
+import { refresh } from "./frame.js";
+import { say } from "./language.js";
+
+const kept = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
+
+for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
+  $(`own-${id}`).addEventListener("click", () => {
+    kept[part] = toHash().replace(/&(question|own)=[^&]*/g, "");
+    $(`own-${id}`).setAttribute("aria-pressed", true);
+  });
+}
+
+$("own").addEventListener("submit", (event) => {
+  event.preventDefault();
+  const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);
+  const [ask, choices, why] = [lines("own-text").join(" "), lines("own-choices"), lines("own-why").join(" ")];
+  const complete = ask && choices.length > 1;
+  $("own-message").textContent = complete ? "" : say("asking.own_missing");
+  if (!complete) return $("own-text").focus();
+  const now = toHash().replace(/&(question|own)=[^&]*/g, "");
+  const question = { ask, choices, why, before: kept.before || now, after: kept.after || now };
+  openQuestion(-1);
+  fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);
+  refresh();
+  $("ask").focus();
+});

@@ -1,0 +1,141 @@
+// Rays of light through all windows of the scene, as lines in space: traced through each prism (trace.js), or turned by the
+// law of an ideal sheet. Points are [x, y, z], in tiles.
+
+import * as geometry from "../live/geometry.js";
+import { bending, hasPrisms } from "../live/sheets.js";
+import { passage } from "./trace.js";
+import { abs, finite, minus, plus, resolved, scaled } from "./complex.js";
+import { state } from "./state.js";
+
+/** Follow a ray from a point, in a direction, through all windows. `kind` is "designed", "stray" (has left the prisms on another
+ * path), "beside" (misses a later window), or "lost" (ends in the frame, on black, or nowhere). `points` are the corners of its
+ * path, `steps` the faces of prisms that it meets.
+ * @param {any} now */
+export function traced(now, from, towards) {
+  const forward = towards[2] > 0, half = now.scene.aperture / 2;
+  const ray = { points: [from], steps: [], direction: towards, kind: "designed" };
+  for (const window of forward ? now.windows : [...now.windows].reverse()) {
+    const place = at(ray, window.z);
+    const beside = ray.points.length > 1 && Math.max(Math.abs(place[0]), Math.abs(place[1])) > half;
+    if (beside) return { ...ray, kind: "beside" };
+    if (hasPrisms(window)) {
+      const { steps, end, designed, direction, place: last } = passage(window, ray.points.at(-1), ray.direction, { frame: geometry.depth(now.scene), most: now.scene.faces });
+      ray.steps.push(...steps);
+      ray.points.push(...steps.map((step) => step.place), last);
+      ray.direction = direction;
+      if (end !== "through") return { ...ray, kind: end === "back" ? "stray" : "lost" };
+      if (!designed) ray.kind = "stray";
+    } else {
+      /** @type {any} */
+      const slope = [ray.direction[0] / ray.direction[2], ray.direction[1] / ray.direction[2]];
+      const bend = bendingOf(window), bent = forward ? bend(slope, place) : unbent(bend, slope, place);
+      ray.points.push(place);
+      if (!bent) return { ...ray, kind: "lost" };
+      ray.direction = forward ? [...bent, 1] : [-bent[0], -bent[1], -1];
+    }
+  }
+  return ray;
+}
+
+// Where a ray, or its continuation, crosses a plane.
+export function at({ points, direction }, z) {
+  const last = points.at(-1), way = (z - last[2]) / direction[2];
+  return [last[0] + way * direction[0], last[1] + way * direction[1], z];
+}
+
+/** @type {WeakMap<object, any>} */
+const laws = new WeakMap();  // what `bending` has returned: many rays pass the same window
+function bendingOf(window) {
+  if (!laws.has(window)) laws.set(window, bending(window));
+  return laws.get(window);
+}
+
+// The slope before an ideal sheet of an eye's ray that has this slope behind it: Newton's method, from several starts. null if none
+// is found.
+function unbent(bend, slope, place) {
+  const h = 1e-6;
+  for (let s of [slope, ...STARTS]) {
+    for (let n = 0; n < 15 && finite(s); n++) {
+      const shown = [[0, 0], [h, 0], [0, h]].map((step) => bend(plus(s, step), place));
+      if (!shown.every(Boolean)) break;
+      const off = minus(shown[0], slope);
+      if (abs(off) < 1e-9 * (1 + abs(slope))) return s;
+      s = minus(s, resolved(off, [1, 2].map((k) => scaled(1 / h, minus(shown[k], shown[0])))));
+    }
+  }
+  return null;
+}
+const STARTS = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [2, 2], [-2, -2]];
+
+// Steps of numbers that look random, the same each time: rays in a regular grid would make moire with the prisms.
+const STEPS = [0.7548776662466927, 0.5698402909980532];
+
+// The rays that are shown: through a grid of places of a window, `count` along a side, the one from the object to the
+// eye, or the one to the eye through the chosen point.
+export function bundle(now, count = 5) {
+  const { L, E, z1, z2, windows, scene, place } = now, half = scene.aperture / 2;
+  const eye = [...E, -z2], object = [...L, windows.at(-1).z + z1];
+  const between = (from, to) => traced(now, from, to.map((x, k) => x - from[k]));
+  const pitch = now.glass ? now.prism.pitch : 0;
+  const grid = Array.from({ length: count }, (_, k) => (1.76 * k) / (count - 1) - 0.88);
+  const places = grid.flatMap((x) => grid.map((y) => [x * half, y * half]))
+    .map((place, n) => plus(place, STEPS.map((step) => pitch * (((0.5 + n * step) % 1) - 0.5))));
+  if (state.light === "pencil") return places.map((to) => between(object, [...to, windows.at(-1).z]));
+  if (state.light === "eye") return places.map((to) => between(eye, [...to, 0]));
+  if (state.light === "aim") return [between(eye, [...state.W, 0])];
+  if (!finite(place) || abs(place) > 2 * half) return [];
+  // of the rays close to the predicted one, the first that takes the designed path through the prisms
+  const near = [0, 1, -1, 2, -2, 3, -3].map((k) => between(eye, [...plus(place, [(k * pitch) / 5, (k * pitch) / 5]), 0]));
+  return [near.find(({ kind }) => kind === "designed") ?? near[0]];
+}
+
+const RATIO = 0.06;  // rays meet if their bundle is narrower than at the window by this factor
+
+// Where rays that have left the windows meet, if they do: the point nearest to all of their lines. null otherwise.
+export function meeting(rays) {
+  const lines = rays.filter(({ kind }) => kind === "designed").map(({ points, direction }) => {
+    const size = Math.hypot(...direction);
+    return { from: points.at(-1), along: direction.map((x) => x / size) };
+  });
+  if (lines.length < 4) return null;
+  const axes = [0, 1, 2];
+  // the sum over the lines of 1 - d d^T, and of the same times a point of the line
+  const matrix = axes.map((j) => axes.map((k) => lines.reduce((sum, { along }) => sum + (j === k ? 1 : 0) - along[j] * along[k], 0)));
+  const right = axes.map((j) => lines.reduce((sum, { from, along }) => sum + from[j] - along[j] * along.reduce((dot, x, k) => dot + x * from[k], 0), 0));
+  const point = solved(matrix, right);
+  const width = (far) => Math.sqrt(lines.reduce((sum, each) => sum + far(each) ** 2, 0) / lines.length);
+  const middle = axes.map((k) => lines.reduce((sum, { from }) => sum + from[k] / lines.length, 0));
+  const toLine = (to) => ({ from, along }) => {
+    const d = to.map((x, k) => x - from[k]), way = d.reduce((sum, x, k) => sum + x * along[k], 0);
+    return Math.hypot(...d.map((x, k) => x - way * along[k]));
+  };
+  if (!point.every(Number.isFinite) || Math.hypot(...point) > 1e3) return null;
+  return width(toLine(point)) < RATIO * width(toLine(middle)) ? point : null;
+}
+
+// Cramer's rule.
+function solved(matrix, right) {
+  const area = ([a, b, c]) => a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  const whole = area(matrix);
+  return [0, 1, 2].map((k) => area(matrix.map((row, j) => row.map((x, n) => (n === k ? right[j] : x)))) / whole);
+}
+
+const SIDE = 20;
+let kept = { key: "", found: null };
+
+// The fractions of the light in the window, as the eye sees it: on the designed path, and stray light. The rest is lost. null
+// without prisms.
+export function lightInWindow(now) {
+  if (!now.glass) return null;
+  const { E, z2, windows, scene } = now;
+  const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values: { alpha, prisms, ratio, f_number, lenses } }) => [sheet, z, alpha, prisms, ratio, f_number, lenses])]);
+  if (kept.key === key) return kept.found;
+  const count = { designed: 0, stray: 0, lost: 0, beside: 0 };
+  for (let n = 0; n < SIDE ** 2; n++) {
+    const [x, y] = [n % SIDE, Math.floor(n / SIDE)].map((cell, k) => ((cell + ((0.5 + n * STEPS[k]) % 1)) / SIDE - 0.5) * scene.aperture);
+    count[traced(now, [...E, -z2], [x - E[0], y - E[1], z2]).kind]++;
+  }
+  const all = SIDE ** 2 - count.beside || 1;
+  kept = { key, found: { designed: count.designed / all, stray: count.stray / all } };
+  return kept.found;
+}

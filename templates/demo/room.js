@@ -1,0 +1,86 @@
+// The user's own room in the place of the mountains: a photo, or the camera's picture. Nothing leaves the page.
+
+import { $ } from "./data.js";
+import { say } from "./language.js";
+import { view } from "./picture.js";
+
+const WIDTH = 2048;    // pixels of the picture of all directions, which is half as high
+const FIELD = 100;     // degrees: the width of a plain photo, as the room shows it
+const STEP = 100;      // ms between two pictures of the camera
+let stream = null;
+
+// Draw a picture on one of all directions. What is plain is in front, behind the window; the rest repeats its border, softly.
+function around(source, width, height, whole) {
+  const canvas = Object.assign(document.createElement("canvas"), { width: WIDTH, height: WIDTH / 2 });
+  const pen = canvas.getContext("2d");
+  if (whole) {
+    pen.drawImage(source, 0, 0, WIDTH, WIDTH / 2);
+    return canvas;
+  }
+  const wide = (WIDTH * FIELD) / 360, high = (wide * height) / width;
+  pen.filter = "blur(24px)";
+  for (let x = -1; x < 360 / FIELD; x++) {  // mirrored copies all around, so that no border is seen
+    pen.save();
+    pen.translate(WIDTH / 2 + (x - 0.5) * wide + (x % 2 ? wide : 0), 0);
+    pen.scale(x % 2 ? -1 : 1, 1);
+    pen.drawImage(source, 0, 0, wide, WIDTH / 2);
+    pen.restore();
+  }
+  pen.filter = "none";
+  pen.drawImage(source, (WIDTH - wide) / 2, (WIDTH / 2 - high) / 2, wide, high);
+  return canvas;
+}
+
+
+function stopCamera() {
+  stream?.getTracks().forEach((track) => track.stop());
+  stream = null;
+  $("camera").setAttribute("aria-pressed", false);
+}
+
+let photo = null;
+const showPhoto = () => photo && view.setSky(around(photo, photo.width, photo.height, $("all-around").checked));
+
+$("photo").addEventListener("change", async () => {
+  const [file] = $("photo").files;
+  if (!file) return;
+  stopCamera();
+  try {
+    photo = await createImageBitmap(file);
+    $("all-around").checked = photo.width === 2 * photo.height;
+    $("room-message").textContent = "";
+    showPhoto();
+  } catch {
+    $("room-message").textContent = say("share.no_photo");
+  }
+});
+$("all-around").addEventListener("change", showPhoto);
+
+$("camera").addEventListener("click", async () => {
+  if (stream) return stopCamera();
+  const video = $("camera-video");
+  try {
+    stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment" } });
+  } catch {
+    $("room-message").textContent = say("share.no_camera");
+    return;
+  }
+  $("room-message").textContent = "";
+  $("camera").setAttribute("aria-pressed", true);
+  photo = null;
+  video.srcObject = stream;
+  await video.play();
+  const next = () => {
+    if (!stream) return;
+    view.setSky(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));
+    setTimeout(next, STEP);
+  };
+  next();
+});
+
+$("no-room").addEventListener("click", () => {
+  stopCamera();
+  photo = null;
+  $("photo").value = "";
+  view.setSky(null);
+});

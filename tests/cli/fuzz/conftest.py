@@ -1,0 +1,341 @@
+"""How a case is run: in a folder of its own, without POV-Ray, and what every case must fulfil."""
+
+import io
+import itertools
+import json
+import os
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import typing
+import warnings
+from concurrent.futures import Future
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cache, lru_cache
+from pathlib import Path
+from unittest import mock
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, settings
+from PIL import Image
+
+from fuzz.values import FIELDS, OPTIONS
+from povgen import Chess, InputError, MovieSpec, Spheres, to_pov
+from povgen.cli import app
+from povgen.record import Record, in_png
+from povgen.scene.models import SCENES
+from povgen.scene.pieces import PIECES
+from povgen.scene.sdl import Mosaic
+from povgen.scene.spec import Sweep
+from povgen.version import __version__
+
+PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
+ran = 0  # cases
+
+
+def cases(count):
+    """Run a test on `count` cases, the same each time. It fails if more than half of them were not run."""
+
+    def counted(test):
+        fuzz = settings(
+            max_examples=count,
+            deadline=None,
+            derandomize=True,
+            database=None,
+            phases=(Phase.explicit, Phase.generate, Phase.shrink),
+            suppress_health_check=list(HealthCheck),
+        )(test)
+
+        def run():
+            before = ran
+            fuzz()
+            assert ran - before >= count / 2, f"only {ran - before} of {count} cases were run"
+
+        return run
+
+    return counted
+
+
+ROOT = Path("/")  # of all that cases may touch; set by the fixture, as is WORK, the folder that they work in
+WORK = Path("/a/b/c")
+SPEC = """\
+title = "A movie"
+scene = "chess"
+frame_rate = 10
+frames = 2
+[fixed]
+z1 = 2
+sheet = "ideal"
+[[sweep]]
+parameter = "alpha"
+start = 5
+stop = 9
+"""
+
+
+def recorded():
+    """Return a picture and a movie with records, by their names."""
+    values = {"povgen": __version__, "renderer": "a device", "rendering": {"size": (32, 32)}}
+    frames = [{"scene": scene.name, **scene.model_dump(mode="json")} for scene in (Chess(sheet="ideal"), Spheres())]
+    data = [io.BytesIO(), io.BytesIO()]
+    Image.new("RGB", (32, 32)).save(data[0], "PNG")
+    movie = bytes(Record(frames=frames, frame_rate=4, **values))
+    Image.new("RGB", (32, 32)).save(data[1], "GIF", comment=movie)
+    picture = in_png(data[0].getvalue(), Record(frames=frames[:1], **values))
+    return {"recorded.png": picture, "recorded.gif": data[1].getvalue()}
+
+
+def skeleton(source):
+    """Return the lines of a scene's text, without their numbers and without the options of the header's command."""
+    return {without_numbers(line) for line in set(source.split("\n"))}
+
+
+@lru_cache(100_000)  # most scenes have most of their lines in common
+def without_numbers(line):
+    line = re.sub(r"^(//   povray)( [-+][\w.]+)+$", r"\1", line)
+    line = re.sub(r"(?<=[a-zA-Z0-9])_\d+\b", "", line)  # of several pieces
+    line = re.sub(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]\d+)?\b", "#", line)
+    return re.sub(" +", " ", line).replace("},", "}")
+
+
+@cache
+def skeletons():
+    """Return the lines of all scenes, of every sheet, piece and switch, without their numbers."""
+    found = set()
+    for model in SCENES.values():
+        choices = {
+            name: [False, True] if field.annotation is bool else typing.get_args(field.annotation)
+            for name, field in model.model_fields.items()
+            if field.annotation is bool or typing.get_origin(field.annotation) is typing.Literal
+        }
+        del choices["glass"]  # it changes a number only
+        several = [choices]
+        if "piece" in model.model_fields:  # a piece's lines depend on no sheet
+            several.append(
+                {"piece": [*PIECES], "pedestal": [0, 0.8], "sheet": ["ideal"], "predicted_image": [False, True]}
+            )
+        for choices in several:
+            for values in itertools.product(*choices.values()):
+                with suppress(InputError):  # some do not go together
+                    scene = model(**dict(zip(choices, values, strict=True)))
+                    found |= skeleton(to_pov(scene))
+        for sheet, *others in (("ideal", None, "ideal", "detailed"), ("detailed", None), ("none", None)):
+            windows = [{"alpha": 30, "z": n, "sheet": other} for n, other in enumerate(others, 1)]
+            more = {"predicted_image": True} if "piece" in model.model_fields and sheet != "none" else {}
+            for pedestal in (0, 0.8)[: 1 + ("piece" in model.model_fields)]:
+                options = more | ({"pedestal": pedestal} if "piece" in model.model_fields else {})
+                found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options)))
+    for sheet in ("detailed", "ideal", "none"):
+        found |= skeleton(to_pov(Chess(sheet=sheet), Mosaic((64, 48), 8, [[(0, 0)]])))
+    for antialias in ("off", "2x"):  # the header's words differ
+        found |= skeleton(to_pov(Chess(), antialias=antialias))
+    return found
+
+
+def rendered(source, rendering, folder):
+    """Replace POV-Ray: check the scene's text and return a black picture."""
+    assert not skeleton(source) - skeletons()
+    width, height = (min(pixels, 64) for pixels in rendering.size)
+    picture = folder / rendering.file
+    iio.imwrite(picture, np.zeros((height, width, 3), np.uint8))
+    return picture
+
+
+RECORDED = recorded()
+
+
+def new_folder():
+    """Make the folder in which cases work."""
+    shutil.rmtree(ROOT, ignore_errors=True)
+    WORK.mkdir(parents=True)
+    os.chdir(WORK)
+    for name in ("folder", "folder.mp4", "baselines", "binary"):
+        (WORK / name).mkdir()
+    (WORK / "spec.toml").write_text(SPEC)
+    for name, data in RECORDED.items():
+        (WORK / name).write_bytes(data)
+    (WORK / "baselines" / "one.inc").write_text("#macro Sheet() #end\n")
+    (WORK / "binary" / "one.inc").write_bytes(b"\xff")
+    for name in ("kept.png", "kept.mp4", "kept.pov", "movie.mp4", "frame.png"):
+        (WORK / name).write_bytes(b"kept")
+
+
+def files():
+    """Return all files and folders, with what changes if they are written to."""
+    found = {}
+    for folder, folders, names in os.walk(ROOT):
+        for name in (*folders, *names):
+            status = os.lstat(os.path.join(folder, name))
+            changed = None if name in folders else (status.st_mtime_ns, status.st_size, status.st_ino)
+            found[os.path.join(folder, name)] = changed
+    return found
+
+
+@pytest.fixture(scope="package", autouse=True)
+def place(tmp_path_factory):
+    """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
+    global ROOT, WORK
+    from povgen.cli import checkup
+    from povgen.liveview import page
+    from povgen.measure import charts, field, glass, speed, stability, verify, verify_gl, verify_live
+    from povgen.measure.measured import Measured
+    from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, volumes
+    from povgen.scene import spec
+    from povgen.teach import figures
+    from povgen.video import build, encode
+
+    started = Path.cwd()
+    own = spec.MOVIES
+    ROOT = tmp_path_factory.mktemp("fuzz") / "root"
+    WORK = ROOT.joinpath(*"abcdefgh")
+    movies = tmp_path_factory.mktemp("movies")
+    for path in own.glob("*.toml"):
+        (movies / path.name).write_text(re.sub(r"frames = \d+", "frames = 2", path.read_text()))
+
+    def encoded(pictures, output, rate, tags, record):
+        assert 0 < rate < 1000 and all(picture.shape[2] == 3 for picture in pictures)
+        output.write_text(json.dumps(tags))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
+        patch.setattr(spec, "MOVIES", movies)
+        patch.setattr(page, "MOVIES", ("vary-z1",))
+        patch.setattr(page, "volumes", lambda pieces, **options: {})
+        patch.setattr(povray.Runner, "run", staticmethod(rendered))
+        patch.setattr(gl_runner.Runner, "run", staticmethod(rendered))
+        patch.setattr(gl_runner, "device", lambda: "a device")
+        patch.setattr(gl_scene, "to_text", lambda *_, **__: "a scene")
+        patch.setattr(volumes, "volumes", lambda *_, **__: {})
+        patch.setattr(frames, "is_whole", lambda *_: True)  # though smaller than was asked for
+        patch.setattr(light, "unpacked", lambda *_: np.zeros((48, 64, 3), np.float32))
+        patch.setattr(encode, "encode", encoded)
+        patch.setattr(cluster, "_connected", lambda _: mock.MagicMock())
+        patch.setattr(cluster.Cluster, "_start", lambda _, coroutine: coroutine.close() or Future())
+        patch.setattr(cluster.Cluster, "_threads", mock.MagicMock())
+        patch.setattr(cluster.Cluster, "_result", lambda *_: 1)  # of _threads
+        patch.setattr(cluster.Cluster, "_check", lambda _: None)
+        patch.setattr(cluster.Cluster, "run", staticmethod(rendered))
+        patch.setattr(verify, "checks", lambda sheet: [Measured(sheet or "ideal", "error", 0.5, 1)])
+        for module in (verify_gl, verify_live):
+            patch.setattr(module, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
+        patch.setattr(stability, "maps", lambda sheet: [])
+        patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
+        for name in ("samplings", "flicker", "prism_counts", "beyond", "workers"):
+            patch.setattr(speed, f"measure_{name}", lambda *_: [])
+        for name in ("save_frames", "save_prism_counts", "save_beyond", "save_workers"):
+            patch.setattr(charts, name, lambda *_: None)
+        patch.setattr(glass, "save_charts", lambda folder: None)
+        patch.setattr(field, "save_chart", lambda folder: None)
+        patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
+        patch.setattr(checkup, "faults", lambda report: [])
+        assert build.encode is encode and page.build is build
+        skeletons()  # takes longer than a case may
+        yield
+    os.chdir(started)
+
+
+@pytest.fixture(autouse=True)
+def new_place(place):
+    """Remove the files of earlier tests. The fewer files there are, the faster they are compared."""
+    new_folder()
+
+
+class Stream(io.TextIOWrapper):
+    terminal = False
+
+    def isatty(self):
+        return self.terminal
+
+
+def povgen(line, stdin=b""):
+    """Run the command line and return exit status, output and errors. Fail if it hangs or ends in another way."""
+
+    def hangs(*_):
+        raise AssertionError(f"no end: {line}")
+
+    out = Stream(io.BytesIO(), "utf-8", errors="strict")  # as Python has it on most systems
+    err = Stream(io.BytesIO(), "utf-8", errors="backslashreplace")
+    kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    signal.signal(signal.SIGALRM, hangs)
+    own = os.dup(0)
+    with tempfile.TemporaryFile() as file:
+        file.write(stdin)
+        file.seek(0)
+        os.dup2(file.fileno(), 0)
+    timer = signal.setitimer(signal.ITIMER_REAL, PATIENCE)  # another may be set, for the whole test
+    try:
+        with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
+                patch.setattr(sys, "argv", ["povgen", *line])
+                with pytest.raises(SystemExit) as done:
+                    app.main()
+    finally:
+        os.dup2(own, 0)
+        os.close(own)
+        for number, handler in kept.items():
+            signal.signal(number, handler)
+        signal.setitimer(signal.ITIMER_REAL, *timer)
+    for stream in (out, err):
+        stream.flush()
+    texts = [stream.buffer.getvalue().decode() for stream in (out, err)]
+    return done.value.code or 0, *texts
+
+
+# Names of what may be at fault, and ways to say what is allowed.
+NAMED = {*FIELDS, *MovieSpec.model_fields, *Sweep.model_fields, *(name for _, name in OPTIONS), "shard", "option"}
+NAMED |= {"argument", "standard input", "toml", "movie", "missing", "x", "'"}
+ALLOWED = r"allowed|\(.+\)|should|missing|No such|Missing|requires|unexpected|not TOML|does not take|magnified|Invalid"
+
+
+def tried(line, stdin=b""):
+    """Run a case, check what every case must fulfil, and return exit status, output and errors."""
+    global ran
+    before = files()
+    status, out, err = povgen(line, stdin)
+    ran += 1
+    after = files()
+    changed = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
+    assert "Traceback" not in err
+    assert status in (0, 2), (status, err)
+    # a terminal gets povgen's own colours, and no other characters that it would obey
+    assert Stream.terminal or all(text.isprintable() for text in (out + err).split("\n")), (out, err)
+    if status == 2:
+        *said, message = err.splitlines()  # a choice or warnings may come first
+        assert all(text.startswith("povgen: ") for text in said), err
+        assert message.startswith("povgen: ") and message.isprintable() and len(message) < 1100, message
+        assert any(name in message.lower() for name in NAMED) and re.search(ALLOWED, message), message
+        assert not changed, changed
+        assert not out
+    elif changed:
+        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo.html", "stability", "chart", "figures")]
+        asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
+        asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
+        asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]
+        asked += [page.with_name(f"{page.stem}-vary-z1.mp4") for page in asked if line[0] == "demo" and page.stem]
+        others = {path for path in changed if not any(Path(path).is_relative_to(place) for place in asked)}
+        assert not others, others
+        assert not list(ROOT.rglob(".povgen-*"))
+        if line[0] == "pov":
+            for path in changed:
+                assert skeleton(Path(path).read_text()) <= skeletons()
+        new_folder()
+    if out and status == 0 and line[0] == "pov" and "--help" not in line:
+        assert skeleton(out) <= skeletons()
+    return status, out, err
+
+
+def tried_spec(data):
+    """Try a spec as a file or, if its length is even, from standard input."""
+    if isinstance(data, str):
+        data = data.encode(errors="surrogateescape")
+    (WORK / "spec.toml").write_bytes(data)
+    try:
+        source = ["-", "spec.toml"][len(data) % 2]
+        return tried(["movie", source, "--quiet", "--size", "32x32", "-o", "x.gif"], data)
+    finally:
+        (WORK / "spec.toml").write_text(SPEC)

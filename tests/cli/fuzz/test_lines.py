@@ -1,0 +1,129 @@
+"""Command lines: of each command, with each option."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from fuzz.conftest import SPEC, Stream, cases, tried
+from fuzz.values import CHARACTERS, COMMANDS, NUMBERS, OPTIONS, SDL, lines, parameters
+from povgen import InputError, MovieSpec
+from povgen.cli import app
+
+pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
+# arguments of commands; another one is a scene's name
+NEEDED = {"spec": "spec.toml", "what": "info", "numbers": "1", "file": "recorded.png"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_command_lines(command):
+    @cases(120 if "alpha" in parameters(command) else 30 if parameters(command) else 10)
+    @given(lines(command))
+    def fuzz(line):
+        tried(line, SPEC.encode())
+
+    fuzz()
+
+
+@pytest.mark.parametrize(("command", "name"), OPTIONS)
+def test_every_option(command, name):
+    """Each option with right and wrong values."""
+
+    @cases(9)
+    @given(lines(command, of=name))
+    def fuzz(line):
+        tried(line, SPEC.encode())
+
+    fuzz()
+
+
+@pytest.mark.parametrize(
+    ("command", "name"), [place for place in OPTIONS if parameters(place[0])[place[1]][0] is not bool]
+)
+def test_no_sdl_in_options(command, name):
+    kind, option = parameters(command)[name]
+    for payload in SDL:
+        line = [command]
+        for other, (_, word) in parameters(command).items():
+            if other == name:
+                line += [option, payload] if option else [payload]
+            elif not word:
+                line.append(NEEDED.get(other, "chess"))
+        status, _, said = tried(
+            [*line, "--size=32x32"] if "size" in parameters(command) and name != "size" else line, SPEC.encode()
+        )
+        # a folder may have any name
+        assert status == 2 or kind is Path, (payload, said)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["frame", "chess", "-o", "folder.mp4"], ["output = 'folder.mp4'", "not a kind"]),
+        (
+            ["movie", "spec.toml", "-o", "folder.mp4"],
+            ["output = 'folder.mp4': it exists and cannot be written to; allowed"],
+        ),
+        (["movie", "spec.toml", "--workers", "9" * 5000], ["workers", "1 to 256"]),
+        (["frame", "chess", "--sheet", "auto", "--tolerance", "9" * 100_000], ["tolerance", "allowed"]),
+        (["movie", "x" * 5000], ["File name too long", "allowed"]),
+        (["movie", "/dev/zero"], ["longer than", "allowed"]),
+        (["movie", ""], ["'': no movie spec"]),
+        (["movie", "a\nb\x1b[31m\u202e.toml"], [r"a\nb\x1b[31m\u202e.toml: no movie spec"]),
+        (["frame", "--" + "x" * 100_000], ["No such option", "..."]),
+        (["chart", "--baselines", "nowhere"], ["baselines = 'nowhere'"]),
+        (["chart", "--baselines", "binary"], ["baselines = 'binary': not UTF-8"]),
+    ],
+    ids=lambda value: " ".join(value)[:40],
+)
+def test_found_in_command_lines(line, words):
+    status, _, said = tried(line)
+    assert status == 2 and said.count("allowed") < 2 and all(word in said for word in words), said
+
+
+def test_a_closed_standard_input():
+    own = os.dup(0)
+    os.close(0)
+    try:
+        with pytest.raises(InputError, match="standard input: .* Bad file descriptor; allowed"):
+            MovieSpec.load("-")
+    finally:
+        os.dup2(own, 0)
+        os.close(own)
+
+
+def test_a_closed_standard_output(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["povgen", "pov", "chess"])
+    monkeypatch.setattr(sys, "stdout", None)
+    with pytest.raises(SystemExit) as done:
+        app.main()
+    assert not done.value.code
+
+
+def test_names_of_files_are_not_markup(monkeypatch):
+    """And they may be no valid text."""
+    monkeypatch.setattr(Stream, "terminal", True)
+    names = {"[bold]x.gif": "[bold]x.gif", "\udcff.gif": r"\udcff.gif", "\x1b[31m\x9b1m.gif": r"\x1b[31m\x9b1m.gif"}
+    for name, shown in names.items():
+        status, out, err = tried(["movie", "spec.toml", "--size=32x32", f"--output={name}"])
+        assert status == 0 and shown in err and f"wrote {shown}\n" == out
+
+
+@cases(60)
+@given(
+    st.sampled_from(NUMBERS) | st.sampled_from(SDL) | st.text(CHARACTERS) | st.floats().map(repr),
+    st.sampled_from(COMMANDS),
+)
+def test_the_size_of_the_cache(text, command):
+    """A wrong setting in the environment is refused before any work is done."""
+    with pytest.MonkeyPatch.context() as patch:
+        try:
+            patch.setenv("POVGEN_CACHE_SIZE", text)
+        except UnicodeEncodeError:
+            assume(False)
+        line = [NEEDED.get(name, "chess") for name, (_, option) in parameters(command).items() if not option]
+        line += ["--size=32x32"] * ("size" in parameters(command))
+        tried([command, *line])

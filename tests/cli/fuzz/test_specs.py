@@ -1,0 +1,219 @@
+"""Specs: tables of keys and values, which are TOML."""
+
+import json
+
+import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+
+from fuzz.conftest import SPEC, cases, tried_spec
+from fuzz.values import CHARACTERS, LONG, OPTIONS, SDL, TEXTS, right
+from povgen import MovieSpec
+from povgen.scene.models import SCENES
+from povgen.scene.spec import Sweep
+
+pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
+
+LITERALS = [
+    *("nan", "+nan", "inf", "-inf", "0", "-0", "-0.0", "1e308", "-1e308", "1e400", "5e-324", "1e-400", "1_000", "007"),
+    *("9" * 400, "9" * 5000, "0x" + "f" * 5000, "0o7", "0b11", "0x10", "10001", "+5", ".5", "5."),
+    *("true", "false", "True", "null", "None", "1979-05-27", "1979-05-27T07:32:00Z", "07:32:00", "1979-02-30"),
+    *("[]", "[1]", "[[1]]", "[1, 2, 3]", "[true, -1]", "[0, true]", "[nan, -1]", "[1e308, -1e308]", "[0, -5e-324]"),
+    *('["0", "-1"]', "[1, [2]]", "[1979-05-27]", "[0x" + "f" * 5000 + "]", "[1" + ", 1" * 60 + "]", "[{}]"),
+    *("{}", "{a = 1}", "{a = {b = {c = []}}}", "{a.b.c = 1}", "{a = 1, a = 2}", '{"" = 1}', "[" * 2000, "{a=" * 500),
+    *(
+        '""',
+        '"\\u0000"',
+        '"\\ud800"',
+        '"\\U00110000"',
+        '"\\u202e"',
+        "'''a\nb'''",
+        '"unclosed',
+        "'it's'",
+        "",
+        "= 1",
+        "#",
+    ),
+]
+
+
+def quoted(text):
+    return json.dumps(text, ensure_ascii=False)
+
+
+WRONG = st.sampled_from(LITERALS) | TEXTS.map(quoted) | st.floats().map(repr) | st.integers().map(str)
+KEYS = st.sampled_from(
+    ["", "a", "a.b", "a.a.a", '"a b"', '"\\n"', "é", "sweep", "fixed", "title", "alpha.x", "__class__", "[x]"]
+)
+KEYS |= st.text(CHARACTERS).map(quoted)
+BASE = {
+    "": {"title": '"A movie"', "scene": '"chess"', "frame_rate": "10", "frames": "2"},
+    "fixed": {"sheet": '"ideal"'},
+    "sweep": {"parameter": '"alpha"', "start": "5", "stop": "9"},
+}
+PLACES = [("", name) for name in MovieSpec.model_fields] + [("sweep", name) for name in Sweep.model_fields]
+PLACES += [(scene, name) for scene, model in SCENES.items() for name in model.model_fields]
+
+
+def literal(value):
+    """Return a value in TOML."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(literal, value))}]"
+    return quoted(value) if isinstance(value, str) else str(value).lower()
+
+
+@st.composite
+def entries(draw, table, name):
+    """Draw a key of a table and a value, right or wrong."""
+    model = {"": MovieSpec, "sweep": Sweep}.get(table) or SCENES[table]
+    if name in model.model_fields and name not in ("fixed", "sweep") and draw(st.integers(0, 3)) == 0:
+        field = model.model_fields[name]
+        values = st.integers(2, 5) if name == "frames" else right(field.annotation, field.metadata)
+        return name, draw(values.map(literal))
+    value = draw(WRONG)
+    assume(name != "frames" or not LONG.fullmatch(value))
+    return name, value
+
+
+def toml(spec):
+    tables = {"": "", "fixed": "[fixed]\n", "sweep": "[[sweep]]\n"}
+    return "".join(
+        head + "".join(f"{key} = {value}\n" for key, value in spec[table].items()) for table, head in tables.items()
+    )
+
+
+@st.composite
+def specs(draw, places):
+    """Draw a spec in which some entries are changed, removed or added."""
+    spec = {table: dict(keys) for table, keys in BASE.items()}
+    for table, name in places:
+        key, value = draw(entries(table, name))
+        if table in SCENES:
+            spec[""]["scene"] = quoted(table)
+            table = "fixed"
+        if name == spec["sweep"].get("parameter", "").strip('"'):
+            spec["sweep"]["parameter"] = '"z2"'
+        if draw(st.integers(0, 9)) == 0:
+            spec[table].pop(key, None)
+        else:
+            spec[table][key] = value
+    if draw(st.integers(0, 9)) == 0:
+        spec[draw(st.sampled_from([*BASE]))][draw(KEYS)] = draw(WRONG)
+    return toml(spec)
+
+
+@pytest.mark.parametrize(("table", "name"), PLACES)
+def test_every_key(table, name):
+    @cases(16)
+    @given(specs([(table, name)]))
+    def fuzz(text):
+        tried_spec(text)
+
+    fuzz()
+
+
+@cases(200)
+@given(st.lists(st.sampled_from(PLACES), min_size=2, max_size=5, unique=True).flatmap(specs))
+def test_specs(text):
+    tried_spec(text)
+
+
+@cases(200)
+@given(st.data())
+def test_what_is_no_toml(data):
+    text = SPEC.encode()
+    kind = data.draw(st.sampled_from(["cut", "put", "replace", "bytes", "text"]))
+    start, end = sorted(data.draw(st.integers(0, len(text))) for _ in range(2))
+    if kind in ("bytes", "text"):
+        made = data.draw(
+            st.binary(max_size=300)
+            if kind == "bytes"
+            else st.text(st.characters(exclude_categories=["Cs"])).map(str.encode)
+        )
+    else:
+        new = (
+            b""
+            if kind == "cut"
+            else data.draw(
+                st.binary(max_size=5) | st.sampled_from([b"\0", b"\r", b"\xff", b"[", b'"""', b"\xef\xbb\xbf"])
+            )
+        )
+        made = text[:start] + new + text[end if kind != "put" else start :]
+    tried_spec(made)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SPEC.replace("z1 = 2", "z1." + "a." * 3000 + "a = 1"),
+        "a." * 8000 + "a = 1",
+        "#" * 20_000,
+        "x = 1\n" * 100_000,
+        SPEC.replace("z1 = 2", "z1 = 0x" + "f" * 9000),
+        SPEC.replace("[fixed]", "[fixed]\nalpha = 0x" + "f" * 9000),
+        SPEC.replace("frames = 2", "frames = 10001"),
+    ],
+    ids=lambda text: text[:20],
+)
+def test_very_long(text):
+    assert tried_spec(text)[0] == 2
+
+
+@pytest.mark.parametrize(("table", "name"), PLACES)
+def test_no_sdl_in_specs(table, name):
+    """Except in the title, which does not reach POV-Ray."""
+    for payload in SDL:
+        spec = {table: dict(keys) for table, keys in BASE.items()}
+        if name == "alpha":
+            spec["sweep"]["parameter"] = '"z2"'
+        if table in SCENES:
+            spec[""]["scene"] = quoted(table)
+        spec["fixed" if table in SCENES else table][name] = quoted(payload)
+        assert tried_spec(toml(spec))[0] == (0 if name == "title" and payload.isprintable() else 2)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("z1 = 2", "z1 = 0x" + "f" * 5000, ["z1 = a very long int"]),
+        ("z1 = 2", "z1." + "a." * 2000 + "a = 1", ["z1 = a very long dict"]),
+        ("z1 = 2", "alpha = 0x" + "f" * 5000, ["alpha = a very long int", "swept"]),
+        ("z1 = 2", "eye = [true, -1]", ["eye = [True, -1]", "true or false"]),
+        ('"A movie"', '"A\\u2028movie"', ["title", "one line"]),
+        ('"A movie"', '"A\\u0085movie"', ["title", "one line"]),
+        ("stop = 9", "stop = 9\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),
+        ("[[sweep]]", "#" * 20_000, ["no movie spec: longer than"]),
+    ],
+    ids=lambda value: str(value)[:20],
+)
+def test_found_in_specs(old, new, words):
+    status, _, said = tried_spec(SPEC.replace(old, new))
+    assert status == 2 and all(word in said for word in words), said
+
+
+def test_small_numbers_do_not_pass_through_0():
+    """A product of two such numbers is 0, but a sweep between them is allowed."""
+    spec = SPEC.replace("start = 5\nstop = 9", "start = 1e-300\nstop = 1e-200\nspacing = 'log'")
+    assert tried_spec(spec)[0] == 0
+
+
+@cases(60)
+@given(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), min_size=1, max_size=200))
+@example("<b>&\"'</b><script>alert(1)</script>")
+@example("{{ 7*7 }}{% raw %}%s %d $HOME `id` \\ ; = # title=x")
+@example("-vf" + " " * 100)
+def test_a_title_is_text(title):
+    """It is in the metadata as it was given, and not in the scene, which `rendered` checks."""
+    text = SPEC.replace('"A movie"', quoted(title).replace("\x7f", "\\u007f"))
+    written = {}
+    with pytest.MonkeyPatch.context() as patch:
+        from povgen.video import encode
+
+        patch.setattr(encode, "encode", lambda *given: written.update(given[-2], record=given[-1]) or given[1].touch())
+        assert tried_spec(text)[0] == 0
+    assert written["title"] == written["record"].title == title
+
+
+def test_there_is_much_to_try():
+    """The lists from which cases are made are not empty."""
+    assert len(OPTIONS) >= 100 and len(PLACES) >= 40 and len(SDL) >= 10, (len(OPTIONS), len(PLACES), len(SDL))

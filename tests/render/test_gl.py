@@ -1,0 +1,361 @@
+"""The renderer gl: its pictures against POV-Ray's, its rays against the ray trace, and its processes."""
+
+import json
+import os
+import signal
+import threading
+import time
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import povgen as run
+from conftest import refused, wait_for
+
+import povgen
+from povgen import Chess, InputError, PovrayError, Spheres, remedies
+from povgen.errors import TransientError
+from povgen.measure import drawn, verify_gl
+from povgen.measure.drawn import Drawn
+from povgen.measure.probes import Directions
+from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
+from povgen.rendering.flip import flip
+from povgen.rendering.volumes import volumes
+from povgen.scene.models import pieces
+from povgen.settings import Rendering
+
+SIZE = (160, 120)
+SMALL = Rendering(renderer="gl", size=(64, 48), antialias="2x")
+CONVERGED = "1,0.001,6"
+PLAIN = Chess(sheet="none")
+
+
+@pytest.fixture
+def text():
+    return gl_scene.to_text(PLAIN, volumes(pieces(PLAIN)))
+
+
+@pytest.fixture
+def runner():
+    started = gl_runner.Runner()
+    yield started
+    started.stop()
+
+
+@pytest.fixture
+def drawer(monkeypatch):
+    """A function that returns a drawer with tiles of this side."""
+
+    def made(side):
+        monkeypatch.setattr(gl, "TILE", side)
+        return gl.Drawer()
+
+    shared = drawn._drawer().gl  # of this process: a new context takes its place
+    yield made
+    shared.__enter__()
+
+
+# ---- What it draws ----
+
+
+@pytest.mark.parametrize("sheet", ["none", "ideal", "detailed"])
+def test_the_points_that_pixels_show_are_on_the_spheres(sheet):
+    """Where the rays of `Scene.trace` meet the first sphere."""
+    scene = Spheres(sheet=sheet, z1=(2, 5), line=(-0.15, 0.1), prisms=40, view=1)
+    found, traced = povgen.points(scene, SIZE), scene.trace(scene.rays(SIZE))
+    nearest = np.full(SIZE[::-1], np.inf)
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
+        offset = traced.position - (L.real, L.imag, z1)
+        half = (offset * traced.direction).sum(-1)
+        square = half**2 - (offset**2).sum(-1) + radius**2
+        nearest = np.minimum(nearest, np.where(square > 1e-4, -half - np.sqrt(np.maximum(square, 0)), np.inf))
+    meets = np.isfinite(nearest) & (traced.end == 0)
+    expected = traced.position + np.where(meets, nearest, 0)[..., None] * traced.direction
+    off = np.linalg.norm(found - expected, axis=-1)[meets]
+    assert meets.sum() > 100 and (off < 2e-3).mean() > 0.99
+    assert np.isnan(found).any() and found.shape == (120, 160, 3)
+
+
+def test_points_of_what_is_no_scene_are_refused():
+    for call, words in (
+        (lambda: povgen.points(3, SIZE), "scene = 3"),
+        (lambda: povgen.points(PLAIN, (3, 3)), "size = (3, 3)"),
+        (lambda: povgen.points(PLAIN.replace(fresnel=True), SIZE), "fresnel = true"),
+    ):
+        with pytest.raises(InputError) as raised:
+            call()
+        assert words in str(raised.value)
+
+
+def holding(figures, count):
+    """Check that there are so many measured values, all within their bounds."""
+    figures = list(figures)
+    assert len(figures) == count and all(figure.holds for figure in figures), figures
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
+        Spheres(sheet="ideal", eye=(0.2, 0.1)),
+        Chess(sheet="detailed", alpha=50),
+        Chess(sheet="single", tops="black", prisms=30),
+        Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
+        Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.1}),
+        Chess(sheet="ideal", alpha=50, window=("alpha=75,z=2", "alpha=20,z=4,sheet=detailed"), z2=8, eye=(0.6, 0.1)),
+        Chess(alpha=50, window="z=2,alpha=20,prisms=60,index=1.7,tops=black", z2=8),
+    ],
+    ids=["none", "spheres", "detailed", "black tops", "axis", "law", "ideal before prisms", "other prisms in series"],
+)
+def test_pictures_agree_with_povray(scene):
+    kind = "detailed" if scene.has_prisms else scene.sheet
+    # the squares of the distant floor differ in more of a small picture's pixels: the camera of ideal sheets
+    # interpolates its rays
+    shown = (320, 240) if scene.ideal and scene.has_prisms else SIZE
+    holding(verify_gl.pictures(kind, [scene], shown, (120, 90), CONVERGED), 2)
+
+
+def test_directions_agree_with_the_ray_trace():
+    holding(verify_gl.directions(verify_gl.PRISM_SCENES, SIZE), 2)
+
+
+def test_directions_disagree_with_another_glass(monkeypatch):
+    """The check can fail: the shader's index is wrong by a thousandth."""
+    true = Drawn.set
+    monkeypatch.setattr(
+        Drawn, "set", lambda view, scene: true(view, scene.replace(index=1.0015 * scene.index, alpha=66.1))
+    )
+    assert not any(figure.holds for figure in verify_gl.directions(({},), SIZE))
+
+
+def test_positions_agree_with_the_predictions():
+    holding(verify_gl.positions(6, (320, 240)), 3)
+
+
+@pytest.fixture(scope="module")
+def converged():
+    scenes = {sheet: Chess(sheet=sheet) for sheet in ("detailed", "ideal")}
+    return dict(zip(scenes, verify_gl.rendered([*scenes.values()], SIZE, CONVERGED), strict=True))
+
+
+@pytest.mark.parametrize(("sheet", "antialias"), [("detailed", "2x"), ("detailed", "1,0.1,2"), ("ideal", "1,0.1,2")])
+def test_an_antialiasing_has_the_error_of_povrays(sheet, antialias, converged, drawing):
+    """Every pixel has as many rays as POV-Ray's have at most."""
+    options = {"size": SIZE, "antialias": antialias}
+    ours, theirs = (
+        flip(povgen.render(Chess(sheet=sheet), renderer=name, **options), converged[sheet]).mean()
+        for name in ("gl", "povray")
+    )
+    assert ours < 1.05 * theirs, (ours, theirs)
+
+
+def test_costs_are_measured_against_povrays():
+    detailed, ideal = verify_gl.costs((64, 48), 1)
+    assert 0 < ideal.value and 0 < detailed.value < 5
+
+
+def test_a_piece_of_ones_own(tmp_path, drawing):
+    file = tmp_path / "ball.inc"
+    file.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
+    scene = Chess(piece=str(file), sheet="none")
+    shown = Drawn(scene).readout(SIZE)["shown"][..., 0] == verify_gl.OBJECT
+    x = np.argwhere(shown).mean(0)[1]
+    across = 0.8 / 8 * 6 / scene.view * SIZE[1]  # seen from 6 tiles before the sheets, 2 behind them
+    assert shown.sum() == pytest.approx(np.pi / 4 * across**2, rel=0.08)
+    assert x == pytest.approx(SIZE[0] / 2 - 0.5, abs=0.3)
+    assert povgen.render(scene, renderer="gl", size=(64, 48), antialias="off").std() > 20
+
+
+def test_the_distance_field_is_extended_as_far_as_its_box():
+    """The distance to a ball, of which the numbers near its surface are given."""
+    z, y, x = np.indices((30, 40, 20)) - np.array([15, 20, 10])[:, None, None, None]
+    right = np.sqrt(x * x + y * y + z * z) - 6.0
+    found = gl.extend(np.where(right < 2, right, np.inf), 2)
+    far = right >= 2
+    assert (found[~far] == right[~far]).all()
+    assert (found[far] > 0.89 * right[far]).all() and (found[far] < 1.03 * right[far]).all()
+
+
+def test_tiles_are_the_whole_picture(drawer):
+    scene = json.loads(gl_scene.to_text(Chess(), volumes(pieces(Chess()))))
+    (whole,) = drawer(256).bands(scene, (150, 130), 5)
+    bands = [*drawer(64).bands(scene, (150, 130), 5)]
+    assert len(bands) == 3 and np.array_equal(np.concatenate(bands), whole)
+
+
+def test_a_large_picture_takes_no_more_memory(text, drawer, tmp_path):
+    """It is written band by band: the memory that Python takes for it is that of a few bands."""
+    large, size = drawer(64), (8192, 640)
+    scene = json.loads(text)
+    next(large.bands(scene, (64, 64), 1))  # reads the distance field
+    bands = large.bands(scene, size, 1)
+    tracemalloc.start()
+    gl.write_png(tmp_path / "large.png", bands, size)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    picture = frames.read_png(tmp_path / "large.png")
+    assert picture.shape == (640, 8192, 3) and picture.std() > 30 and most < picture.nbytes / 3
+
+
+def test_the_same_text_gives_the_same_picture(text, runner, tmp_path):
+    pngs = []
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        pngs.append(runner.run(text, SMALL, tmp_path / name).read_bytes())
+    assert pngs[0] == pngs[1] and frames.is_whole(pngs[0], SMALL.size)
+
+
+# ---- As an option ----
+
+
+def test_transparent_stereo_caption_and_overlay(drawing):
+    options = {"renderer": "gl", "size": (96, 72), "antialias": "off"}
+    sky = povgen.render(Chess(sheet="ideal"), **options)
+    clear = povgen.render(Chess(sheet="ideal", background="transparent"), **options)
+    solid = clear[..., 3] == 255
+    assert 0.3 < solid.mean() < 0.9 and (clear[..., 3][~solid] == 0).all()
+    assert np.array_equal(clear[solid][:, :3], sky[solid])
+    pair = povgen.render(Chess(sheet="ideal"), stereo="pair", **options)
+    left = povgen.render(Chess(sheet="ideal", eye=(-0.1, 0)), **options)
+    assert np.array_equal(pair[:, :96], left) and not np.array_equal(pair[:, 96:], left)
+    marked = povgen.render(Chess(sheet="ideal"), caption="full", overlay=True, **options)
+    assert marked.shape[1:] == (96, 3) and len(marked) > 72
+
+
+def test_a_movie_on_the_command_line_and_its_cache(tmp_path, monkeypatch):
+    command = ["movie", "spheres", "--sweep", "alpha=0:90", "--frames", "4", "--size", "64x48", "-o", "a.mp4"]
+    assert run([*command, "--renderer", "gl"], tmp_path)[0] == 0
+    assert (tmp_path / "a.mp4").stat().st_size > 1000
+    monkeypatch.setattr(gl_runner.Runner, "run", lambda *_: pytest.fail("rendered again"))
+    assert run([*command, "--renderer", "gl"], tmp_path)[0] == 0
+    monkeypatch.undo()
+
+
+def test_the_renderers_have_frames_of_their_own_in_the_cache(monkeypatch):
+    ours, theirs = (cache.frame_path("text", SMALL.replace(renderer=name)) for name in ("gl", "povray"))
+    monkeypatch.setattr(gl_runner, "device", lambda: "another device")
+    assert len({ours, theirs, cache.frame_path("text", SMALL)}) == 3
+
+
+@pytest.mark.parametrize("arguments", [["chess", "--fresnel"]])
+def test_what_it_cannot_show_is_refused(tmp_path, arguments):
+    assert "--renderer povray" in refused(["frame", *arguments, "--renderer", "gl"], tmp_path)
+    assert "renderer" in refused(["frame", "chess", "--renderer", "opengl"], tmp_path)
+
+
+def test_other_classes_of_scenes_are_refused():
+    with pytest.raises(InputError, match="the renderer gl does not know this class"):
+        povgen.render(Directions(), renderer="gl")
+
+
+def test_without_moderngl_or_egl_the_remedy_is_said(tmp_path, monkeypatch):
+    frame = ["frame", "chess", "--sheet", "none", "--renderer", "gl", "--size", "64x48"]
+    monkeypatch.setenv("GLCONTEXT_LINUX_LIBEGL", "libmissing.so")
+    gl_runner.device.cache_clear()
+    assert "apt-get install libegl1" in refused(frame, tmp_path)
+    monkeypatch.setattr(gl_runner, "find_spec", lambda name: None)
+    message = refused(frame, tmp_path)
+    assert remedies.extra("gl") in message and "allowed: renderer = 'povray'" in message
+    assert "renderer gl: none: " in run(["check"], tmp_path)[1]
+
+
+def test_check_names_the_device(tmp_path):
+    device = gl_runner.device()
+    assert f"ok     renderer gl: {device}" in run(["check"], tmp_path)[1] and "OpenGL" in device
+
+
+# ---- The processes ----
+
+
+def test_a_crash_of_the_driver_costs_one_try(text, runner, tmp_path, monkeypatch):
+    first = runner.run(text, SMALL, tmp_path).read_bytes()
+    answer, crashed = gl_runner.Runner._answer, []
+
+    def crashing(runner, process, timeout, asked=None):
+        if asked and not crashed:
+            crashed.append(process)
+            os.kill(process.pid, signal.SIGSEGV)
+        return answer(runner, process, timeout, asked)
+
+    monkeypatch.setattr(gl_runner.Runner, "_answer", crashing)
+    assert runner.run(text, SMALL, tmp_path).read_bytes() == first
+    assert crashed and crashed[0] not in runner._idle
+
+
+def test_processes_that_were_killed_while_idle_cost_no_try(text, runner, tmp_path):
+    killed = [runner._started()[0] for _ in range(gl_runner.TRIES)]
+    for process in killed:
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+    runner._idle += killed
+    assert runner.run(text, SMALL, tmp_path).is_file()
+    assert len(runner._idle) == 1 and not runner._all & {*killed}
+
+
+def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
+    """The movie's other frames are kept. Without a crash, the next call renders only this one."""
+    answer, asked_for = gl_runner.Runner._answer, []
+
+    def crashing(runner, process, timeout, asked=None):
+        if asked:
+            asked_for.append(Path(asked["scene"]).read_text("utf-8"))
+            if asked_for[-1] == text:
+                process.kill()
+                process.wait()
+        return answer(runner, process, timeout, asked)
+
+    scenes = [PLAIN.replace(x=0.5), PLAIN, PLAIN.replace(x=1)]
+    with monkeypatch.context() as patch:
+        patch.setattr(gl_runner.Runner, "_answer", crashing)
+        with pytest.raises(TransientError, match=r"^1 of 3 frames failed. The other frames are kept.") as failure:
+            list(frames.render_all(scenes, SMALL))
+    assert "the graphics driver crashed, 2 times; allowed: renderer = 'povray'" in str(failure.value)
+    assert len(asked_for) == 4 and asked_for.count(text) == gl_runner.TRIES
+    asked_for.clear()
+    monkeypatch.setattr(gl_runner.Runner, "_answer", lambda *given: asked_for.append(len(given)) or answer(*given))
+    assert len(list(frames.render_all(scenes, SMALL))) == 3 and asked_for.count(4) == 1
+
+
+def test_a_hanging_driver_is_ended(text, runner, tmp_path):
+    with pytest.raises(PovrayError, match=r"took longer than 0.01 s \(--timeout\) and was stopped, 2 times"):
+        runner.run(text, SMALL.replace(timeout=0.01, size=(640, 480)), tmp_path)
+    assert not runner._all
+
+
+def test_two_pictures_at_once_do_not_disturb_each_other(text, tmp_path):
+    runner = gl_runner.Runner(2)
+    folders = [tmp_path / str(k) for k in range(6)]
+    for folder in folders:
+        folder.mkdir()
+    with ThreadPoolExecutor(2) as pool:
+        pngs = {path.read_bytes() for path in pool.map(lambda folder: runner.run(text, SMALL, folder), folders)}
+    assert len(pngs) == 1 and len(runner._all) == 2
+    runner.stop()
+
+
+def test_stopping_ends_a_picture_at_once(text, runner, tmp_path):
+    errors = []
+
+    def draw():
+        try:
+            runner.run(text, SMALL.replace(size=(4096, 4096), antialias="4x"), tmp_path)
+        except PovrayError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=draw)
+    thread.start()
+    wait_for(lambda: runner._all and (tmp_path / SMALL.file).exists())
+    start = time.monotonic()
+    runner.stop()
+    thread.join()
+    assert time.monotonic() - start < 2 and errors == ["the drawing was stopped"]
+
+
+def test_a_wrong_shader_is_an_error_in_one_line(runner, tmp_path):
+    broken = json.dumps(
+        {"shader": "?", "share": "", "display": "", "uniforms": {}, "volumes": [], "pictures": {}, "grid": []}
+    )
+    with pytest.raises(PovrayError, match=r"^renderer gl: [^\n]*error[^\n]*$"):
+        runner.run(broken, SMALL, tmp_path)

@@ -1,0 +1,260 @@
+"""Surroundings and floors from pictures, in both renderers."""
+
+import base64
+import os
+import re
+import subprocess
+from contextlib import suppress
+from io import BytesIO
+
+import numpy as np
+import pytest
+from conftest import picture, povgen, refused
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from povgen import Chess, InputError, MovieSpec, Spheres, remedies, render, save, to_pov
+from povgen.liveview.values import values as live_values
+from povgen.rendering.light import linear
+from povgen.scene import hdr, pictures
+from povgen.scene.models import input_files
+
+SIZE = (160, 120)
+OPTIONS = {"size": SIZE, "antialias": "off"}
+RENDERERS = pytest.mark.parametrize("renderer", ["povray", "gl"])
+
+
+def directions(scene):
+    """Return the unit directions from the eye to the pixels: (height, width, 3)."""
+    width, height = SIZE
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, height / 2 - 0.5 - np.arange(height))
+    towards = np.stack([x, y, np.full(x.shape, scene.z2 * height / scene.view)], -1)
+    return towards / np.linalg.norm(towards, axis=-1, keepdims=True)
+
+
+@RENDERERS
+def test_each_direction_shows_its_place_in_the_picture(renderer, tmp_path):
+    """The picture's middle is straight ahead, its right quarter to the right, its upper edge above."""
+    scene = Spheres(sheet="none", sky=picture(tmp_path), z1=5000, line=(9, 9), view=20)
+    shown = render(scene, renderer=renderer, **OPTIONS)
+    x, y, z = np.moveaxis(directions(scene), -1, 0)
+    stored = np.asarray(Image.open(tmp_path / "picture.png"))
+    wanted = 64 * (0.5 + np.arctan2(x, z) / (2 * np.pi)), 32 * (0.5 - np.arcsin(y) / np.pi)
+    light = linear(stored[0, :, 0][None, :, None])[0, :, 0], linear(stored[:, 0, 1][None, :, None])[0, :, 0]
+    for channel, (place, values) in enumerate(zip(wanted, light, strict=True)):
+        found = np.interp(linear(shown)[..., channel], values, np.arange(len(values)) + 0.5)
+        error = abs(found - place)[:, :40]  # left of the frame; between 8 bits are 0.25 of the picture's pixels
+        assert np.percentile(error, 95) < 0.3
+
+
+@RENDERERS
+def test_the_picture_is_turned_behind_the_ideal_sheet(renderer, tmp_path):
+    plain, turned = (
+        render(
+            Spheres(sheet=sheet, alpha=180, sky=picture(tmp_path), z1=5000, line=(9, 9)), renderer=renderer, **OPTIONS
+        )
+        for sheet in ("none", "ideal")
+    )
+    inside = slice(40, 80), slice(60, 100)
+    assert abs(plain[inside].astype(int) - turned[inside][::-1, ::-1]).max() <= 3 < np.ptp(plain[inside][..., 0])
+
+
+@RENDERERS
+def test_the_floor_shows_copies_of_the_picture(renderer, tmp_path):
+    """Red grows to the right within a copy, green towards the eye. The left edge of a copy is at x = 0."""
+    scene = Chess(
+        sheet="none", view=9, z1=5000, piece="pawn", pedestal=0, floor=f"{picture(tmp_path, (64, 64))},width=6"
+    )
+    shown = render(scene, renderer=renderer, **OPTIONS).astype(int)
+    x, y, z = np.moveaxis(directions(scene), -1, 0)
+    with np.errstate(divide="ignore"):
+        away = scene.floor_y / y
+    place = away * x, away * z - scene.z2
+    near = (y < 0) & (away < 12) & (abs(place[0]) > 2.4) & ((abs(place[0]) % 6 - 3) ** 2 < 6) & (place[1] < 0)
+    assert near.sum() > 500
+    red, green = (linear(np.uint8(shown))[..., k][near] for k in (0, 1))
+    u, v = (place[0] / 6 % 1)[near], (-place[1] / 6 % 1)[near]
+    for found, part in ((red, u), (green, v)):
+        assert np.corrcoef(found, linear(np.uint8(255 * part)[None, :, None])[0, :, 0])[0, 1] > 0.98
+
+
+@RENDERERS
+def test_without_a_floor(renderer):
+    tiles, none = (
+        render(Chess(sheet="none", floor=f, view=5), renderer=renderer, **OPTIONS).astype(int)
+        for f in ("tiles", "none")
+    )
+    corner = slice(-12, None), slice(0, 20)
+    assert np.ptp(tiles[corner].mean(-1)) > 40 > 5 > np.ptp(none[corner].mean(-1))
+    assert (tiles == none).all(-1)[:40].mean() > 0.99
+
+
+def test_the_picture_and_not_its_name_decides_what_is_shown(tmp_path):
+    first = render(Chess(sheet="none", sky=picture(tmp_path)), **OPTIONS)
+    Image.new("RGB", (8, 4), "red").save(tmp_path / "picture.png")
+    then = render(Chess(sheet="none", sky=tmp_path / "picture.png"), **OPTIONS)
+    assert tuple(then[5, 5]) == (255, 0, 0) != tuple(first[5, 5])
+
+
+def test_the_source_names_a_new_file_beside_it(tmp_path):
+    """povgen writes this file. Nothing of the user's file but its colours gets there."""
+    path = picture(tmp_path)
+    secret = Image.open(path)
+    secret.save(path, comment="secret", exif=b"Exif\0\0secret")
+    assert (
+        povgen(["pov", "chess", "--sheet", "none", "--sky", path, "--size", "64x48", "-o", "a.pov"], tmp_path)[0] == 0
+    )
+    source = (tmp_path / "a.pov").read_text()
+    (name,) = re.findall(r'png "(.*)" gamma', source)
+    assert pictures.NAME.fullmatch(name) and path not in source
+    assert b"secret" not in (tmp_path / name).read_bytes()
+    command = ["povray", "+Ia.pov", "+W64", "+H48", "-A", "-D", "+Oown.png"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    wanted = render(Chess(sheet="none", sky=path), size=(64, 48), antialias="off")
+    assert (np.asarray(Image.open(tmp_path / "own.png").convert("RGB")) == wanted).all()
+
+
+def light_of(path):
+    """Write a sky (32, 64) of light up to 4, as an EXR file and as a Radiance file with run lengths. Return it."""
+    light = np.full((32, 64, 3), 0.1, np.float32)
+    light[..., 0], light[..., 1] = np.linspace(0.01, 4, 64), np.linspace(2, 0.01, 32)[:, None]
+    light[:4] = 0
+    OpenEXR = pytest.importorskip("OpenEXR")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": light}).write(str(path / "sky.exr"))
+    head, _, body = hdr.written(light).partition(b"+X 64\n")
+    rows = b""
+    for row in np.frombuffer(body, np.uint8).reshape(32, 64, 4):
+        rows += bytes((2, 2, 0, 64))
+        for channel in row.T:  # a run where all are equal, else as they are
+            same = (channel == channel[0]).all()
+            rows += bytes((128 + 64, channel[0])) if same else bytes((40, *channel[:40], 24, *channel[40:]))
+    (path / "sky.hdr").write_bytes(head + b"+X 64\n" + rows)
+    return light
+
+
+@RENDERERS
+def test_a_sky_can_be_brighter_than_white(renderer, tmp_path):
+    light = light_of(tmp_path)
+    skies = [
+        Spheres(sheet="none", sky=tmp_path / f"sky.{kind}", z1=5000, line=(9, 9), view=20) for kind in ("hdr", "exr")
+    ]
+    shown, other = (render(scene, renderer=renderer, linear=True, **OPTIONS) for scene in skies)
+    assert (shown == other).all()
+    x, y, z = np.moveaxis(directions(skies[0]), -1, 0)
+    u, v = 64 * (0.5 + np.arctan2(x, z) / (2 * np.pi)) - 0.5, 32 * (0.5 - np.arcsin(y) / np.pi) - 0.5
+    wanted = np.stack([np.interp(u, np.arange(64), light[9, :, 0]), np.interp(v, np.arange(32), light[:, 9, 1])], -1)
+    assert abs(shown[..., :2] - wanted)[:, :40].max() < 0.03 and shown[:, :40].max() > 1.2  # left of the frame
+    clipped = render(skies[0], renderer=renderer, **OPTIONS)
+    assert (clipped[:, :40, 0][wanted[:, :40, 0] > 1.02] == 255).all()
+
+
+def test_light_is_stored_as_a_radiance_file(tmp_path):
+    light = light_of(tmp_path)
+    stored = hdr.written(light)
+    assert hdr.written(hdr.read(stored)) == stored and (hdr.read(stored)[:4] == 0).all()
+    greatest = np.broadcast_to(light.max(-1, keepdims=True), light.shape)
+    assert (abs(hdr.read(stored) - light) <= greatest / 256).all()
+    assert (hdr.read((tmp_path / "sky.hdr").read_bytes()) == hdr.read(stored)).all()
+    odd = np.tile(np.float32([[[np.nan, -1, np.inf]]]), (2, 4, 1))
+    (tmp_path / "odd.exr").write_bytes(b"")
+    import OpenEXR
+
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": odd}).write(str(tmp_path / "odd.exr"))
+    assert (hdr.read((tmp_path / "odd.exr").read_bytes())[0, 0] == (0, 0, hdr.MOST)).all()
+
+
+def test_a_sky_of_light_is_made_again_and_shown_live(tmp_path):
+    light_of(tmp_path)
+    scene = Chess(sheet="none", sky=tmp_path / "sky.exr")
+    first = save(scene, tmp_path / "a.png", **OPTIONS)
+    (tmp_path / "sky.exr").unlink()
+    again = Chess.from_file(first)
+    assert again == scene and (render(again, **OPTIONS) == render(scene, **OPTIONS)).all()
+    image = Image.open(BytesIO(base64.b64decode(live_values(scene)["pictures"]["sky"]["data"].partition(",")[2])))
+    assert image.format == "PNG" and image.size == (64, 32)
+    red = 255 * (1.055 * np.linspace(0.01, 4, 64)[10] ** (1 / 2.4) - 0.055)
+    assert image.getpixel((63, 9))[0] == 255 and abs(image.getpixel((10, 9))[0] - red) < 2
+
+
+def test_damaged_light_is_refused(tmp_path, capfd):
+    light_of(tmp_path)
+    radiance, exr = ((tmp_path / f"sky.{kind}").read_bytes() for kind in ("hdr", "exr"))
+    plain = radiance.partition(b"\n\n")[0]
+    for data, said in (
+        (radiance[:-9], "should be a whole picture"),
+        (radiance.replace(b"rgbe", b"xyze"), "should be a Radiance file of red, green and blue"),
+        (plain + b"\n\n-Y 99999 +X 99999\n", "of at most 33554432 pixels"),
+        (plain + b"\n\n-Y 2 +X 4\n" + bytes((1, 1, 1, 9)) * 8, "run lengths of before 1991"),
+        (plain + b"\n\n-Y 32 +X 64\n" + bytes((2, 2, 0, 64, 0)), "should be a whole picture"),
+        (exr[:-9], "should be a whole picture"),
+        (exr[:400] + bytes(99) + exr[499:], "should be a whole picture"),
+    ):
+        (tmp_path / "own.hdr").write_bytes(data)
+        with pytest.raises(InputError, match=said) as caught:
+            Chess(sky=tmp_path / "own.hdr")
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="should be a picture of colours: PNG"):
+        Chess(floor=tmp_path / "sky.hdr")
+    assert capfd.readouterr() == ("", "")  # what OpenEXR says
+
+
+def test_without_openexr_the_message_says_how_to_get_it(tmp_path, monkeypatch):
+    light_of(tmp_path)
+    pictures._decoded.cache_clear()  # another test of this process may have read the same picture
+    (tmp_path / "OpenEXR.py").write_text("raise ImportError")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(InputError, match=re.escape(f"needs OpenEXR, which is not installed: {remedies.extra('exr')}")):
+        Chess(sky=tmp_path / "sky.exr")
+
+
+@given(place=st.floats(0, 1), byte=st.integers(0, 255), end=st.floats(0.1, 1))
+def test_any_radiance_file_is_read_or_refused(place, byte, end):
+    data = bytearray(hdr.written(np.linspace(0, 9, 96, dtype=np.float32).reshape(4, 8, 3)))
+    data[int(place * (len(data) - 1))] = byte
+    with suppress(ValueError):
+        light = hdr.read(bytes(data[: int(end * len(data))]))
+        assert np.isfinite(light).all() and light.min() >= 0
+
+
+def test_what_replaces_what(tmp_path):
+    path = picture(tmp_path)
+    scene = Chess(sky=path, floor=path)
+    assert Chess(**scene.model_dump()) == scene == scene.replace(alpha=66) and input_files([scene]) == {path}
+    assert "picture-" not in to_pov(Chess(sky=path, background="black"))
+    text = '[fixed]\nsky = "picture.png"\nfloor = "none"\n[[sweep]]\nparameter = "alpha"\nstart = 1\nstop = 9'
+    spec = MovieSpec.parse(f'title = "T"\nscene = "chess"\n{text}', "spec", tmp_path)
+    assert spec.scenes("draft")[0].sky == scene.sky
+    assert "picture.png" in refused(["frame", "chess", "--sky", "picture.png", "-o", "picture.png"], tmp_path)
+
+
+def damaged(tmp_path, data):
+    (tmp_path / "own.png").write_bytes(data)
+    return tmp_path / "own.png"
+
+
+def test_what_is_refused(tmp_path, monkeypatch):
+    path = picture(tmp_path)
+    png = (tmp_path / "picture.png").read_bytes()
+    Image.new("RGB", (64, 64)).save(tmp_path / "square.png")
+    Image.new("L", (8, 4)).save(tmp_path / "own.gif")
+    os.mkfifo(tmp_path / "fifo.png")
+    for values, said in (
+        ({"sky": tmp_path / "square.png"}, r"twice as wide as high \(equirectangular\), not 64x64 pixels"),
+        ({"sky": tmp_path / "no.png"}, "No such file"),
+        ({"sky": tmp_path / "fifo.png"}, "regular file"),
+        ({"sky": damaged(tmp_path, png[:300])}, "should be a whole picture"),
+        ({"floor": damaged(tmp_path, b"P6 1 1 255 abc")}, "should be a whole picture: PNG, JPEG, WEBP, TIFF"),
+        ({"floor": tmp_path / "own.gif"}, "should be a whole picture: PNG"),
+        ({"floor": f"{path},width=0"}, "should have a width from 0.1 to 1000 tiles, not width=0"),
+        ({"floor": 3}, "floor = 3: should be a picture's file"),
+        ({"sky": {"path": "x", "name": '"', "size": (2, 1), "mean": (0, 0, 0)}}, "should be a picture's file"),
+    ):
+        with pytest.raises(InputError, match=said) as caught:
+            Chess(**values)
+        assert "\n" not in str(caught.value)
+    monkeypatch.setattr(pictures, "MAX_SIZE", (32, 16))
+    pictures._decoded.cache_clear()
+    with pytest.raises(InputError, match="should be a picture of at most 32x16 pixels, not 64x32"):
+        Chess(sky=path)

@@ -1,0 +1,180 @@
+"""What the tests of the teaching page share: one Chromium, one page, and what a hand does with it."""
+
+import re
+from io import BytesIO
+
+import numpy as np
+import pytest
+from conftest import NAMES
+from PIL import Image
+
+from povgen.measure.browser import chromium
+
+WORK = {"width": 1000, "height": 640}  # a small canvas costs less
+COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
+STILL = "view.later = () => {}"  # most tests are not about the live view
+DRAWN = "if (Object.hasOwn(view, 'later')) { delete view.later; view.again(); }"
+
+# Each visible control has to be on top at its centre and a target of 24 px. Each text has to have 12 px.
+FAULTS = """() => {
+  const faults = [];
+  for (const control of document.querySelectorAll("button, input, select, summary")) {
+    if (!control.checkVisibility() || control.disabled || control.matches(".on-focus:not(:focus)")) continue;
+    control.scrollIntoView({ block: "nearest" });
+    const name = control.id || control.value || control.outerHTML;
+    const { x, y, width, height } = control.getBoundingClientRect();
+    const top = document.elementFromPoint(x + width / 2, y + height / 2);
+    const parts = [control, ...(control.labels ?? [])];
+    if (!parts.some((part) => part.contains(top))) faults.push(`${name} is under ${top?.outerHTML.slice(0, 60)}`);
+    const sides = parts.map((part) => part.getBoundingClientRect()).map((box) => Math.min(box.width, box.height));
+    if (Math.max(...sides) < 23.9) faults.push(`${name} is ${Math.max(...sides)} px`);
+  }
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode()); ) {
+    const size = parseFloat(getComputedStyle(text.parentElement).fontSize);
+    if (text.data.trim() && text.parentElement.checkVisibility() && size < 12) faults.push(`${size} px: ${text.data}`);
+  }
+  const { scrollWidth } = document.documentElement;
+  return scrollWidth > innerWidth ? [...faults, `${scrollWidth} px wide`] : faults;
+}"""
+
+
+@pytest.fixture(scope="package")
+def browser():
+    """The Chromium of all tests in this folder."""
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="package")
+def demo_file(tmp_path_factory):
+    """The teaching page, in a folder whose name has to be quoted in a URL."""
+    from povgen.liveview.page import demo
+
+    return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
+
+
+class Faults(list):
+    """What the console says, and the requests for anything but the page's own files."""
+
+    def watch(self, page, folder):
+        page.set_default_timeout(60_000)
+        page.on("console", lambda message: self.append(message.text))
+        page.on("pageerror", lambda error: self.append(str(error)))
+        page.on("request", lambda request: request.url.startswith((folder, "data:")) or self.append(request.url))
+        return self
+
+
+def opened(browser, file, hash_="", **options):
+    """Open the teaching page, with few rays: those of a coarse display."""
+    page = browser.new_page(viewport=WORK, **options)
+    faults = Faults().watch(page, file.parent.as_uri())
+    page.add_init_script("window.devicePixelRatio = 0.2")
+    page.goto(file.as_uri() + hash_)
+    page.evaluate(NAMES)
+    page.evaluate("tour.leave(); OPENING.level = 'expert'; change({ level: 'expert' }); draw()")
+    page.evaluate("PACE.RAYS = 1; view.ready")
+    return page, faults
+
+
+@pytest.fixture(scope="package")
+def shared_page(browser, demo_file):
+    page, faults = opened(browser, demo_file)
+    assert page.evaluate("Boolean(view.gl)"), "no WebGL 2"
+    page.evaluate("view.ready.then(draw)")
+    yield page, faults
+    page.close()
+
+
+@pytest.fixture
+def page(shared_page):
+    """The teaching page, as it is when it has just been opened. The test fails if the page has an error.
+
+    The live view is drawn only for tests that ask for its `picture`: to draw it takes longer than all else.
+    """
+    page, faults = shared_page
+    page.evaluate(STILL)
+    page.evaluate(COARSE)
+    page.set_viewport_size(WORK)
+    page.emulate_media(reduced_motion="no-preference", forced_colors="none")
+    page.evaluate(
+        """() => {
+          player.pause();
+          tour.leave();
+          endGlide();  // of an earlier test, on a busy machine
+          player.preset = data.presets[0];
+          state.question = -1;
+          session.lastQuestion = 0;
+          fromHash("");
+          $("loop").checked = false;
+          $("shortcuts").checked = true;
+          document.activeElement.blur();
+          scrollTo(0, 0);
+          draw();
+        }"""
+    )
+    yield page
+    assert not faults
+    faults.clear()
+
+
+def show(page, **values):
+    """Change the page's state and draw it."""
+    page.evaluate("(values) => { change(values); draw(); }", values)
+
+
+def numbers(page):
+    """Return the numbers that the page shows."""
+    page.evaluate("draw()")
+    texts = {name: page.locator(f"#value-{name}").text_content() for name in ("r", "P", "nu", "M")}
+    return {name: number(text) for name, text in texts.items()}
+
+
+def number(text):
+    """Return the real or complex number that the page shows as text."""
+    text = text.replace("−", "-").strip("° ").replace("∞", "inf").replace("undefined", "nan")
+    text = re.sub(
+        r" × 10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda m: "e" + m[1].translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")), text
+    )
+    return complex(text.replace(" ", "").replace("i", "j")) if "i" in text.removeprefix("inf") else float(text)
+
+
+def bounds(page, *selectors):
+    """Return the elements' boxes, in one call: another frame of the picture replaces what is drawn over it."""
+    boxes = "(selectors) => selectors.map((each) => document.querySelector(each).getBoundingClientRect().toJSON())"
+    return page.evaluate(boxes, selectors)
+
+
+def centre(page, selector):
+    """Return the centre of an element, in tiles from the window's centre."""
+    page.locator(selector).wait_for()  # what is drawn over the picture follows with its next frame
+    box, stage = bounds(page, selector, "#stage")
+    x, y = (box[a] + box[b] / 2 - stage[a] - stage[b] / 2 for a, b in (("x", "width"), ("y", "height")))
+    return complex(x, -y) / stage["height"] * 3.7
+
+
+def drag(page, start, step, box="#stage", tiles=None):
+    """Drag by the mouse, from a place and by a step in tiles from the middle of a box."""
+    area = page.locator(box).bounding_box()
+    tile = tiles or area["height"] / 3.7
+    ends = [start, start + step / 2, start + step]
+    x, y = area["x"] + area["width"] / 2, area["y"] + area["height"] / 2
+    for n, place in enumerate(ends):
+        page.mouse.move(x + tile * place.real, y - tile * place.imag)
+        if not n:
+            page.mouse.down()
+    page.mouse.up()
+    page.evaluate("draw()")
+
+
+def pixels(png):
+    with Image.open(BytesIO(png)) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def picture(page, display=SHARP):
+    """Return the stage's pixels, when the picture has been drawn. It is drawn again when the state changes."""
+    page.evaluate(display)
+    page.evaluate(DRAWN)
+    page.wait_for_function("view.converged()")
+    return pixels(page.locator("#stage").screenshot())

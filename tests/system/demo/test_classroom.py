@@ -1,0 +1,303 @@
+"""What a class does with the page: on small screens, in high contrast, with questions, and with settings of its own."""
+
+import numpy as np
+import pytest
+from conftest import sentence
+from playwright.sync_api import expect
+
+from demo.conftest import FAULTS, show
+from povgen.liveview.page import KINDS
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+SMALL = [(800, 600), (853, 683), (640, 620), (899, 580), (360, 640)]
+
+
+@pytest.mark.parametrize("size", [*SMALL, (320, 568), (900, 560), (1280, 720)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_each_control_is_on_top_and_large_enough(page, size):
+    width, height = size
+    page.set_viewport_size({"width": width, "height": height})
+    for values in (
+        {"caption": True, "position": True, "image": True},
+        {"windows": 2, "diagram": "paper"},
+        {"scene": "spheres", "sheet": "axis"},
+        *({"sheet": sheet} for sheet in KINDS),
+        {"question": 4},
+    ):
+        page.evaluate("fromHash('')")
+        show(page, **values)
+        assert page.evaluate(FAULTS) == [], values
+    stage = page.locator("#stage").bounding_box()
+    assert stage["width"] / stage["height"] == pytest.approx(4 / 3, abs=0.01)
+    # beside the picture, or below it, there is room
+    assert width - stage["width"] > 250 or stage["height"] < 0.5 * height
+
+
+def test_a_choice_is_seen_in_high_contrast(page):
+    """There the user's colours replace the page's: a background that is not kept is the same for all choices."""
+    page.emulate_media(forced_colors="active")
+    page.evaluate("session.pinned = 'alpha'; mark('alpha'); draw()")
+    colours = """(each) => [document.querySelector(each)].map(getComputedStyle)
+        .map(({ backgroundColor, color }) => [backgroundColor, color])[0]"""
+    for chosen, other in {
+        "#sheet input:checked + span": "#sheet input:not(:checked) + span",
+        "#orientation input:checked + span": "#orientation input:not(:checked) + span",
+        "[role=tab][aria-selected=true]": "[role=tab][aria-selected=false]",
+        "#presets [aria-pressed=true]": "#presets [aria-pressed=false]",
+        ".symbol[value=alpha]": ".symbol[value=z1]",
+    }.items():
+        (ground, ink), (plain, _) = (page.evaluate(colours, each) for each in (chosen, other))
+        assert ground != plain and ground != ink, chosen
+    # a slider's track has a colour of the user's, and the drawings keep their own paper
+    assert page.evaluate("getComputedStyle($('slider-z1')).forcedColorAdjust") == "none"
+    assert page.evaluate("getComputedStyle($('space-turn')).backgroundColor") == "rgb(255, 254, 251)"
+    page.evaluate("session.pinned = ''; mark('')")
+
+
+# ---- Numbers ----
+
+
+def test_fields_take_fractions_and_units(page):
+    page.locator("#number-alpha").fill("30°")
+    page.locator("#number-z1").fill("5/2")
+    assert page.evaluate("[state.alpha, state.z1]") == [30, 2.5]
+
+
+def test_the_coordinates_of_P_say_their_origin(page):
+    row, P = page.locator("[data-quantity=P] dd"), page.locator("#value-P")
+    expect(P).to_have_text("0.178 − 0.220 i")
+    assert row.inner_text().endswith("where light from L to E crosses the sheets, if L = 0 and E = 1")
+    show(page, sheet="axis")
+    assert row.inner_text().endswith("crosses the sheets, in tiles from the window’s middle")
+    for E, text in (([0, -0.85], "–"), ([0, -0.8499], "0.178 − 0.220 i")):
+        show(page, sheet="ideal", E=E)
+        expect(P).to_have_text(text)
+    expect(page.locator("#value-nu")).to_have_text("15.0°")  # it depends on the depths alone
+    assert "*" not in page.locator("main").inner_text()  # (1 - P)* would be the complex conjugate
+
+
+# ---- What is in the window ----
+
+LENSLETS = {"sheet": "lenslets", "alpha": 180, "ratio": 2, "z1": 12}
+SERIES = {"windows": 2, "alpha": 120, "alpha2": 120}
+SCENES = [
+    *({}, {"E": [9, 1]}, {"E": [0, 10], "alpha": 180}, {"L": [4, -0.85]}, {"L": [1.9, 0]}, {"z1": 60}),
+    *({"sheet": "none", "L": [4, 0]}, {"sheet": "single", "L": [4, 0]}, {"sheet": "single", "z1": 20}),
+    *(LENSLETS, LENSLETS | {"E": [1.5, 0.5]}, {"sheet": "mirror", "alpha": 90, "z1": 6, "E": [-1.4, 1]}),
+    *({"sheet": "axis", "alpha": 180}, *({"sheet": sheet} for sheet in KINDS)),
+    *({"sheet": "lens", "focal_length": 1.5}, {"sheet": "view-rotator", "z1": 6}, {"sheet": "twist", "twist": 90}),
+    {"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2},
+    *(SERIES, SERIES | {"L": [3, -0.85]}),
+    *({"alpha": 180, "z1": 6} | {"E": E} for E in ([0, 0], [1.5, 0.5], [0, -1.2])),
+]
+
+
+def drawn(page, width=64, height=48):
+    """Return what the live view shows in the window: objects.glsl's SKY 0, FLOOR 1, WINDOW_FRAME 2, OBJECT 3, or -1."""
+    shown = page.evaluate(
+        """([width, height]) => {
+          Object.assign(view.scene, moment().scene);
+          return [...readout(view, width, height).shown].filter((_, k) => k % 4 === 0);
+        }""",
+        [width, height],
+    )
+    x, y = np.meshgrid(*((np.arange(n) - (n - 1) / 2) * 3.7 / height for n in (width, height)))
+    return set(np.array(shown)[(np.maximum(abs(x), abs(y)) < 0.97 * 1.5).ravel()])
+
+
+def test_what_the_window_shows_is_what_the_live_view_draws(page):
+    """The sentence says that nothing of the knight is in the window exactly where no pixel of the window shows it."""
+    for values in SCENES:
+        page.evaluate("fromHash('')")
+        text, seen = sentence(page, **values), drawn(page)
+        absent = any(words in text for words in ("Nothing of the knight", "The knight is not there", "No light passes"))
+        found = set(page.evaluate("[...contents(moment())]"))
+        assert absent == (3 not in seen) == ("thing" not in found), (values, text)
+        if absent:
+            assert not any(
+                words in text for words in ("knight appears", "knight has", "seen as it is", "floats", "No path")
+            )
+            wanted = 1 in seen, 0 in seen, -1 in seen
+            assert wanted == ("floor" in found, bool(found & {"sky", "mountains"}), "dark" in found), values
+            assert ("the floor" in text, "sky" in text or "mountains" in text, "black" in text) == wanted, text
+
+
+def test_imaging_sheets_at_their_pole_say_what_is_seen(page):
+    one, some = "one point of the knight fills the window", "0.15 tiles of the knight fill the window"
+    lens = {"sheet": "lens", "focal_length": 3, "z1": 6}
+    mirror, line = {"sheet": "mirror", "alpha": 90, "z1": 6}, "one line of the knight’s plane fills the window"
+    for values, words, P, written in (
+        (LENSLETS, "The pole: one point of the knight fills", "∞", one),
+        (LENSLETS | {"z1": 11.4}, "Near the pole: a part of the knight’s plane", "(0.00, −17.00)", some),
+        (LENSLETS | {"E": [1.5, 0.5]}, "not there: the window shows the floor", "∞", "nothing of the knight is seen"),
+        (
+            lens | {"E": [1, 0]},
+            "in one point, at (−1.00, 0.00). The knight is not there",
+            "∞",
+            "nothing of the knight is seen",
+        ),
+        (mirror, "plane in a line at 45.0°, through the point straight before the eye", "∞", line),
+    ):
+        page.evaluate("fromHash('')")
+        show(page, **values)
+        text = page.locator("#sentence").text_content()
+        assert words in text and "No path" not in text
+        expect(page.locator("#value-P")).to_have_text(P)
+        expect(page.locator("#overlay .say")).to_have_text(written)
+    assert "The pole" not in sentence(page, z1=5)
+
+
+# ---- Questions ----
+
+
+def ends(page):
+    """Return what the page shows at the end of each question."""
+    return page.evaluate("QUESTIONS.map(({ before, after }) => ({ ...before, ...(after.call ? after() : after) }))")
+
+
+def test_an_answer_is_shown_from_its_premise(page):
+    """Whatever a class has changed since the question was asked."""
+    page.emulate_media(reduced_motion="reduce")
+    for n, end in enumerate(ends(page)):
+        page.evaluate("(n) => openQuestion(n)", n)
+        sentence(page, scene="spheres", sheet="mirror", alpha=-17, z1=1.5, z2=3, E=[1, 1], L=[0.5, 0.3], piece="king")
+        page.evaluate("reveal()")
+        assert page.evaluate("(names) => pick(state, ...names)", [*end]) == end
+
+
+def test_a_verdict_stays_and_try_again_asks_anew(page):
+    page.emulate_media(reduced_motion="reduce")
+    inputs, answer = page.locator("#prediction input"), page.locator("#answer")
+
+    def predict(choice):
+        inputs.nth(choice).check() if isinstance(choice, int) else inputs.fill(choice)
+        page.get_by_role("button", name="Reveal").click()
+
+    for n, wrong, right in ((1, 1, 0), (4, "9 tiles", "12/2")):
+        page.evaluate("(n) => { openQuestion(n); draw(); }", n)
+        predict(wrong)
+        expect(answer).to_contain_text("No: ")
+        assert all(each.is_disabled() for each in inputs.all())
+        page.evaluate(
+            "$('prediction').querySelectorAll('input').forEach((input) => { input.checked = input.value = 6; })"
+        )
+        show(page, alpha=10)
+        expect(answer).to_contain_text("No: ")
+        page.get_by_role("button", name="Try again").click()
+        expect(answer).to_be_empty()
+        assert (
+            page.evaluate("state.alpha === QUESTIONS[state.question].before.alpha && document.activeElement.id")
+            == "ask"
+        )
+        assert page.evaluate("Boolean(new FormData($('question-form')).get('prediction'))") is False
+        predict(right)
+        expect(answer).to_contain_text("Yes: ")
+
+
+def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
+    page.emulate_media(reduced_motion="reduce")
+    for n, end in enumerate(ends(page)):
+        page.evaluate("(n) => openQuestion(n)", n)
+        for values in ({}, end):
+            assert sentence(page, **values) == "Predict first: the description comes with the answer."
+    show(page, alpha=180, z1=6)
+    expect(page.locator("#overlay .say")).to_have_count(0)
+    assert sentence(page, z2=1000).endswith("answer. z₂ is at most 150.")
+    assert sentence(page, windows=1, sheet="ideal", z1=0.1).endswith("the piece would touch the frame.")
+
+    def revealed(n):
+        page.evaluate("(n) => { openQuestion(n); reveal(); }", n)
+        return sentence(page)
+
+    assert revealed(2).startswith(
+        "The mountains appear turned by 66.0° counter-clockwise. The knight appears turned by 15"
+    )
+    assert "floats 2 tiles in front" in revealed(6)
+    assert revealed(8).startswith("The pole: one point of the knight fills the whole window")
+    show(page)
+    expect(page.locator("#answer")).to_contain_text("You see only wood")
+    assert drawn(page) - {2} == {3}  # nothing but wood
+
+
+# ---- Settings, history, movies ----
+
+
+def test_settings_that_a_movie_replaces_come_back(page):
+    page.emulate_media(reduced_motion="reduce")
+    undo = page.get_by_role("button", name="Undo")
+    own = {"sheet": "none", "z1": 3.5, "z2": 4, "E": [0.3, 0.1], "piece": "king", "prisms": 30}
+    for press in ("vary α", "vary z₁", "Reset"):
+        page.evaluate("fromHash('')")
+        show(page, **own)
+        expect(undo).to_be_hidden()
+        before = page.evaluate("({ ...state })")
+        page.get_by_role("button", name=press).click()
+        undo.click()
+        assert page.evaluate("({ ...state })") == before
+        expect(undo).to_be_hidden()
+    page.evaluate("fromHash('')")
+    page.get_by_role("button", name="vary z₁").click()
+    expect(undo).to_be_hidden()  # nothing was the user's own
+
+
+def test_each_window_keeps_its_own_settings(page):
+    choose = page.get_by_label("Kind of window")
+    sentence(page, sheet="detailed", alpha=100, z2=3, z1=2.5)
+    choose.select_option("series")
+    expect(page.locator("#undo")).to_be_visible()
+    sentence(page, d=3, alpha2=40)
+    choose.select_option("none")
+    wanted = {"windows": 1, "sheet": "detailed", "alpha": 100, "z2": 3, "z1": 2.5}
+    assert page.evaluate("(names) => pick(state, ...names)", [*wanted]) == wanted
+    choose.select_option("series")
+    assert page.evaluate("[state.windows, state.d, state.alpha2]") == [2, 3, 40]
+
+
+def test_a_drag_of_a_slider_is_one_entry_of_the_history(page):
+    page.evaluate("keepAddress()")
+    entries = page.evaluate("history.length")
+    box = page.locator("#slider-alpha").bounding_box()
+    y = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] / 2, y)
+    page.mouse.down()
+    for part in (0.6, 0.7, 0.8):
+        page.mouse.move(box["x"] + part * box["width"], y)
+        page.evaluate("keepAddress()")  # as after a rest
+    page.mouse.up()
+    page.evaluate("keepAddress()")
+    assert page.evaluate("history.length") == entries + 1
+    assert page.evaluate("state.alpha > 90 && location.hash === toHash()")
+
+
+def test_a_movie_does_not_run_on_in_a_hidden_tab(page):
+    part = """(event) => {
+      player.choose(data.presets[0]);
+      player.since -= 3000;  // no frame for 3 s
+      if (event) document.dispatchEvent(new Event(event));
+      player.tick(performance.now());
+      player.pause();
+      return player.part();
+    }"""
+    assert page.evaluate(part, "visibilitychange") < 0.2 < page.evaluate(part, None)
+
+
+def test_the_ring_round_a_handle_is_seen_on_the_picture(page):
+    ring = (
+        """(id) => { const { borderColor, boxShadow } = getComputedStyle($(id)); return [borderColor, boxShadow]; }"""
+    )
+    white, none = "rgba(255, 255, 255, 0.9)", "rgba(0, 0, 0, 0)"
+    show(page, position=True)
+    for handle, is_white in (("eye-picture", True), ("eye-diagram", False)):
+        page.locator(f"#{handle}").hover()
+        colour, shadow = page.evaluate(ring, handle)
+        assert is_white == (colour == white) == (shadow != "none") and colour != none, handle
+    show(page, position=False)  # a ring round what is not seen would only disturb
+    page.locator("#eye-picture").hover()
+    assert page.evaluate(ring, "eye-picture") == [none, "none"]
+
+
+def test_buttons_say_what_they_do(page):
+    for name in ("alpha", "z1", "z2", "N", "L", "E"):
+        expect(page.get_by_role("button", name=f"Mark {name} in the picture", exact=True)).to_have_count(1)
+    for name in ("r", "P", "nu", "M"):
+        expect(page.get_by_role("button", name=f"Mark {name} in the picture: ")).to_have_count(1)

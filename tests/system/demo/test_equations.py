@@ -1,0 +1,157 @@
+"""The equations of the teaching page: its numbers are povgen's, and what they mean is said."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import BEYOND, scene_of
+from playwright.sync_api import expect
+
+from demo.conftest import numbers, show
+from povgen.liveview.page import ALL_KINDS, KEPT
+from povgen.optics import equations
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+NOT_A_NUMBER = r"NaN|Infinity|null|undefined(?!<| at E)|\[object"
+
+
+@pytest.mark.parametrize("values", BEYOND, ids=lambda values: values["sheet"])
+def test_no_number_is_missing_beyond_the_paper(page, values):
+    show(page, **values)
+    assert not re.search(NOT_A_NUMBER, page.evaluate("document.querySelector('main').outerHTML"))
+
+
+def test_light_that_passes_nowhere_is_said(page):
+    show(page, sheet="axis", alpha=180)
+    expect(page.locator("#sentence")).to_contain_text("No light passes: the window is black.")
+    expect(page.locator("#value-P")).to_have_text("–")
+
+
+def test_light_beside_the_second_window_is_said(page):
+    """There the prediction does not hold: povgen's own scene says that the light does not pass."""
+    for x, passes in ((0.3, True), (2.2, False)):
+        show(page, windows=2, alpha=0, alpha2=0, d=2, image=True, position=True, L=[x, -0.85])
+        scene = scene_of(page)
+        assert scene.visible(scene.L, 2) == passes and abs(page.evaluate("moment().place[0]")) < 1.5
+        said = "passes beside the second window" in page.locator("#sentence").text_content()
+        assert said == page.locator("#image.hidden").count() == page.locator(".mark.unsure:not(.halo)").count()
+
+
+def test_the_pole_of_two_windows_is_said(page):
+    show(page, windows=2, alpha=120, alpha2=120, d=2, z1=2, z2=2, caption=True)
+    expect(page.locator("#sentence")).to_contain_text("The pole: one point of the knight fills the whole window")
+    expect(page.locator("#value-P")).to_have_text("∞")
+    expect(page.locator(".caption")).to_contain_text("M = ∞")
+    show(page, z2=2.1)
+    expect(page.locator("#sentence")).to_contain_text("Near the pole")
+    expect(page.locator("#overlay .say").first).to_contain_text("tiles of the knight fill the window")
+
+
+def test_the_equations_of_two_windows_of_prisms_are_given_too(page):
+    show(page, windows=2, sheet="detailed", prisms=40, alpha=120, alpha2=120, d=2, z2=8)
+    expect(page.locator("#value-nu")).to_have_text("−1.6°")
+    expect(page.locator("#about-nu")).to_have_text("for 40 prisms; the equation gives 0.0°")
+    expect(page.locator("#about-M")).to_have_text("for 40 prisms; the equation gives 1.333")
+    expect(page.locator("#of-prisms")).to_have_text(
+        "Z, the image and the diagram are for ideal sheets.", use_inner_text=True
+    )
+
+
+def test_an_axis_is_typed(page):
+    """The field holds 0 on the way to 0.5. Then the axis is not lost."""
+    show(page, sheet="axis", alpha=20, axis=[0, 0, 1])
+    expect(page.locator("#sentence")).to_contain_text("turns light as the ideal sheet does")
+    page.locator("#number-axisz").press_sequentially("0.5")
+    page.locator("#number-axisz").fill("")
+    page.locator("#number-axisz").press_sequentially("0.5")
+    assert page.evaluate("state.axis") == [0, 0, 0.5]
+    show(page, axis=[0, 0, 0])
+    assert page.evaluate("state.axis") == [0, 0, 0.5]
+    expect(page.locator("#sentence")).to_contain_text("a = (0, 0, 0) has no direction: it stays as it was.")
+
+
+def test_what_is_beyond_the_paper_is_chosen(page):
+    """Each choice shows its own controls, and what the sheet does."""
+    choose = page.get_by_label("Kind of window")
+    names = {each.name for kind in ALL_KINDS.values() for each in kind.parameters} - KEPT
+    assert choose.locator("option").count() == 2 + len(ALL_KINDS)
+    for name, kind in ALL_KINDS.items():
+        texts = page.evaluate("(name) => entry(`kinds.${name}`)", name)
+        choose.select_option(label=texts["choice"])
+        assert page.evaluate("state.sheet") == name
+        own = {each.name: each for each in kind.parameters if each.name not in KEPT}
+        for each in names:
+            places = page.locator(f"#slider-{each}, #number-{each}, #number-{each}x, #number-{each}y, #number-{each}z")
+            assert places.count() >= 2
+            for place in places.all():
+                expect(place).to_be_visible(visible=each in own)
+        for each in own.values():
+            row = page.locator(f"[data-quantity={each.name}]")
+            expect(row).to_contain_text(each.symbol)
+            expect(row).to_contain_text(texts["labels"][each.name])
+        expect(page.locator("#sentence")).to_contain_text(texts["sentence"].partition("{")[0])
+        expect(page.locator("#row-prisms")).to_be_hidden()
+    choose.select_option("series")
+    expect(page.locator("#slider-d")).to_be_visible()
+    expect(page.locator("#sentence")).to_contain_text("2 tiles in front of the first window")
+    choose.select_option("series")
+    page.locator("#number-alpha2").fill("20")
+    page.locator("#number-d").fill("0.1")
+    expect(page.locator("#sentence")).to_contain_text("has no image. d is at least 0.311: the windows would touch.")
+    expect(choose).to_have_value("series")
+    page.get_by_role("radio", name="two sheets").check(force=True)
+    expect(page.locator("#row-prisms")).to_be_visible()
+    page.get_by_role("radio", name="complex depth").check(force=True)
+    expect(page.locator("#diagram")).to_have_attribute("aria-label", re.compile("^The complex depth Z = "))
+    page.get_by_role("radio", name="one sheet").check(force=True)
+    expect(choose).to_have_value("none")
+    expect(page.locator("#slider-d")).to_be_hidden()
+    page.get_by_role("radio", name="ideal sheet").check(force=True)
+    expect(choose).to_have_value("none")
+
+
+def test_the_complex_depth_is_drawn_to_scale(page):
+    show(page, windows=2, alpha=90, alpha2=0, d=2, z1=3, z2=4, diagram="paper")
+    z2, d, z1 = page.evaluate(
+        """["z2", "d", "z1"].map((name) => document.querySelector(`#diagram line.q-${name}`))
+           .map((line) => ["x1", "y1", "x2", "y2"].map((name) => Number(line.getAttribute(name))))"""
+    )
+    assert d[:2] == pytest.approx([z2[0] + (z1[1] - d[1]) * 2, z2[1]], abs=0.1)  # z2 = 2 d, along the real axis
+    assert d[2] == pytest.approx(d[0], abs=0.1) and z1[0] == pytest.approx(d[0], abs=0.1)  # both downwards
+
+
+def test_numbers_are_those_of_the_scene(page):
+    """What the page shows is what Python computes for the same scene, in the corners as well."""
+    cases = [
+        {},
+        {"sheet": "detailed", "alpha": -120, "z1": 3.3, "E": [0.3, 0.4]},
+        {"sheet": "detailed", "prisms": 20, "alpha": 170, "z1": 5},
+        {"sheet": "detailed", "prisms": 1},
+        {"alpha": 180, "z1": 6},
+        {"alpha": 360, "z1": 5000, "z2": 150},
+        {"alpha": -33, "z1": 0.001, "z2": 0.001, "piece": "king"},
+        {"sheet": "none", "E": [-10, 10], "L": [10, 8]},
+        {"scene": "spheres", "alpha": 90, "z1": 24},
+        {"scene": "spheres", "sheet": "detailed", "alpha": 140, "prisms": 30, "L": [0.5, -0.7]},
+    ]
+    for values in cases:
+        page.evaluate("fromHash('')")
+        show(page, **values)
+        scene, found = scene_of(page), numbers(page)
+        z1 = page.evaluate("moment().z1")
+        assert z1 in [pytest.approx(each) for each in scene.distances]
+        alpha = 0 if scene.sheet == "none" else np.radians(scene.alpha)
+        r = scene.z2 / z1
+        assert found["r"] == pytest.approx(r, rel=5e-4)
+        wanted = complex(equations.P(r, alpha))
+        assert found["P"] == wanted if np.isinf(wanted) else abs(found["P"] - wanted) <= 1e-3 * max(1, abs(wanted))
+        nu, M = (0, equations.M(r, 0)) if scene.sheet == "none" else scene.nu_and_M(z1)
+        if np.isnan(nu):
+            assert np.isnan(found["nu"])
+        else:
+            assert (found["nu"] - nu + 180) % 360 - 180 == pytest.approx(0, abs=0.051)
+        assert found["M"] == pytest.approx(M, rel=5.1e-4)
+        place = complex(scene.apparent_position(scene.L, z1))
+        assert np.isinf(place) or complex(*page.evaluate("moment().place")) == pytest.approx(place, rel=1e-9, abs=1e-12)
+        text = page.evaluate("document.querySelector('main').outerHTML")
+        assert not re.search(NOT_A_NUMBER, text), values

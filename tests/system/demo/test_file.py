@@ -1,0 +1,68 @@
+"""The file of the teaching page, its address, and the command that makes it."""
+
+import re
+
+import pytest
+from conftest import PROJECT, povgen, refused
+from playwright.sync_api import expect
+
+from povgen import InputError, Spheres, live
+from povgen.liveview import page as teaching
+from povgen.liveview.page import demo
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+def test_the_page_is_one_small_file(demo_file):
+    assert demo_file.stat().st_size < 1_200_000
+    text = demo_file.read_text("utf-8")
+    assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+    assert not re.search(r'(src|href)="(?!data:|\$\{)', text)
+    assert all(path.read_text() in text for path in (PROJECT / "templates" / "demo").glob("*.css"))
+
+
+def test_a_page_has_one_global_name(browser, demo_file, tmp_path):
+    page = browser.new_page()
+    (tmp_path / "empty.html").touch()
+    names = []
+    for file in (tmp_path / "empty.html", demo_file, live(Spheres(sheet="none")).save(tmp_path / "view.html")):
+        page.goto(file.as_uri())
+        names.append(set(page.evaluate("Object.keys(window)")))
+    assert names[1] - names[0] == names[2] - names[0] == {"povgen"}
+    page.close()
+
+
+def test_the_command(tmp_path):
+    status, out, _ = povgen(["demo", "-o", "a page.html"], tmp_path)
+    assert status == 0 and out == "wrote a page.html\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["a page.html"]
+    for wrong, said in (
+        (["-o", "page"], "output"),
+        (["--quality", "high"], "quality = high: only movies are rendered; allowed: with --movies"),
+        (["--movies", "--quality", "best"], "quality"),
+        (["--movies", "--stereo", "pair"], "stereo"),
+        (["--movies", "--workers", "0"], "workers"),
+        (["--piece", "nowhere.inc"], "piece"),
+    ):
+        assert said in refused(["demo", *wrong], tmp_path)
+
+
+def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeypatch):
+    monkeypatch.setattr(teaching, "volumes", None)
+    with pytest.raises(InputError, match="quality"):
+        demo(tmp_path / "page.html", movies=True, quality="best")
+    with pytest.raises(InputError, match="allowed"):
+        demo(tmp_path / "page.pdf")
+    assert not list(tmp_path.iterdir())
+
+
+def test_back_and_forward(page):
+    page.evaluate("keepAddress()")
+    for alpha in (10, 20, 30):
+        page.locator("#number-alpha").fill(str(alpha))
+        page.wait_for_function("(alpha) => location.hash.includes(`alpha=${alpha}&`)", arg=alpha)
+    for go, alpha in ((page.go_back, 20), (page.go_back, 10), (page.go_forward, 20)):
+        go()
+        page.wait_for_function("(alpha) => state.alpha === alpha", arg=alpha)
+        page.evaluate("draw()")
+        expect(page.locator("#number-alpha")).to_have_value(str(alpha))

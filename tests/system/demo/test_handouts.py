@@ -1,0 +1,135 @@
+"""What a lesson takes away from the page, how it looks, and the user's own room."""
+
+import re
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import expect
+
+from demo.conftest import DRAWN, opened, picture, show
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+@pytest.fixture
+def share(page):
+    page.get_by_role("button", name="More").click()
+    yield page
+    page.get_by_role("button", name="More").click()
+
+
+def test_the_link_is_copied_or_shown(share):
+    show(share, alpha=33)
+    share.evaluate("() => { navigator.clipboard.writeText = async () => { throw Error(); }; }")
+    share.get_by_role("button", name="Copy link").click()
+    expect(share.locator("#copied")).to_have_text("Copy it from here:")
+    link = share.locator("#link-text").input_value()
+    assert link.startswith("file:") and "alpha=33&" in link
+    share.evaluate("() => { navigator.clipboard.writeText = async (text) => { window.copied = text; }; }")
+    share.get_by_role("button", name="Copy the HTML").click()
+    expect(share.locator("#copied")).to_have_text(
+        re.compile("^Copied. It leads to this file, which lies on your computer only.")
+    )
+    frame = share.evaluate("window.copied")
+    assert frame.startswith("<iframe src=") and "?embed&amp;hide=header,panel#" in frame and "alpha=33" in frame
+    expect(share.locator("#qr")).to_be_hidden()  # a file has no address that others can open
+    share.evaluate("delete window.copied")
+
+
+def test_a_movement_is_recorded(share):
+    picture(share)
+    share.get_by_role("button", name="Record a movement").click()
+    for alpha in (10, 20, 30):
+        show(share, alpha=alpha)
+        share.evaluate(DRAWN)
+        share.wait_for_function("view.count > 0")
+    with share.expect_download() as got:
+        share.get_by_role("button", name="Stop and save").click()
+    file = got.value
+    assert "alpha=30" in file.suggested_filename and file.suggested_filename.endswith((".webm", ".mp4"))
+    assert file.path().stat().st_size > 1000
+
+
+def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
+    page, faults = opened(browser, demo_file, "?embed&hide=header,panel#alpha=33")
+    for part, seen in (("header", False), (".panel", False), ("footer", False), ("#stage", True), ("#sentence", True)):
+        expect(page.locator(part)).to_be_visible(visible=seen)
+    assert page.evaluate("state.alpha") == 33 and not faults
+    for width, height in ((800, 640), (1200, 700), (400, 600)):  # the first is that of the copied frame
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.locator("#stage").bounding_box()["width"] > 0.5 * width
+        assert page.evaluate("document.documentElement.scrollHeight <= innerHeight + 1")
+    page.close()
+
+
+def test_for_a_projector_one_slider_is_left(page):
+    page.get_by_role("button", name="More").click()
+    page.get_by_role("button", name="Present").click()
+    expect(page.get_by_role("button", name="Leave", exact=True)).to_be_focused()
+    expect(page.locator("input[type=range]:visible")).to_have_count(1)
+    large = page.evaluate("parseFloat(getComputedStyle($('sentence')).fontSize)")
+    page.mouse.move(300, 300)
+    expect(page.locator("#pointer")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.locator("#slider-alpha")).to_be_visible()
+    assert large > page.evaluate("parseFloat(getComputedStyle($('sentence')).fontSize)")
+    expect(page.locator("#pointer")).to_be_hidden()
+
+
+def test_for_a_projector_a_question_is_beside_the_picture(page):
+    page.evaluate("openQuestion(0)")
+    page.get_by_role("button", name="More").click()
+    page.get_by_role("button", name="Present").click()
+    for part, seen in (("#ask", True), ("#reveal", True), ("#stage", True), (".slider", False), (".player", False)):
+        expect(page.locator(part).first).to_be_visible(visible=seen)
+    picture, question = (page.locator(part).bounding_box() for part in ("#stage", "#ask"))
+    assert question["x"] > picture["x"] + picture["width"] - 1 and picture["width"] > 400
+    page.keyboard.press("Escape")
+
+
+def test_dark_is_the_users_choice(page):
+    ground = "getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(ground)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function("document.documentElement.dataset.look === 'dark'")
+    dark = page.evaluate(ground)
+    page.evaluate("$('dark').click()")
+    assert page.evaluate(ground) == light != dark
+    page.emulate_media(color_scheme="light")
+    page.wait_for_function("document.documentElement.dataset.look === 'light'")
+
+
+def test_the_page_is_printed_with_its_picture(page):
+    picture(page)
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    page.wait_for_function("$('print-picture').complete && $('print-picture').naturalWidth > 0")
+    expect(page.locator("#print-picture")).to_be_visible()
+    expect(page.locator("#reset")).to_be_hidden()
+    expect(page.locator("#sentence")).to_be_visible()
+    page.emulate_media(media="screen")
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert not page.locator("#print-picture").get_attribute("src")
+
+
+def test_a_photo_is_seen_behind_the_window(page, tmp_path):
+    show(page, sheet="none", z1=2)
+    before = picture(page)
+    page.get_by_role("button", name="More").click()
+    page.get_by_role("button", name="Your room").click()
+    data = BytesIO()
+    Image.new("RGB", (40, 30), (250, 10, 10)).save(data, "PNG")
+    page.locator("#photo").set_input_files({"name": "room.png", "mimeType": "image/png", "buffer": data.getvalue()})
+    page.wait_for_function("Boolean(view.sky)")
+    room = picture(page)
+    height, width, _ = room.shape
+    red = room[height // 5, width // 2]
+    assert red[0] > 200 and red[1:].max() < 60
+    page.locator("#photo").set_input_files({"name": "no.png", "mimeType": "image/png", "buffer": b"no"})
+    expect(page.locator("#room-message")).to_have_text("This file is not a picture that the browser can read.")
+    page.get_by_role("button", name="Mountains").click()
+    page.get_by_role("button", name="Your room").click()
+    page.get_by_role("button", name="More").click()
+    assert np.abs(picture(page) - before).mean() < 1

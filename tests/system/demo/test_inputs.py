@@ -1,0 +1,219 @@
+"""Sliders, numbers and dragging on the teaching page."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import scene_of
+from playwright.sync_api import expect
+
+from demo.conftest import bounds, centre, drag, numbers, show
+from povgen.liveview.page import KINDS
+from povgen.optics import equations
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+def test_sliders_of_other_sheets(page):
+    """A focal length has both signs, and a lens is weak in the middle of the slider. An angle is linear."""
+    choose = page.get_by_label("Kind of window")
+    choose.select_option("glens")
+    slider, ends = page.locator("#slider-focal_length"), []
+    for place in (-1000, -1, 0, 1, 500, 1000):
+        slider.fill(str(place))
+        ends.append(page.evaluate("state.focal_length"))
+        expect(page.locator("#number-focal_length")).to_have_value(f"{ends[-1]:.4g}")
+    assert ends == pytest.approx([-0.1, -100, 100, 100, 10**0.5, 0.1], rel=0.01)
+    show(page, focal_length=-2)
+    assert float(slider.input_value()) == pytest.approx(-1000 * np.log(50) / np.log(1000))
+    expect(slider).to_have_attribute("aria-valuetext", "−2.000 tiles")
+    expect(page.locator("#scrub-value")).to_have_text("z₁ = 2")  # no alpha: the other movie
+    choose.select_option("twist")
+    page.locator("#slider-twist").fill("-45")
+    assert page.evaluate("state.twist") == -45
+    expect(page.locator("#slider-twist")).to_have_attribute("aria-valuetext", "−45.0°/tile")
+    expect(page.locator("#scrub-value")).to_have_text("α = 0.0°")
+
+
+def test_numbers_are_typed_and_sliders_moved(page):
+    page.get_by_label("the light is turned by").last.fill("90")
+    assert numbers(page)["nu"] == pytest.approx(np.degrees(equations.nu(3, np.pi / 2)), abs=0.051)
+    assert page.evaluate("$('slider-alpha').value") == "90"
+    for name, typed, kept in (
+        ("z1", "1e9", 5000),
+        ("z2", "-3", 0.161),
+        ("prisms", "400.2", 400),
+        ("alpha", "-400", -360),
+    ):
+        page.locator("#sheet input[value=detailed]").check()
+        field = page.locator(f"#number-{name}")
+        field.fill(typed)
+        field.blur()
+        page.evaluate("draw()")
+        scene_of(page)  # povgen allows it
+        assert float(field.input_value()) == pytest.approx(kept, rel=0.2 if name == "z2" else 1e-9)
+    page.locator("#slider-z2").focus()
+    before = page.evaluate("moment().z2")
+    page.keyboard.press("End")
+    page.evaluate("draw()")
+    assert page.evaluate("state.z2") == 150 != before
+    show(page, z2=6)
+    for field, value in (("Lx", 0.5), ("Ly", -0.4), ("Ex", -0.3), ("Ey", 0.2)):
+        page.locator(f"#number-{field}").fill(str(value))
+    assert page.evaluate("[...state.L, ...state.E]") == [0.5, -0.4, -0.3, 0.2]
+    page.locator("#number-alpha").fill("")  # while someone types
+    assert page.evaluate("state.alpha") == -360
+
+
+def test_what_is_changed_is_said(page):
+    show(page, sheet="detailed")
+    for name, typed, value, said in (
+        ("alpha", "400", 360, "α is at most 360°."),
+        ("z1", "0.1", 0.1, "z₁ is at least 0.581: the piece would touch the frame."),
+        ("z1", "2,5", 2.5, ""),
+        ("prisms", "10.4", 10, "N is a whole number."),
+        ("alpha", "12 or so", 360, "“12 or so” is not a number."),
+        ("Ex", "−0,3", -0.3, ""),
+        ("Ey", "-5", None, "y of E is at least −1.6: the floor is below."),
+    ):
+        field = page.locator(f"#number-{name}")
+        field.fill(typed)
+        field.blur()
+        page.evaluate("draw()")
+        text = page.locator("#sentence").text_content()
+        assert said in text if said else not re.search("at least|at most|number", text), text
+        if value is not None:
+            assert page.evaluate("({ ...state, Ex: state.E[0] })")[name] == value
+    page.locator("#number-alpha").press("ArrowDown")
+    assert page.evaluate("state.alpha") == 359
+
+
+def test_arrow_keys_choose_the_next_sphere(page):
+    show(page, scene="spheres")
+    distances = sorted(page.evaluate("moment().objects"))
+    before = distances.index(page.evaluate("moment().z1"))
+    page.locator("#slider-z1").focus()
+    for key, aside in (("ArrowLeft", -1), ("ArrowRight", 0), ("ArrowUp", 1)):
+        page.keyboard.press(key)
+        assert page.evaluate("moment().z1") == distances[before + aside]
+    page.locator("#number-z1").fill("1e4")
+    page.evaluate("draw()")
+    expect(page.locator("#sentence")).to_contain_text("No sphere is at z₁")
+
+
+def test_few_large_prisms_push_eye_and_object_away(page):
+    show(page, sheet="detailed", prisms=1)
+    scene = scene_of(page)
+    assert scene.z2 > scene.depth / 2 > 10 and scene.z1 > scene.depth / 2
+    for reason in ("z₁ is at least", "z₂ is at least"):
+        expect(page.locator("#sentence")).to_contain_text(reason)
+    show(page, prisms=100)
+    assert page.evaluate("[moment().z1, moment().z2]") == [2, 6]
+    expect(page.locator("#about-nu")).to_have_text("for 100 prisms; the equation gives 15.0°")
+
+
+@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", *sorted({*KINDS} - {"axis", "twist"})])
+def test_the_image_follows_the_pointer(page, sheet):
+    show(page, sheet=sheet, alpha=120)
+    start, step = centre(page, "#object-picture"), 0.4 + 0.2j
+    drag(page, start, step)
+    assert centre(page, "#object-picture") == pytest.approx(start + step, abs=0.02)
+    assert page.evaluate("state.E") == [0, 0]
+    scene = scene_of(page)  # the pedestal is higher or lower
+    assert complex(scene.apparent_position(scene.L, scene.z1)) == pytest.approx(start + step, abs=0.02)
+    expect(page.locator("#hint")).to_be_hidden()
+
+
+def test_the_piece_itself_is_dragged_and_beside_it_the_eye(page):
+    head = centre(page, "#object-picture") + 0.8j * np.exp(1j * np.radians(15))
+    drag(page, head, 0.3)
+    assert page.evaluate("state.E") == [0, 0] != page.evaluate("state.L[0]")
+    drag(page, -1.4 + 1.2j, 0.5 - 0.1j)
+    assert complex(*page.evaluate("state.E")) == pytest.approx(0.5 - 0.1j, abs=0.02)
+
+
+def test_parallax(page):
+    """At alpha = 180 degrees the image moves against the eye, more than the window: it floats before the window."""
+    show(page, alpha=180, image=True)
+    before = centre(page, "#object-picture")
+    assert "floats 2 tiles in front of the window" in page.locator("#sentence").text_content()
+    drag(page, -1.4 + 1.2j, 0.5)
+    moved = centre(page, "#object-picture") - before
+    assert moved == pytest.approx(-0.25, abs=0.02)
+
+
+def test_spheres_are_chosen_by_dragging(page):
+    show(page, scene="spheres", alpha=120)
+    scene = scene_of(page)
+    z1 = scene.distances[4]
+    start = complex(scene.apparent_position(scene.L, z1))
+    drag(page, start, 0.2j)
+    assert page.evaluate("moment().z1") == z1
+    scene = scene_of(page)
+    assert complex(scene.apparent_position(scene.L, z1)) == pytest.approx(start + 0.2j, abs=0.02)
+
+
+def test_the_diagram_can_be_dragged_and_turned(page):
+    for name, handle in (("L", "#object-diagram"), ("E", "#eye-diagram")):
+        page.evaluate("draw()")
+        tile = page.evaluate("session.diagramMap.tile")
+        spot, box = bounds(page, handle, "#diagram-box")
+        x, y = spot["x"] + spot["width"] / 2, spot["y"] + spot["height"] / 2
+        start = complex(x - box["x"] - box["width"] / 2, box["y"] + box["height"] / 2 - y) / tile
+        before = complex(*page.evaluate(f"state.{name}"))
+        drag(page, start, 0.15 + 0.1j, "#diagram-box", tile)
+        assert complex(*page.evaluate(f"state.{name}")) == pytest.approx(before + 0.15 + 0.1j, abs=0.02)
+    places = """() => { draw(); return ["L", "E", "P"].map((name) => {
+      const dot = document.querySelector(`#diagram .dot.q-${name}`);
+      return [dot.cx.baseVal.value, -dot.cy.baseVal.value];
+    }); }"""
+    P = equations.P(3, np.radians(66))
+    for turned in ("picture", "paper"):
+        page.locator(f"#orientation input[value={turned}]").check(force=True)
+        L, E, seen = (complex(*place) for place in page.evaluate(places))
+        assert (seen - L) / (E - L) == pytest.approx(P, abs=0.01)
+        direction = complex(*page.evaluate("minus(state.E, state.L)")) if turned == "picture" else 1
+        assert np.angle((E - L) / direction) == pytest.approx(0, abs=1e-6)
+    expect(page.locator("#eye-diagram")).to_be_hidden()
+
+
+def test_arrow_keys_move_eye_and_object(page):
+    page.locator("#eye-picture").focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowUp")
+    page.locator("#object-diagram").focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("[...state.E, state.L[0]]") == pytest.approx([0.05, 0.25, -0.05])
+    page.evaluate("draw()")
+    expect(page.locator("#eye-picture")).to_have_attribute(
+        "aria-label", "Eye E at 0.05, 0.25 tiles: arrow keys move it"
+    )
+
+
+def test_a_double_tap_resets_the_eye(page):
+    show(page, E=[0.8, 0.3])
+    area = page.locator("#stage").bounding_box()
+    x, y = area["x"] + 0.3 * area["width"], area["y"] + 0.3 * area["height"]
+    page.mouse.click(x, y)
+    assert page.evaluate("state.E") == [0.8, 0.3]
+    page.mouse.click(x, y)
+    assert page.evaluate("state.E") == [0, 0]
+
+
+def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("getComputedStyle($('stage')).touchAction") == "pan-y"
+    page.evaluate(
+        """() => {
+          const box = stage.getBoundingClientRect(), at = [box.left + 60, box.top + 60];
+          const send = (type, step) => stage.dispatchEvent(new PointerEvent(type,
+            { pointerId: 1, bubbles: true, clientX: at[0], clientY: at[1] + step, buttons: 1 }));
+          stage.setPointerCapture = () => {};
+          send("pointerdown", 0);
+          send("pointermove", 8);
+          window.moved = state.E[1];
+          send("pointercancel", 8);
+          delete stage.setPointerCapture;
+        }"""
+    )
+    assert page.evaluate("[moved !== 0, state.E]") == [True, [0, 0]]

@@ -1,0 +1,116 @@
+"""Measuring on the page's picture: the protractor, the ruler, the table and its curves."""
+
+import re
+
+import pytest
+from playwright.sync_api import expect
+
+from demo.conftest import FAULTS, STILL, show
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+@pytest.fixture
+def measure(page):
+    page.locator("#tab-measure").click()
+    page.evaluate("draw()")
+    yield page
+    page.evaluate("rows.splice(0); session.measuring = session.measured = false")
+
+
+def put(page, name, target):
+    """Move a point of the protractor to a place of the window, tiles."""
+    stage, box = (page.locator(part).bounding_box() for part in ("#stage", f"#point-{name}"))
+    tile = stage["height"] / 3.7
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    x, y = stage["x"] + stage["width"] / 2 + tile * target[0], stage["y"] + stage["height"] / 2 - tile * target[1]
+    page.mouse.move(x, y)
+    page.mouse.up()
+    page.evaluate("draw()")
+
+
+def test_the_protractor_measures_angle_and_length(measure):
+    before = measure.evaluate("({ ...state })")
+    for name, place in (("A", (0, 0)), ("B", (0, 1)), ("C", (-1, 1))):
+        put(measure, name, place)
+    said = measure.locator("#readings")
+    expect(said).to_contain_text("Angle 45.0°")  # to the left is counter-clockwise
+    expect(said).to_contain_text("AC = 1.41 tiles")
+    measure.locator("#point-C").press("Shift+ArrowRight")
+    measure.evaluate("draw()")
+    expect(said).to_contain_text("Angle 42.0°")
+    assert measure.evaluate("({ ...state })") == before  # neither eye nor object has moved
+
+
+def test_what_is_measured_lies_on_the_curve(measure):
+    """A class that puts the points on the foot and the top of the piece measures nu and M to the line's width."""
+    for alpha in (30, 90):
+        show(measure, alpha=alpha, z1=4)
+        tall = measure.evaluate("Math.max(...outlineOf('knight').flat().map(([, y]) => y))")
+        foot, top = measure.evaluate(
+            "(tall) => [[0, 0], [0, tall]].map((d) => apparentPosition(moment(), plus(state.L, d)))", tall
+        )
+        put(measure, "A", foot)
+        put(measure, "B", (foot[0], foot[1] + 0.5))
+        put(measure, "C", top)
+        measure.get_by_role("button", name="Write down").click()
+    found = measure.evaluate("rows.map(({ nu, M }) => [Number(nu), Number(M)])")
+    for n, alpha in enumerate((30, 90)):
+        show(measure, alpha=alpha)
+        nu, M = measure.evaluate("[moment().nu * 180 / Math.PI, moment().M]")
+        assert found[n] == [pytest.approx(nu, abs=1.5), pytest.approx(M, rel=0.05)]
+    expect(measure.locator("#plot-nu .mark")).to_have_count(2)
+    distance = """(n) => {
+      const curve = $("plot-nu").querySelector(".curve"), mark = $("plot-nu").querySelectorAll(".mark")[n];
+      const [x, y] = ["cx", "cy"].map((name) => Number(mark.getAttribute(name)));
+      let least = 1e9;
+      for (let k = 0; k <= 800; k++) {
+        const point = curve.getPointAtLength((k / 800) * curve.getTotalLength());
+        least = Math.min(least, Math.hypot(point.x - x, point.y - y));
+      }
+      return least;
+    }"""
+    assert max(measure.evaluate(distance, n) for n in range(2)) < 4
+
+
+def test_who_does_not_see_the_picture_measures_too(measure):
+    show(measure, alpha=90)
+    expect(measure.locator("#sentence")).to_be_empty()  # it would say the result
+    expect(measure.locator("#plot-nu .curve")).to_have_attribute("d", "")
+    measure.get_by_role("button", name="Put A, B and C on the piece").press("Enter")
+    measure.evaluate("draw()")
+    measure.get_by_role("button", name="Write down").press("Enter")
+    expect(measure.locator("#spoken")).to_have_text("Row 1: ν = 18.4°, M = 0.95")
+    measure.evaluate("draw()")
+    expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
+    label = measure.locator("#plot-nu").get_attribute("aria-label")
+    assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."
+    assert measure.locator("#plot-nu text", has_text=re.compile("^30$")).count() == 1
+
+
+def test_a_row_is_filled_by_hand_saved_and_removed(measure):
+    show(measure, alpha=60, z1=2)
+    measure.get_by_role("button", name="Write down").click()
+    measure.get_by_label("ν in row 1").fill("14,5")
+    measure.get_by_label("M in row 1").fill("")
+    assert measure.evaluate("csv()") == "alpha,z1,z2,nu,M\r\n60,2,6,14.5,"
+    measure.evaluate("choose('de')")
+    assert measure.evaluate("csv()") == "alpha;z1;z2;nu;M\r\n60;2;6;14,5;"  # as its spreadsheets read it
+    measure.evaluate("choose('en')")
+    with measure.expect_download() as download:
+        measure.get_by_role("button", name="Save CSV").click()
+    assert download.value.suggested_filename == "povgen.csv"
+    measure.get_by_role("button", name="Remove row 1").click()
+    assert measure.evaluate("rows.length") == 0
+    expect(measure.locator("#save-csv")).to_be_disabled()
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (390, 844), (320, 568)], ids=str)
+def test_each_control_of_the_measurement_is_on_top(measure, size):
+    measure.evaluate(STILL)
+    measure.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    for level in ("simple", "expert"):
+        show(measure, level=level)
+        measure.get_by_role("button", name="Write down").click()
+        assert measure.evaluate(FAULTS) == []

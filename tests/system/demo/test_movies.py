@@ -1,0 +1,104 @@
+"""The movies of the teaching page: its own and POV-Ray's."""
+
+import pytest
+from playwright.sync_api import expect
+
+from demo.conftest import opened, show
+from povgen.liveview import page as teaching
+from povgen.liveview.page import demo
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+def test_presets_play_loop_stop_and_scrub(page):
+    show(page, sheet="none")
+    page.get_by_role("button", name="vary z₁").click()
+    assert page.evaluate("[state.sheet, state.alpha, player.playing]") == ["ideal", 90, True]
+    page.wait_for_function("state.z1 > 0.7")
+    page.get_by_role("button", name="Pause").click()
+    z1 = page.evaluate("state.z1")
+    assert 0.6 < z1 < 12
+    page.locator("#scrub").fill("500")
+    assert page.evaluate("state.z1") == pytest.approx(7.2**0.5)  # midway between 0.6 and 12 by ratio
+    page.evaluate("draw()")
+    expect(page.locator("#scrub-value")).to_have_text("z₁ = 2.68")
+    page.locator("#scrub").fill("501.3")  # any value, not steps
+    assert page.evaluate("state.z1") == pytest.approx(0.6 * (12 / 0.6) ** 0.5013)
+    page.get_by_role("button", name="Stop").click()
+    assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
+    page.evaluate("player.seek(0.99)")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("!player.playing")
+    assert page.evaluate("state.z1") == 12
+    page.get_by_label("Loop").check()
+    page.evaluate("player.seek(0.99)")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("state.z1 < 15")
+    page.keyboard.press("3")
+    assert page.evaluate("state.scene") == "spheres"
+    page.evaluate("player.pause(); draw()")
+    show(page, scene="chess")
+    assert page.evaluate("player.preset.name") == "vary-alpha"
+
+
+def test_reduced_motion(page):
+    page.emulate_media(reduced_motion="reduce")
+    page.get_by_role("button", name="vary α").click()
+    assert page.evaluate("[player.playing, state.alpha]") == [False, 0]
+    page.evaluate("openQuestion(1); reveal()")
+    assert page.evaluate("state.alpha") == 66  # at once
+
+
+def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch):
+    """And a piece of one's own with a hostile name is only a name."""
+    monkeypatch.setattr(teaching, "MOVIES", ("vary-alpha",))
+    own = tmp_path / "<b>'&\"<i>.inc"
+    own.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
+    options = {"quality": "draft", "size": (64, 48), "antialias": "off", "progress": False}
+    file = demo(tmp_path / "page.html", pieces=[own], movies=True, **options)
+    assert {path.name for path in tmp_path.iterdir()} == {own.name, "page.html", "page-vary-alpha.mp4"}
+    page, faults = opened(browser, file, "?bench#scene=chess&sheet=ideal&alpha=60")
+    expect(page.locator("#message")).to_contain_text("frames a second", timeout=60_000)
+    button = page.get_by_role("button", name="POV-Ray’s picture")
+    button.click()
+    page.wait_for_function("$('video').currentTime > 0 && !$('video').seeking")
+    assert page.evaluate("[state.sheet, state.alpha]") == ["detailed", 60]
+    where = page.evaluate("$('video').currentTime / $('video').duration")
+    assert where == pytest.approx((60 / 180 * 48 + 0.5) / 49, abs=0.01)  # frame 16 of 49
+    page.evaluate("player.seek(1)")
+    page.wait_for_function("$('video').currentTime > 0.9 * $('video').duration")
+    expect(button).to_have_attribute("aria-pressed", "true")
+    page.locator("#number-z1").fill("4")  # the movie has another z1
+    expect(button).to_have_attribute("aria-pressed", "false")
+    expect(page.locator("#video")).to_be_hidden()
+    assert not faults
+    name = page.locator("#piece option").last
+    expect(name).to_have_text("<b>'&\"<i>")
+    page.locator("#piece").select_option(index=6)
+    page.wait_for_function("view.converged()")
+    (tmp_path / "page-vary-alpha.mp4").unlink()
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.reload()
+    expect(page.locator("#message")).to_contain_text("needs WebGL 2")
+    expect(page.locator("#video")).to_be_hidden()  # the movie is gone
+    page.close()
+
+
+def test_slow_playback_takes_four_times_as_long(page):
+    """The step between two frames that are 200 ms apart."""
+    steps = []
+    for slow in (False, True):
+        page.locator("#slow").set_checked(slow)
+        steps.append(
+            page.evaluate(
+                """() => {
+                  player.seek(0);
+                  Object.assign(player, { playing: true, since: 1000 });
+                  player.tick(1200);
+                  player.playing = false;
+                  return player.part();
+                }"""
+            )
+        )
+    page.locator("#slow").uncheck()
+    assert steps[0] == pytest.approx(4 * steps[1], rel=0.02) and steps[1] > 0

@@ -1,0 +1,174 @@
+"""The picture of the teaching page: what it shows, what is drawn over it, how it is saved and lost."""
+
+import numpy as np
+import pytest
+from conftest import scene_of
+from PIL import Image
+from playwright.sync_api import expect
+
+from demo.conftest import COARSE, WORK, centre, picture, pixels, show
+from povgen.liveview.page import KINDS
+from povgen.optics import aim
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+
+def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
+    assert page.evaluate("[state.sheet, state.alpha, player.playing, state.scene]") == ["ideal", 66, False, "chess"]
+    expect(page.locator("#sentence")).to_have_text(
+        "The knight appears turned by 15.0° counter-clockwise, and 1.13 times as large as without the sheets."
+    )
+    # every point of the piece's predicted image is in the window, and there the picture shows the piece
+    piece, predicted = piece_and_prediction(page)
+    assert (piece & predicted).sum() > 0.92 * (piece | predicted).sum() > 500
+    y, x = np.nonzero(predicted)
+    half = 1.5 / 3.7 * 120
+    assert max(abs(x - 79.5).max(), abs(y - 59.5).max()) < half
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_other_sheets_show_the_piece_where_it_is_predicted(page, name):
+    page.get_by_label("Kind of window").select_option(name)
+    show(page)
+    assert picture(page, COARSE).std() > 10
+    piece, predicted = piece_and_prediction(page)
+    y, x = np.indices(piece.shape)
+    inside = np.maximum(abs(x - 79.5), abs(y - 59.5)) < 1.45 / 3.7 * 120
+    assert (piece & predicted & inside).sum() > 0.8 * ((piece | predicted) & inside).sum() > 300
+
+
+def piece_and_prediction(page):
+    """Return where the picture shows the piece, and where its image is predicted, as masks (120, 160)."""
+    shown = page.evaluate("[...readout(view, 160, 120).shown].filter((_, k) => k % 4 === 0)")
+    piece = np.reshape(shown, (120, 160))[::-1] == 3  # OBJECT in objects.glsl
+    inside = page.evaluate(
+        """() => {
+          const scale = stage.clientHeight / 120;
+          return Array.from({ length: 120 * 160 }, (_, k) =>
+            $("image").isPointInFill(new DOMPoint((k % 160 - 79.5) * scale, (Math.floor(k / 160) - 59.5) * scale)));
+        }"""
+    )
+    return piece, np.reshape(inside, (120, 160))
+
+
+def test_switches_draw_on_the_picture(page):
+    show(page, sheet="none", scene="spheres")
+    page.evaluate("$('hint').hidden = true")
+    plain = picture(page, COARSE)
+    for name, colour in (("position", (255, 231, 74)), ("caption", (255, 255, 255))):
+        page.locator(f"#show-{name}").check()
+        page.evaluate("draw()")
+        drawn = picture(page, COARSE)
+        assert ((abs(drawn - colour).max(-1) < 30) & (abs(plain - colour).max(-1) > 60)).sum() > 20, name
+        page.locator(f"#show-{name}").uncheck()
+        page.evaluate("draw()")
+        assert abs(picture(page, COARSE) - plain).max() < 20
+    show(page, scene="chess", sheet="ideal")
+    for name, selector in (("circles", "path.of-alpha:not(.aid, .halo)"), ("image", "path.image:not(.hidden)")):
+        expect(page.locator(f"#overlay {selector}")).to_have_count(0)
+        page.locator(f"#show-{name}").check()
+        expect(page.locator(f"#overlay {selector}")).to_have_count(1)
+
+
+def test_the_predicted_position_is_marked(page):
+    page.locator("#show-position").check()
+    for values in (
+        {},
+        {"alpha": 150, "z1": 3, "E": [0.2, 0.1]},
+        {"sheet": "detailed", "alpha": -60},
+        {"scene": "spheres", "sheet": "ideal"},
+    ):
+        show(page, **values)
+        scene = scene_of(page)
+        wanted = complex(scene.apparent_position(scene.L, page.evaluate("moment().z1")))
+        assert abs(centre(page, "#predicted") - wanted) < 0.01
+    expect(page.locator("#overlay .mark:not(.halo):not(.chosen)")).to_have_count(
+        page.evaluate("moment().objects.length") - 1
+    )
+
+
+def test_paths_are_parted_at_infinity(page):
+    """Paths are interrupted at infinity. Every other point of a path is close to a predicted position."""
+    for prisms, offset, kind in ((20, 0.1 + 0.05j, "q-z1"), (300, 0.004 + 0.003j, "q-z1"), (20, 0.1 + 0.05j, "of-r")):
+        show(page, sheet="detailed", prisms=prisms, alpha=180, z1=3, circles=True, L=[offset.real, offset.imag])
+        scene = scene_of(page)
+        text = page.locator(f"#overlay path.{kind}:not(.halo)").get_attribute("d")
+        tile = page.evaluate("tilePixels()")
+        lines = [np.array([part.split() for part in line.split("L")], float) for line in text.split("M")[1:]]
+        steps = np.geomspace(1e-7, 1, 30_000)
+        alpha, z1 = np.pi, scene.z2 * np.exp(np.concatenate((-8 * steps, 8 * steps)))
+        poles = aim.infinite_z1(scene.elements)
+        z1 = np.concatenate((z1, *(pole + s * steps for pole in poles for s in (-1, 1))))
+        if kind == "of-r":
+            z1 = scene.z1
+            poles = np.append(aim.infinite_alpha(z1, scene.z2, scene.prism).real, np.pi)
+            alpha = np.concatenate([s * pole + t * 3 * steps for pole in poles for s in (-1, 1) for t in (-1, 1)])
+            alpha = np.append(alpha, np.linspace(-np.pi, np.pi, 30_000))
+        true = scene.apparent_position(scene.L, z1, np.degrees(alpha))
+        true = np.unique(np.round(200 * true[abs(true) < 3]) / 200)
+        for line in lines:
+            x, y = line.T / tile
+            part = np.linspace(0, 1, 5)[:, None]
+            drawn = (x - 1j * y)[:-1] * (1 - part) + (x - 1j * y)[1:] * part
+            for place in drawn[abs(drawn) < 2.4][::7]:
+                assert abs(true - place).min() < 0.02
+
+
+def test_the_picture_can_be_saved_with_its_numbers(page):
+    show(page, sheet="none", z1=3)
+    shown = picture(page)
+    with page.expect_download() as download:
+        page.evaluate("$('save').click()")
+    assert "sheet=none" in download.value.suggested_filename and "z1=3" in download.value.suggested_filename
+    saved = pixels(download.value.path().read_bytes())
+    height, width = saved.shape[:2]
+    assert width >= 1600
+    canvas = page.evaluate("[view.canvas.width, view.canvas.height]")
+    assert width / height == pytest.approx(canvas[0] / canvas[1], rel=1e-3)
+    small = np.asarray(Image.fromarray(saved.astype(np.uint8)).resize(shown.shape[1::-1])).astype(int)
+    half = slice(len(small) // 2)
+    assert abs(small[half] - shown[half]).mean() < 10  # the same picture, but for a fraction of a pixel
+    assert (saved[-height // 20 :].min(-1) > 250).sum() > 50  # with a white caption
+    assert page.evaluate("state.caption") is False
+
+
+def test_a_lost_context_is_said_and_comes_back(page):
+    show(page, sheet="none")
+    before = picture(page)
+    page.evaluate("window.loss = view.gl.getExtension('WEBGL_lose_context'); loss.loseContext()")
+    expect(page.locator("#message")).to_contain_text("starts again")
+    show(page, alpha=90)  # does nothing, and fails not
+    page.evaluate("loss.restoreContext()")
+    expect(page.locator("#message")).to_be_hidden()
+    assert abs(picture(page) - before).max() <= 2
+
+
+def test_without_webgl_the_page_says_so(browser, demo_file):
+    page = browser.new_page(viewport=WORK)
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(demo_file.as_uri())
+    expect(page.locator("#message")).to_contain_text("needs WebGL 2")
+    expect(page.locator("#hint")).to_be_hidden()
+    expect(page.locator("#value-nu")).to_have_text("15.0°")  # the rest of the page works
+    page.close()
+
+
+def test_a_curtain_shows_two_settings(page):
+    """To its left, the picture is that of the ideal sheet; to its right, that without sheets. Keys move it."""
+    show(page, sheet="none")
+    bare = picture(page)
+    show(page, sheet="ideal")
+    ideal = picture(page)
+    page.get_by_label("compare with").select_option("no sheet")
+    page.evaluate("draw()")
+    page.wait_for_function("otherView().gl && otherView().converged()")
+    both = picture(page)
+    height, width, _ = both.shape
+    rows = slice(height // 3, 2 * height // 3)
+    left, right = slice(width // 4, width // 2 - 8), slice(width // 2 + 8, 3 * width // 4)
+    assert np.abs(both[rows, left] - ideal[rows, left]).mean() < 3 < np.abs(ideal[rows, left] - bare[rows, left]).mean()
+    assert np.abs(both[rows, right] - bare[rows, right]).mean() < 3
+    assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
+    page.locator("#curtain").press("ArrowLeft")
+    assert page.evaluate("session.curtain") == 0.49
+    page.evaluate("session.curtain = 0.5")

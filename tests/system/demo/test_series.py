@@ -1,0 +1,137 @@
+"""Two windows of any sheets, on the teaching page in a real browser."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import scene_of
+from playwright.sync_api import expect
+
+from demo.conftest import FAULTS, centre, show
+from demo.test_classroom import SMALL
+from demo.test_equations import NOT_A_NUMBER
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+
+LENS = {"windows": 2, "sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60}
+GLASS = {"windows": 2, "sheet": "axis", "sheet2": "detailed", "alpha": 10, "axis": [0, 1, 0], "alpha2": 40}
+
+# For each pixel in the predicted outline: whether it shows the knight.
+KNIGHT_IN_OUTLINE = """() => {
+  const [width, height] = [128, 96], scale = stage.clientHeight / height;
+  Object.assign(view.scene, moment().scene);
+  const { shown } = readout(view, width, height);
+  return [...Array(width * height).keys()].filter((k) => {
+    const [x, y] = [(k % width) + 0.5 - width / 2, height / 2 - Math.floor(k / width) - 0.5];
+    return $("image").isPointInFill(new DOMPoint(x * scale, y * scale));
+  }).map((k) => shown[4 * k] === 3);
+}"""
+
+# By how many pixels an element's content is larger than the element: its width, its height.
+EXCESS = """(selector) => {
+  const part = document.querySelector(selector);
+  return [part.scrollWidth - part.clientWidth, part.scrollHeight - part.clientHeight];
+}"""
+
+
+def choose(page, first, second):
+    page.get_by_label("Kind of window").select_option("series")
+    page.locator("#of-sheet").select_option(first)
+    page.locator("#of-sheet2").select_option(second)
+
+
+def test_a_choice_of_two_sheets_shows_their_sliders(page):
+    names = ["alpha", "alpha2", "d", "prisms", "focal_length", "ratio", "twist", "number-axisx"]
+    for first, second, wanted in (
+        ("ideal", "same", {"alpha", "alpha2", "d"}),
+        ("lens", "ideal", {"focal_length", "alpha2", "d"}),
+        ("ideal", "lens", {"focal_length", "alpha", "d"}),
+        ("axis", "detailed", {"alpha", "number-axisx", "alpha2", "d", "prisms"}),
+        ("lenslets", "twist", {"alpha", "ratio", "alpha2", "twist", "d"}),
+        ("detailed", "single", {"alpha", "alpha2", "d", "prisms"}),
+    ):
+        choose(page, first, second)
+        expect(page.locator("#beyond")).to_have_value("series")
+        for name in names:
+            place = page.locator(f"#{name}" if "-" in name else f"#slider-{name}")
+            expect(place).to_be_visible(visible=name in wanted)
+        both = {"ideal", "same"} == {first, second}
+        expect(page.locator("#value-Z")).to_be_visible(visible=both)
+        expect(page.locator("#value-nu")).to_be_visible(visible=both)
+        expect(page.locator("#orientation")).to_be_visible(visible=both)
+        assert not re.search(NOT_A_NUMBER, page.evaluate("document.querySelector('main').outerHTML"))
+        assert [sheet.name for sheet in scene_of(page).sheets] == [first, first if second == "same" else second]
+
+
+def test_a_sheet_begins_with_its_own_values(page):
+    """So about an axis it is not dark, in either window; Undo brings the user's own values back."""
+    choose(page, "ideal", "same")
+    page.locator("#number-alpha2").fill("77")
+    choose(page, "ideal", "axis")
+    assert page.evaluate("[state.alpha, state.alpha2, state.axis]") == [120, 20, [0, 1, 0]]
+    page.locator("#undo").click()
+    assert page.evaluate("[state.sheet2, state.alpha2]") == ["same", 77]
+
+
+def test_no_ideal_sheet_is_offered_behind_prisms(page):
+    choose(page, "lens", "detailed")
+    page.locator("#of-sheet").select_option("detailed")
+    offered = "[...$('of-sheet2').options].filter(({ disabled }) => !disabled).map(({ value }) => value)"
+    expect(page.locator("#of-sheet2")).to_have_value("detailed")
+    page.wait_for_function(f"{offered}.length === 3")
+    assert sorted(page.evaluate(offered)) == ["detailed", "same", "single"]
+    page.locator("#of-sheet").select_option("ideal")
+    page.wait_for_function(f"{offered}.length > 10")
+
+
+@pytest.mark.parametrize("values", [LENS, GLASS], ids=["lens", "axis"])
+def test_the_picture_and_the_mark_are_where_python_says(page, values):
+    show(page, **values, E=[0.2, 0.1], position=True)
+    scene, z1 = scene_of(page), page.evaluate("moment().z1")
+    place = complex(scene.apparent_position(scene.L, z1))
+    assert abs(place - scene.L) > 0.1
+    assert abs(centre(page, "#predicted") - place) < 0.02
+    shown = page.evaluate(KNIGHT_IN_OUTLINE)
+    assert len(shown) > 100 and np.mean(shown) > (0.6 if scene.has_prisms else 0.9)
+    assert "thing" in page.evaluate("[...contents(moment())]")
+    for text in (page.locator("#sentence").text_content(), page.evaluate("describe(moment())")):
+        assert "First window: The sheet" in text and "Second window: " in text
+
+
+def test_the_picture_through_a_lens_and_a_rotation_is_that_of_its_image(page):
+    """A sheet of 180 degrees behind a lens of 4 tiles makes the image that no sheet would make elsewhere."""
+    show(page, windows=2, sheet="ideal", sheet2="lens", alpha=180, d=1, z1=2, focal_length=4)
+    expect(page.locator("#sentence")).to_contain_text("The knight’s image is 5 tiles in front of the first window.")
+
+
+def test_an_address_reopens_two_windows(page):
+    for values in (LENS, GLASS):
+        page.evaluate("fromHash('')")
+        show(page, **values, L=[0.3, -0.8])
+        before, link = page.evaluate("[state, toHash()]")
+        page.evaluate("fromHash('')")
+        page.evaluate("location.hash = ''")
+        page.evaluate("(link) => { location.hash = link; }", link)
+        page.wait_for_function("state.windows === 2")
+        assert page.evaluate("state") == before
+
+
+@pytest.mark.parametrize("size", [*SMALL, (320, 568), (1280, 800)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_each_control_of_two_windows_is_on_top(page, size):
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    for values in (LENS, GLASS, {"windows": 2, "sheet": "lenslets", "sheet2": "refraction"}):
+        page.evaluate("fromHash('')")
+        show(page, **values, caption=True, position=True)
+        assert page.evaluate(FAULTS) == [], values
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1280, 800), (1920, 1080)], ids=lambda size: f"{size[0]}x{size[1]}")
+def test_nothing_of_two_windows_is_cut_off(page, size):
+    """The selects are in one row, and the panel need not be scrolled."""
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    for values in (LENS, GLASS, {"windows": 2, "sheet": "lenslets", "sheet2": "twist"}):
+        page.evaluate("fromHash('')")
+        show(page, **values)
+        for part in (".panel", ".sheets"):
+            assert max(page.evaluate(EXCESS, part)) <= 1, (values, part)
+        assert len({page.locator(each).bounding_box()["y"] for each in ("#of-sheet", "#of-sheet2")}) == 1

@@ -1,0 +1,239 @@
+"""The view of the light in space, and the two levels of the page."""
+
+import numpy as np
+import pytest
+from playwright.sync_api import expect
+
+from demo.conftest import FAULTS, show
+from povgen.measure import field
+from povgen.optics import equations
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+SAYS = "#light-says"
+
+
+def drawn(page, kind):
+    """Return how many rays of a kind the view shows."""
+    return page.locator(f"#space .ray.{kind}").count()
+
+
+def test_at_the_pole_all_rays_of_L_reach_the_eye(page):
+    show(page, light="pencil", alpha=180, z1=6, L=[0, 0])
+    expect(page.locator(SAYS)).to_contain_text("reach the eye: the pole")
+    assert drawn(page, "path.designed, #space .ray.designed") == 25
+    # in one call: the view may be drawn anew between two
+    middles = """[".pupil", "circle.image"].map((part) => {
+      const { left, right } = document.querySelector(`#space ${part}`).getBoundingClientRect();
+      return (left + right) / 2;
+    })"""
+    eye, image = page.evaluate(middles)
+    assert abs(eye - image) < 8
+    show(page, alpha=66, z1=2)
+    expect(page.locator(SAYS)).to_contain_text("L has no image")
+    expect(page.locator("#space circle.image")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("values", "words", "dashed"),
+    [
+        ({"alpha": 180, "z1": 2}, "They meet 2 tiles in front of the window: a real image", 0),
+        ({"windows": 2, "alpha": 120, "alpha2": 120, "z1": 2, "d": 2, "z2": 8}, "2 tiles in front of the first", 0),
+        ({"sheet": "lens", "focal_length": 4, "z1": 2}, "meet 4 tiles behind the window: a virtual image", 25),
+    ],
+)
+def test_an_image_is_where_the_rays_meet(page, values, words, dashed):
+    """A lens of focal length 4 shows what is 2 behind it 4 behind it: 1/4 = 1/2 - 1/4."""
+    show(page, light="pencil", L=[0, 0.1], **values)
+    expect(page.locator(SAYS)).to_contain_text(words)
+    expect(page.locator("#space .virtual")).to_have_count(dashed)
+
+
+def test_stray_light_has_its_own_colour_and_can_be_hidden(page):
+    show(page, light="pencil", sheet="detailed")
+    good, stray = drawn(page, "designed"), drawn(page, "stray")
+    assert good > 3 and stray > 3
+    colours = page.evaluate(
+        "['designed', 'stray'].map((kind) => getComputedStyle(document.querySelector(`#space path.${kind}`)).stroke)"
+    )
+    assert colours[0] != colours[1]
+    page.locator("#show-stray").uncheck()
+    page.evaluate("draw()")
+    assert (drawn(page, "designed"), drawn(page, "stray")) == (good, 0)
+
+
+def test_one_prism_numbers_refraction_reflection_refraction(page):
+    page.get_by_label("Rays in space").select_option("one prism")
+    page.evaluate("draw()")
+    assert page.locator("#space text.number").all_text_contents() == ["1", "2", "3"]
+    expect(page.locator(SAYS)).to_contain_text("2: total reflection")
+
+
+@pytest.mark.parametrize("values", [{}, {"light": "prism"}, {"z1": 6, "light": "pencil", "alpha": 180}], ids=str)
+def test_the_small_picture_covers_nothing_that_is_named(page, values):
+    show(page, level="simple", large=True, **values)
+    for camera in ("side", "corner", "above"):
+        page.evaluate("(camera) => { session.camera = CAMERAS[camera]; draw(); draw(); }", camera)
+        under = page.evaluate(
+            """() => {
+              const { right, bottom } = $("stage").getBoundingClientRect();
+              const named = [...document.querySelectorAll("#space :is(text.point, .eye, .object.q, .number)")];
+              const boxes = named.map((part) => part.getBoundingClientRect());
+              return boxes.filter(({ left, top }) => left < right && top < bottom).length;
+            }"""
+        )
+        assert not under, camera
+    page.evaluate("session.camera = CAMERAS.corner; draw()")
+
+
+def test_a_ray_through_a_chosen_point_says_what_the_eye_sees_there(page):
+    page.get_by_label("Rays in space").select_option("ray through a point")
+    show(page, alpha=0, W=[0, 0.2])
+    says, ring = page.locator(SAYS), page.locator("#aim-picture")
+    expect(says).to_contain_text("the eye sees: knight.")
+    assert drawn(page, "designed") == 1
+    stage = page.locator("#stage").bounding_box()
+    tile, x, y = stage["height"] / 3.7, *(stage[a] + stage[b] / 2 for a, b in (("x", "width"), ("y", "height")))
+    page.mouse.click(x - 1.2 * tile, y - 1.2 * tile)
+    page.evaluate("draw()")
+    assert page.evaluate("state.W") == pytest.approx([-1.2, 1.2], abs=0.02)
+    expect(says).to_contain_text("the eye sees: sky.")
+    for _ in range(10):
+        ring.press("Shift+ArrowDown")
+    page.evaluate("draw()")
+    assert page.evaluate("state.W") == pytest.approx([-1.2, -1.3], abs=0.02)
+    expect(says).to_contain_text("the eye sees: the floor.")
+    assert "W=-1.1" in page.evaluate("toHash()")
+    show(page, W=[9, 0])
+    assert page.evaluate("state.W[0]") == pytest.approx(1.45)  # in the window
+    show(page, light="ray")
+    expect(ring).to_be_hidden()
+
+
+def test_a_loop_perpendicular_to_the_rays_does_not_close(page):
+    """Its gap is that of povgen's chart; and at each of its points, light of L is perpendicular to it."""
+    show(page, light="field", alpha=66, z1=field.Z1)
+    turns = np.linspace(0, 2 * np.pi, 241)
+    front = field.wave_front(np.linspace(0, 0.6, 241), turns, 1.0)[:, -1]
+    gap = page.evaluate("perpendicularLoop(moment()).gap")
+    found = field.walked(1.0, turns, lambda w, _: -0.36 * (1 / equations.depth(field.Z1, w, np.radians(66))).imag)
+    assert gap == pytest.approx(1 - found[-1], rel=1e-6) and gap == pytest.approx(front[0] - front[-1], rel=0.2)
+    angles = page.evaluate(
+        """() => {
+          const now = moment(), { points } = perpendicularLoop(now), object = [...now.L, now.z1];
+          const unit = (v) => v.map((x) => x / Math.hypot(...v));
+          return [10, 100, 200].map((k) => {
+            const step = unit(points[k + 1].map((x, n) => x - points[k - 1][n])), w = -points[k][2];
+            // L's ray through this point: where it crosses the sheet
+            const share = quotient([now.z1, 0], times(turn(now.alpha), depthAt(now, w)));
+            const P = plus(now.L, times(minus(points[k], now.L), share));
+            const { direction } = traced(now, object, [...minus(P, now.L), -now.z1]);
+            return unit(direction).reduce((sum, x, n) => sum + x * step[n], 0);
+          });
+        }""".replace("depthAt(now, w)", "equations.depth(now.z1, w, now.alpha)")
+    )
+    assert angles == pytest.approx([0, 0, 0], abs=1e-3)
+    expect(page.locator(SAYS)).to_contain_text(f"its end is {gap:.3g} tiles away from its start")
+    assert drawn(page, "designed") == 24 and page.locator("#space .gap").count() == 1
+    show(page, alpha=180)
+    expect(page.locator(SAYS)).to_contain_text("it closes: this light has wave fronts")
+    expect(page.locator("#space .gap")).to_have_count(0)
+    show(page, sheet="single")
+    expect(page.locator(SAYS)).to_contain_text("is drawn for ideal sheets")
+
+
+def test_the_view_is_turned_by_keys_dragging_and_buttons(page):
+    def eye():
+        page.evaluate("draw()")
+        box = page.locator("#space .pupil").bounding_box()
+        return np.array([box["x"], box["y"]])
+
+    view = page.locator("#space-turn")
+    before, state = eye(), page.evaluate("({ ...state })")
+    view.press("ArrowRight")
+    view.press("ArrowRight")
+    turned = eye()
+    assert abs(turned - before).max() > 1
+    view.press("+")
+    assert page.evaluate("session.zoom") > 1
+    view.press("0")
+    box = view.bounding_box()
+    page.mouse.move(box["x"] + 20, box["y"] + 20)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 80, box["y"] + 30)
+    page.mouse.up()
+    assert abs(eye() - turned).max() > 1
+    page.get_by_role("button", name="side").click()
+    assert page.evaluate("session.camera") == [0, 0]
+    assert page.evaluate("({ ...state })") == state  # and nothing else has changed
+
+
+def test_the_view_takes_the_place_of_the_picture(page):
+    page.get_by_role("checkbox", name="large").check()
+    page.evaluate("draw()")
+    space, stage = (page.locator(part).bounding_box() for part in ("#space-turn", "#stage"))
+    assert space["width"] > 2.5 * stage["width"] > 0
+    assert page.evaluate("new URLSearchParams(toHash().slice(1)).get('show')") == "stray,large"
+    page.get_by_role("checkbox", name="large").uncheck()
+    page.evaluate("draw()")
+    assert page.locator("#stage").bounding_box()["width"] > page.locator("#space-turn").bounding_box()["width"]
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (844, 390), (390, 844), (320, 568)], ids=str)
+def test_a_beginner_sees_fewer_controls(page, size):
+    """Each of them is on top and large enough, whichever view is large. The equations are the expert's."""
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    count = "[...document.querySelectorAll('button, input, select')].filter((each) => each.checkVisibility()).length"
+    many = page.evaluate(count)
+    for values in (
+        {},
+        {"sheet": "detailed", "light": "prism"},
+        {"large": True, "light": "pencil"},
+        {"light": "aim"},
+        {"windows": 2},
+    ):
+        page.evaluate("fromHash('')")
+        show(page, level="simple", **values)
+        assert page.evaluate(FAULTS) == [], values
+    page.evaluate("fromHash('')")
+    show(page, level="simple")
+    assert page.evaluate(count) < 0.75 * many
+    expect(page.locator("#diagram")).to_be_hidden()
+    page.get_by_label("expert").check()
+    expect(page.locator("#diagram")).to_be_visible()
+
+
+# What the view shows that is not inside it, by at least 2 px.
+OUTSIDE = """() => {
+  const box = document.getElementById("space-turn").getBoundingClientRect();
+  const named = ":is(text, .object.q, .pedestal, .frame, .eye, .pupil, .dot, circle.image, .glass, .number)";
+  const shown = [...document.querySelectorAll(`#space ${named}`)];
+  return [shown.length > 5 ? [] : ["too little"], ...shown.filter((part) => {
+    const { left, right, top, bottom } = part.getBoundingClientRect();
+    return left < box.left + 2 || right > box.right - 2 || top < box.top + 2 || bottom > box.bottom - 2;
+  }).map((part) => part.outerHTML.slice(0, 60))].flat();
+}"""
+
+
+@pytest.mark.parametrize("language", ["ar", "de", "en", "es", "fr"])
+@pytest.mark.parametrize("size", [(320, 568), (844, 390), (1280, 800), (2560, 1440)], ids=str)
+def test_all_that_the_view_names_is_inside_it(page, size, language):
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    page.evaluate("(language) => choose(language)", language)
+    states = (
+        {},
+        {"z1": 40, "z2": 60},
+        {"light": "pencil", "alpha": 180, "z1": 6},
+        {"scene": "spheres"},
+        {"windows": 2, "E": [-3, 1], "large": True},
+        {"light": "prism"},
+        {"light": "aim", "W": [-1.4, 1.4]},
+        {"light": "field"},
+    )
+    for values in states:
+        page.evaluate("fromHash('')")
+        for camera in ("corner", "side", "above"):
+            page.evaluate("(camera) => { session.camera = CAMERAS[camera]; }", camera)
+            show(page, level="simple", **values)
+            page.evaluate("draw()")  # when all sentences have their lengths
+            assert page.evaluate(OUTSIDE) == [], (values, camera)
+    page.evaluate("session.camera = CAMERAS.corner; choose('en'); draw()")

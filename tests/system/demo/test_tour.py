@@ -1,0 +1,102 @@
+"""The guided start of the page."""
+
+import re
+
+import pytest
+from conftest import NAMES
+from playwright.sync_api import expect
+
+pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
+END = "tour.passed = 100"  # of the present step
+
+
+@pytest.fixture
+def tour(page):
+    """The page, with its guided start. It moves only when the test says so."""
+    page.evaluate("OPENING.level = 'simple'; fromHash('#alpha=30'); draw()")
+    page.get_by_role("button", name="Guided start").click()
+    page.evaluate("tour.paused = true")
+    yield page
+    page.evaluate("OPENING.level = 'expert'")
+
+
+def test_it_begins_by_itself(browser, demo_file):
+    page = browser.new_page(reduced_motion="no-preference")
+    page.goto(demo_file.as_uri())
+    page.wait_for_function("povgen.tour.tour.step >= 0")
+    expect(page.locator("#tour-text")).to_contain_text("A window stands on a floor")
+    page.evaluate(NAMES)
+    assert page.evaluate("location.hash") == ""  # the address does not follow
+    page.get_by_role("button", name="Leave").click()
+    expect(page.locator("#sentence")).to_be_visible()
+    expect(page.locator("#spoken")).to_have_text("The guided start has ended.")
+    expect(page.get_by_role("button", name="Guided start")).to_be_focused()
+    page.close()
+
+
+def test_it_waits_for_who_uses_the_keyboard(browser, demo_file):
+    page = browser.new_page(reduced_motion="no-preference")
+    page.goto(demo_file.as_uri())
+    page.wait_for_function("povgen.tour.tour.step >= 0")
+    expect(page.locator("#spoken")).to_have_text("The guided start runs. Escape leaves it.")
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("button", name="Go on")).to_be_focused()
+    expect(page.locator("#view")).to_have_attribute("aria-label", re.compile("^A knight seen without sheets"))
+    expect(page.locator("#spoken")).to_have_text(re.compile("^Nothing is in the window"))
+    page.keyboard.press("Escape")
+    assert page.evaluate("povgen.state.state.sheet") == "ideal"  # as it was
+    expect(page.get_by_role("button", name="Guided start")).to_be_focused()
+    page.close()
+
+
+def test_each_step_follows_the_one_before_and_the_end_is_the_beginning(tour):
+    assert tour.evaluate("state.alpha") == 66
+    texts = []
+    tour.evaluate("tour.paused = false")
+    for n in range(10):
+        tour.wait_for_function("(n) => tour.step === n", arg=n)
+        tour.evaluate("draw()")
+        texts.append(tour.locator("#tour-text").text_content())
+        expect(tour.locator("#tour-count")).to_have_text(f"{n + 1} of 10")
+        tour.evaluate(END)
+    tour.wait_for_function("tour.passed > 100")  # the last step waits
+    tour.get_by_role("button", name="Done").click()
+    assert len({*texts}) == 10
+    assert tour.evaluate("state.alpha") == 30  # as it was
+    assert 60 <= (seconds := tour.evaluate("tour.seconds()")) <= 90, seconds
+
+
+def test_what_the_steps_say_is_what_they_show(tour):
+    tour.evaluate("tour.go(3); tour.passed = 9; tour.show()")
+    assert tour.evaluate("[state.sheet, state.alpha]") == ["detailed", 66]
+    tour.evaluate("tour.go(5); tour.passed = 12; tour.show(); draw()")
+    mountains, knight = tour.evaluate("[state.alpha, moment().nu * 180 / Math.PI]")
+    assert mountains == 120 and 0 < knight < 30
+    for passed, least, most in ((0, 0, 6), (15, 40, 50)):  # near, and far
+        tour.evaluate("(passed) => { tour.go(6); tour.passed = passed; tour.show(); draw(); }", passed)
+        assert least < tour.evaluate("moment().nu * 180 / Math.PI") < most
+        assert tour.evaluate("moment().place") == pytest.approx([0.3, -0.3])  # where the ray crosses the window
+        expect(tour.locator("#space .straight")).to_have_count(1)
+    tour.evaluate("tour.go(7); tour.passed = 9; tour.show(); draw()")
+    assert tour.evaluate("[state.alpha, Math.round(moment().nu), moment().M / bare(moment()) > 1.9]") == [180, 0, True]
+    tour.evaluate("tour.go(8); draw()")
+    expect(tour.locator("#light-says")).to_contain_text("They meet 2 tiles in front of the window")
+
+
+def test_who_moves_something_takes_over(tour):
+    tour.locator("#number-z1").fill("3")
+    assert tour.evaluate("[tour.step, state.z1]") == [-1, 3]
+    tour.evaluate("draw()")
+    expect(tour.locator("#sentence")).to_be_visible()
+
+
+def test_with_reduced_motion_each_step_waits(tour):
+    tour.emulate_media(reduced_motion="reduce")
+    tour.evaluate("tour.leave(); tour.start(); draw()")
+    expect(tour.locator("#tour-pause")).to_be_hidden()
+    tour.evaluate("tour.go(3); draw()")
+    assert tour.evaluate("state.alpha") == 66  # at once
+    passed = tour.evaluate("new Promise((done) => requestAnimationFrame(() => done(tour.passed)))")
+    assert passed == 0
+    tour.get_by_role("button", name="Next").press("Enter")
+    assert tour.evaluate("tour.step") == 4

@@ -1,0 +1,192 @@
+"""The site: `make site`. Its links lead somewhere, it needs no network and no server, and can be read by everybody."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import api
+import exhibits
+import pytest
+import website
+from axe_playwright_python.sync_playwright import Axe
+from conftest import NAMES, PROJECT
+
+import povgen
+from povgen.measure.browser import chromium
+
+pytestmark = pytest.mark.xdist_group("site")
+BREAKS = ("measure-on-paper", "answers")  # where new pages begin
+AA = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"], "resultTypes": ["violations"]}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, in a folder whose name has to be quoted in a URL."""
+    folder = tmp_path_factory.mktemp("site") / "a site"
+    website.build(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(site):
+    """A page in a Chromium. Whatever it asks for must lie in the site."""
+    with chromium() as browser:
+        opened = browser.new_page(viewport={"width": 1100, "height": 700})
+        asked, faults = [], []
+        opened.on("request", lambda request: asked.append(request.url))
+        opened.on("pageerror", lambda error: faults.append(str(error)))
+        # axe asks for style sheets by scripts, which a page from a file may not; a movie is not loaded to its end
+        opened.on("requestfailed", lambda one: one.resource_type in ("xhr", "media") or faults.append(one.url))
+        yield opened
+        assert not faults and not [url for url in asked if not url.startswith((site.as_uri(), "data:", "blob:"))]
+
+
+class Read(HTMLParser):
+    """A page's links, its anchors, and what it loads."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.loaded, self.anchors = set(), set(), set()
+        self.feed(path.read_text("utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        found = dict(attributes)
+        self.anchors |= {found[name] for name in ("id", "name") if found.get(name)}
+        where = found.get("href") or found.get("src")
+        if where and not where.startswith("data:"):
+            (self.links if tag == "a" else self.loaded).add(where)
+
+
+@pytest.fixture(scope="module")
+def read(site):
+    return {path: Read(path) for path in site.rglob("*.html")}
+
+
+def test_every_link_leads_somewhere(site, read):
+    assert len(read) > 30
+    for path, page in read.items():
+        for link in page.links | page.loaded:
+            parts = urlsplit(link)
+            if parts.scheme:
+                assert link in page.links and parts.scheme == "https", f"{path}: {link}"
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            assert target.is_relative_to(site) and target.is_file(), f"{path}: {link}"
+            if parts.fragment and target.name != "live.html":
+                assert unquote(parts.fragment) in read[target].anchors, f"{path}: {link}"
+
+
+def test_every_page_is_in_the_menu(site, read):
+    menu = {unquote(urlsplit(link).path) for link in read[site / "index.html"].links}
+    pages = {path.relative_to(site).as_posix() for path in read}
+    assert pages - menu <= {
+        "index.html",
+        "search.html",
+        "genindex.html",
+        *(f"docs/gallery/{name}.html" for name in OWN),
+    }
+    assert {f"api/{name}.html" for name in api.pages()} <= menu
+
+
+SHOWN = exhibits.exhibits()
+OWN = {name for name, exhibit in SHOWN.items() if not exhibit.address}
+
+
+def test_every_picture_of_the_gallery_has_its_text_and_can_be_moved(site, read):
+    pictures = {
+        Path(link).stem for link in re.findall(r"!\[[^]]*\]\((\S+)\)", (PROJECT / "docs/gallery.md").read_text())
+    }
+    own = {"pieces", "black-tops"}  # the page cannot show them
+    assert set(SHOWN) == pictures and own == OWN
+    links = read[site / "docs" / "gallery.html"].links
+    commands = re.findall(r"<code[^>]*>(.*?)</code>", (site / "docs" / "gallery.html").read_text(), re.S)
+    commands = [re.sub("<[^>]*>", "", text) for text in commands]
+    # pictures that are composed of several have the commands of these
+    assert len([text for text in commands if text.startswith("povgen ")]) >= len(SHOWN)
+    for name, exhibit in SHOWN.items():
+        assert f"gallery/{name}.pov" in links
+        assert (f"../live.html#{exhibit.address}" if exhibit.address else f"gallery/{name}.html") in links
+        assert not exhibit.words or exhibit.words[0] in ("frame", "movie", "demo", "figure")
+        text = (site / "docs" / "gallery" / f"{name}.pov").read_text()
+        assert "#version 3.7" in text and f"{name}.pov" in text
+
+
+def test_the_live_page_shows_the_scenes_of_the_gallery(site, page):
+    """It takes every value of each address as it is."""
+    page.goto((site / "live.html").as_uri())
+    page.evaluate(NAMES)
+    for name, exhibit in SHOWN.items():
+        if not exhibit.address:
+            continue
+        state = page.evaluate("hash => { fromHash(hash); return [state, session.refusals]; }", f"#{exhibit.address}")
+        assert not state[1], f"{name}: {state[1]}"
+        for part in exhibit.address.split("&"):
+            key, _, value = part.partition("=")
+            if key == "show":
+                assert all(state[0][each] for each in value.split(",") if each)
+            else:
+                kept = state[0][key]
+                kept = ",".join(f"{x:g}" for x in kept) if isinstance(kept, list) else kept
+                assert kept == (float(value) if isinstance(kept, (int, float)) else value), f"{name}: {part}"
+
+
+def test_the_search_works_without_a_server(site, page):
+    page.goto(f"{(site / 'search.html').as_uri()}?q=Landlock")
+    page.wait_for_selector("#search-results li a")
+    found = page.locator("#search-results li a").all_inner_texts()
+    assert "Using povgen" in found
+    page.goto((site / "index.html").as_uri())
+    page.fill(".sidebar-search", "apparent_position")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#search-results li a")
+    assert "povgen" in page.locator("#search-results li a").all_inner_texts()
+
+
+@pytest.mark.parametrize(
+    "name", ["index", "docs/gallery", "docs/lesson", "docs/worksheet", "docs/speed", "api/povgen", "search"]
+)
+def test_everybody_can_read_it(name, site, page):
+    page.goto((site / f"{name}.html").as_uri())
+    faults = Axe().run(page, options=AA).response["violations"]
+    assert not faults, [(fault["id"], [node["target"] for node in fault["nodes"]][:3]) for fault in faults]
+
+
+def test_the_steps_of_the_lesson_open_the_live_page(site, read):
+    settings = website.SETTING.findall((PROJECT / "docs" / "lesson.md").read_text())
+    live = [f"../live.html{address}" for _, address in settings]
+    assert len(live) > 20 and set(live) == {
+        link for link in read[site / "docs" / "lesson.html"].links if "live" in link
+    }
+
+
+def test_the_worksheet_is_two_pages_of_a4_and_one_of_answers(site, page):
+    page.goto((site / "docs" / "worksheet.html").as_uri())
+    printed = page.pdf(prefer_css_page_size=True)
+    sizes = re.findall(rb"/Type /Page\b.*?/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", printed, re.S)
+    assert [(round(float(width)), round(float(height))) for width, height in sizes] == [(595, 842)] * 3  # points
+    page.emulate_media(media="print")
+    tops = {
+        name: page.locator(f"#{name}").evaluate("element => getComputedStyle(element).breakBefore") for name in BREAKS
+    }
+    page.emulate_media(media="screen")
+    assert set(tops.values()) == {"page"}
+
+
+def test_a_movie_can_be_played_and_stopped(site, page):
+    page.goto((site / "index.html").as_uri())
+    video = page.locator("video")
+    assert video.get_attribute("aria-label").startswith("Moving picture")
+    page.wait_for_function("document.querySelector('video').readyState >= 1")
+    assert video.evaluate("video => [video.controls, video.autoplay, video.duration]") == [True, False, 4.5]
+
+
+def test_the_python_interface_has_readable_types():
+    pages = api.pages()
+    assert all(f"\n## {name}\n" in pages["povgen"] for name in povgen.__all__)
+    assert "distance from the sheets to the piece" in pages["povgen"]  # the unit and range of a parameter
+    assert "eq. 7" in pages["povgen.optics.equations"]
+    for text in pages.values():
+        signatures = "".join(re.findall(r"^```python\n(.*?)^```", text, re.M | re.S))
+        assert not re.search(r"\b(typing|numpy|povgen|collections|pathlib)\.|<|_Supports", signatures)
+        assert not re.search(r"^### \w+\._|^## _", text, re.M)

@@ -1,0 +1,218 @@
+"""The equations against closed forms, limits, an independent ray construction and the authors' own ray tracer."""
+
+import inspect
+import warnings
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from povgen.optics import equations
+
+mpmath.mp.dps = 50
+ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
+RATIO = st.floats(0.01, 100)
+POINT = st.complex_numbers(max_magnitude=10)
+DIRECTION = st.tuples(*[st.floats(-1, 1)] * 2, st.floats(0.05, 1) | st.floats(-1, -0.05)).map(np.array)
+# double precision, a few operations
+EXACT = 1e-14
+
+
+def test_P_solves_the_equation_it_comes_from(rng):
+    r = rng.uniform(0.01, 10, 1000)
+    alpha = rng.uniform(-np.pi, np.pi, 1000)
+    P = equations.P(r, alpha)
+    # eq. 5: E - P = r exp(i alpha) P with E = 1
+    np.testing.assert_allclose(1 - P, r * np.exp(1j * alpha) * P, atol=1e-11)
+
+
+def test_apparent_position_is_where_a_turned_ray_reaches_the_eye(rng):
+    """Light leaves L, crosses the sheet at P, has its transverse direction turned by alpha and must arrive at E."""
+    n = 1000
+    L, E = rng.normal(size=(2, n)) + 1j * rng.normal(size=(2, n))
+    z1, z2 = rng.uniform(0.1, 10, (2, n))
+    alpha = rng.uniform(-3, 3, n)
+    P = equations.apparent_position(L, E, z1, z2, alpha)
+    slope = (P - L) / z1 * np.exp(1j * alpha)
+    np.testing.assert_allclose(P + slope * z2, E, atol=1e-10)
+
+
+def test_the_authors_ray_tracer_agrees():
+    # Dr TIM, to the four digits that it gave
+    P = equations.apparent_position(0.6, 0, 2, 6, np.radians(90))
+    assert P == pytest.approx(0.5400 + 0.1800j, abs=1e-12)
+    assert abs(P - (0.5399 + 0.1801j)) < 2e-4
+
+
+def test_nu_and_M_are_those_at_the_eye_and_not_as_printed():
+    nu, M = equations.nu(3, np.radians(66)), equations.M(3, np.radians(66))
+    assert np.degrees(nu) == pytest.approx(15.0, abs=0.05)
+    assert M == pytest.approx(0.851, abs=0.0005)
+    # an object of two points, seen from E: turned by nu and scaled by M
+    L = np.array([0.3 + 0.2j, -0.1 + 0.5j])
+    E = 0.4 - 0.1j
+    seen = equations.apparent_position(L, E, 2, 6, np.radians(66))
+    np.testing.assert_allclose(seen - E, (L - E) * M * np.exp(1j * nu), rtol=EXACT)
+    # the print's |P| would make an object that touches the sheet vanish
+    assert abs(equations.P(1e12, 0.3)) < 1e-11 and equations.M(1e12, 0.3) == pytest.approx(1)
+
+
+def test_limits_and_symmetric_angles(rng):
+    alpha = rng.uniform(-3, 3, 100)
+    np.testing.assert_allclose(equations.P(0, alpha), 1, rtol=EXACT)  # far away: seen at E
+    np.testing.assert_allclose(equations.P(np.inf, alpha), 0, atol=EXACT)  # touches the sheet: seen at L
+    np.testing.assert_allclose(equations.M(3, 0.0), 0.75, rtol=EXACT)  # alpha = 0: perspective
+    np.testing.assert_allclose(equations.M(3, np.pi), 1.5, rtol=EXACT)  # alpha = 180 deg: real image at -z1
+    np.testing.assert_allclose(equations.nu(1e-9, 1.0), 1.0, atol=1e-8)  # the horizon turns by alpha
+    np.testing.assert_allclose(equations.nu(0, alpha), alpha, rtol=EXACT)
+    assert equations.nu(np.inf, 1.0) == 0 and equations.M(np.inf, 1.0) == 1
+
+
+def test_near_the_pole_and_at_it():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for sign in (1, -1):
+            assert equations.P(1, sign * np.pi) == complex(np.inf, 0)
+            assert equations.M(1, sign * np.pi) == np.inf
+            assert np.isnan(equations.nu(1, sign * np.pi))
+            assert equations.r_from_P(equations.P(1, sign * np.pi)) == 1
+        assert np.isnan(equations.apparent_position(0.2, 0.2, 3, 3, np.pi))  # seen in every direction
+        assert equations.apparent_position(0.2, 0, 3, 3, np.pi) == complex(np.inf, 0)
+        assert equations.object_position(0.2, 0.1, 3, 3, np.pi) == 0.1
+
+
+@given(st.floats(-9, 0.5), st.floats(-np.pi, np.pi), st.sampled_from([1, -1, 3, -7]), st.floats(0.1, 100))
+def test_twelve_digits_up_to_a_billionth_from_the_pole(decade, direction, odd, z1):
+    """Against 50 digits, for exactly the doubles that are given; found are 4e-16."""
+    r = max(1e-9, 1 + 10**decade * np.cos(direction))
+    alpha = odd * np.pi + 10**decade * np.sin(direction)
+    z = mpmath.mpf(r) * mpmath.expj(alpha)
+    assume(abs(1 + z) > 1e-9)
+    assert off(equations.P(r, alpha), 1 / (1 + z)) < 1e-12
+    assert off(equations.one_minus_P(r, alpha), z / (1 + z)) < 1e-12
+    assert off(equations.M(r, alpha), abs(z / (1 + z))) < 1e-12
+    z2 = z1 * r
+    z = mpmath.mpf(z2) / mpmath.mpf(z1) * mpmath.expj(alpha)
+    assume(abs(1 + z) > 1e-9)
+    assert off(equations.apparent_position(0.6 - 0.1j, 0, z1, z2, alpha), mpmath.mpc(0.6, -0.1) * z / (1 + z)) < 1e-12
+
+
+def off(value, true):
+    return abs((mpmath.mpmathify(complex(value)) - true) / true)
+
+
+@given(RATIO, ANGLE)
+def test_condition_number_is_what_a_small_error_grows_by(r, alpha):
+    assume(equations.M(r, alpha) < 1e4)
+    for step in (1e-9 * r, 1e-9j * r):  # an error of r, and one of alpha
+        z = mpmath.mpf(r) * mpmath.expj(alpha)
+        P, moved = 1 / (1 + z), 1 / (1 + z + mpmath.mpc(step) * mpmath.expj(alpha))
+        assert abs(moved / P - 1) / 1e-9 == pytest.approx(equations.condition(r, alpha), rel=1e-4)
+
+
+@given(POINT, POINT, RATIO, RATIO, ANGLE)
+def test_object_position_is_the_inverse(P, E, z1, z2, alpha):
+    assume(equations.condition(z2 / z1, alpha) < 1e6)
+    L = equations.object_position(P, E, z1, z2, alpha)
+    again = equations.apparent_position(L, E, z1, z2, alpha)
+    assert again == pytest.approx(P, abs=1e-9 * (1 + abs(P - E) + abs(L - E)))
+
+
+@given(RATIO, ANGLE)
+def test_equations_1_to_6_lead_to_7(r, alpha):
+    assume(equations.condition(r, alpha) < 1e6)
+    z1, z2, theta = 2.0, 2 * r, 0.4
+    assert equations.p2(z2, theta) / equations.p1(z1, theta) == pytest.approx(equations.r(z1, z2))
+    P = equations.P(r, alpha)
+    assert equations.r_from_P(P) == pytest.approx(r, rel=1e-9)
+    assert equations.E_minus_P(P, r, alpha) == pytest.approx(1 - P, abs=1e-9 * (1 + abs(P)))
+    assert equations.E_from_P(P, r, alpha) == pytest.approx(1)
+    assert equations.one_minus_P(r, alpha) == pytest.approx(1 - P, abs=1e-12 * (1 + abs(P)))
+
+
+def test_an_object_that_touches_the_sheet():
+    assert equations.r(0, 6) == np.inf and equations.r_from_P(0) == np.inf
+    assert equations.apparent_position(0.3j, 1, 0, 6, 2.0) == pytest.approx(0.3j)
+
+
+@given(DIRECTION, ANGLE, ANGLE)
+def test_rotations_are_a_group_and_mirrors_their_roots(direction, a, b):
+    rotate, mirror = equations.rotate, equations.mirror
+    close = {"atol": 1e-14 * np.abs(direction).max()}
+    np.testing.assert_allclose(rotate(rotate(direction, a), b), rotate(direction, a + b), **close)
+    np.testing.assert_allclose(mirror(mirror(direction, a), a), direction, **close)
+    # light meets the far sheet, at 0, first; a camera's ray the near one, at alpha/2
+    sheets = (0, a / 2) if direction[2] < 0 else (a / 2, 0)
+    np.testing.assert_allclose(mirror(mirror(direction, sheets[0]), sheets[1]), rotate(direction, a), **close)
+    np.testing.assert_allclose(rotate(-rotate(direction, a), a), -direction, **close)  # reciprocity
+
+
+def test_maps_of_directions_broadcast(rng):
+    directions = rng.normal(size=(4, 5, 3))
+    angles = rng.uniform(-3, 3, (5,))
+    turned = equations.rotate(directions, angles)
+    assert turned.shape == (4, 5, 3)
+    np.testing.assert_allclose(turned[2, 3], equations.rotate(directions[2, 3], angles[3]), atol=1e-15)
+    np.testing.assert_allclose(equations.rotate([1, 0, -1], np.pi / 2), [0, 1, -1], atol=1e-15)
+    np.testing.assert_allclose(equations.mirror([1, 2, 3], 0), [1, -2, 3])
+
+
+# every public function that takes numbers which are real, and by name what it is called with
+REAL = {
+    equations.p1: {"z1": 2.0, "theta": 0.5},
+    equations.p2: {"z2": 6.0, "theta": 0.5},
+    equations.r: {"z1": 2.0, "z2": 6.0},
+    equations.E_minus_P: {"P": 0.3j, "r": 3.0, "alpha": 1.0},
+    equations.E_from_P: {"P": 0.3j, "r": 3.0, "alpha": 1.0},
+    equations.P: {"r": 3.0, "alpha": 1.0},
+    equations.one_minus_P: {"r": 3.0, "alpha": 1.0},
+    equations.nu: {"r": 3.0, "alpha": 1.0},
+    equations.M: {"r": 3.0, "alpha": 1.0},
+    equations.condition: {"r": 3.0, "alpha": 1.0},
+    equations.depth: {"z1": 2.0, "z2": 6.0, "alpha": 1.0, "behind": [(1.0, 0.5)]},
+    equations.curl: {"z1": 2.0, "z2": 6.0, "alpha": 1.0, "theta": 0.5},
+    equations.apparent_position: {"L": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
+    equations.object_position: {"P": 1j, "E": 0.2, "z1": 2.0, "z2": 6.0, "alpha": 1.0},
+    equations.rotate: {"direction": [0.1, 0.2, 1.0], "alpha": 1.0},
+    equations.mirror: {"direction": [0.1, 0.2, 1.0], "angle": 1.0},
+}
+SIGNED = {(equations.depth, "z1"), (equations.depth, "z2"), (equations.curl, "z1")}  # take distances of either sign
+OTHER = ("P", "L", "E", "behind")
+ARGUMENTS = [(function, name) for function, values in REAL.items() for name in values if name not in OTHER]
+# the first takes complex numbers, the others refuse them for all others
+OTHERS = {equations.r_from_P, equations.real, equations.radians}
+
+
+def test_every_public_function_is_tried_with_what_it_does_not_take():
+    public = {f for name, f in vars(equations).items() if inspect.isfunction(f) and not name.startswith("_")}
+    assert public == REAL.keys() | OTHERS
+
+
+@pytest.mark.parametrize(("function", "name"), ARGUMENTS)
+def test_complex_numbers_are_refused_nan_is_kept(function, name):
+    given = REAL[function]
+    for wrong in (np.asarray(given[name]) + 0.5j, np.array([given[name]]) + 0.5j, np.array([1j], object)):
+        with pytest.raises(TypeError):
+            function(**given | {name: wrong})
+    assert np.isnan(function(**given | {name: np.asarray(given[name]) * np.nan})).any()
+    if name in ("r", "z1", "z2") and (function, name) not in SIGNED:
+        with pytest.raises(ValueError, match=rf"^{name} = -0.5; allowed: 0 or more$"):
+            function(**given | {name: [1, -0.5, np.nan]})
+    if name in ("alpha", "theta", "angle"):
+        with pytest.raises(ValueError, match=rf"^{name} = 66; allowed: -10 pi to 10 pi, radians$"):
+            function(**given | {name: [1, 66, np.nan]})
+    if name == "alpha" and "r" in given and function not in (equations.E_minus_P, equations.E_from_P):
+        assert np.isnan(function(np.inf, np.nan)) and np.isfinite(function(np.inf, 1.0))
+
+
+@pytest.mark.parametrize("window", [(1j, 0.5), (1.0, 0.5j)])
+def test_complex_windows_are_refused(window):
+    with pytest.raises(TypeError, match="is complex; allowed: real numbers"):
+        equations.depth(2.0, 6.0, 1.0, [(1.0, 0.5), window])
+
+
+def test_light_parallel_to_the_sheet_is_refused():
+    with pytest.raises(ValueError, match="z = 0, parallel to the sheet"):
+        equations.rotate([[1.0, 0, 1], [1, 0, 0]], 0.3)

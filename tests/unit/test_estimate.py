@@ -1,0 +1,61 @@
+"""What povgen says of the time that rendering takes, before it begins."""
+
+import pytest
+from conftest import povgen, refused
+
+from povgen import Chess, MovieSpec, Rendering
+from povgen.rendering.estimate import cpu_seconds, duration, is_long
+
+PLAIN = Rendering(size=(640, 480), antialias="off")
+
+
+def ratio(first, second):
+    return cpu_seconds(*first) / cpu_seconds(*second)
+
+
+def test_what_costs_more():
+    """The measured ratios are those of docs/speed.md, 640x480 and 320x240."""
+    one = [Chess()], PLAIN
+    assert ratio(([Chess()] * 3, PLAIN), one) == pytest.approx(3)
+    assert ratio(one, ([Chess(sheet="ideal")], PLAIN)) == pytest.approx(1.84 / 0.42, rel=0.3)
+    assert ratio(one, ([Chess()], PLAIN.model_copy(update={"renderer": "gl"}))) == pytest.approx(10, rel=0.3)
+    assert ratio(([Chess(window="z=2")], PLAIN), one) == pytest.approx((1.84 + 1.4) / 1.84, rel=0.3)
+    small = {"size": (320, 240)}
+    for sheet, antialias, measured in (
+        ("detailed", "2x", 1.969 / 0.528),
+        ("detailed", "1,0.1,3", 4.064 / 0.528),
+        ("ideal", "1,0.1,3", 0.461 / 0.13),
+    ):
+        scene = Chess(sheet=sheet)
+        found = ratio(
+            ([scene], Rendering(antialias=antialias, **small)), ([scene], Rendering(antialias="off", **small))
+        )
+        assert found == pytest.approx(measured, rel=0.3), (sheet, antialias)
+    assert ratio(([Chess()], Rendering(stereo="pair")), ([Chess()], Rendering())) == pytest.approx(2)
+
+
+def test_a_time_in_words():
+    found = [duration(seconds) for seconds in (0.04, 2.4, 34, 59, 90, 599, 4000)]
+    assert found == ["0.04 s", "2 s", "30 s", "60 s", "1.5 min", "10 min", "1.1 h"]
+
+
+def test_a_dry_run_renders_nothing(tmp_path):
+    for arguments, said in (
+        (["movie", "vary-alpha", "--frames", "4", "--size", "64x48"], "4 frames of 64x48 pixels, about "),
+        (["frame", "chess"], "a picture of 480x360 pixels, about "),
+    ):
+        status, out, err = povgen([*arguments, "--dry-run"], tmp_path)
+        assert status == 0 and out.startswith(said) and not err and not list(tmp_path.iterdir())
+    assert "--sheet auto, which renders" in refused(
+        ["frame", "chess", "--dry-run", "--sheet", "auto", "--tolerance", "1px"], tmp_path
+    )
+
+
+def test_the_number_of_frames_is_that_of_the_option():
+    for quality in ("draft", "standard", "high", "hd"):
+        spec = MovieSpec.of_sweeps("chess", ["alpha=0:90"], {"frames": 7, "exact_frames": True})
+        assert len(spec.scenes(quality)) == spec.count(quality) == 7 and spec.rate(quality) == spec.frame_rate
+
+
+def test_what_is_long():
+    assert is_long([Chess()] * 100, Rendering()) and not is_long([Chess()], Rendering())

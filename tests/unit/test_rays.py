@@ -1,0 +1,150 @@
+"""Bundles of rays through all that a scene can have: ends, spots, where pencils converge; and wrong units."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from povgen import Bundle, Chess, InputError, Spheres
+from povgen.optics import equations, series, trace
+from povgen.optics.shares import shares
+from povgen.optics.trace import End
+from povgen.scene import camera
+from povgen.sheets import IDEAL
+
+WINDOWS = [
+    {"sheet": "detailed"},
+    {"sheet": "single", "prisms": 30},
+    {"sheet": "ideal", "alpha": 50, "window": ["alpha=75,z=2", "sheet=lens,focal_length=5,z=3"], "z2": 8},
+    {"sheet": "ideal", "alpha": 50, "window": "alpha=75,z=2,sheet=detailed", "z2": 8},
+    *({"sheet": kind.name, **values} for kind in IDEAL.values() for values in kind.examples),
+]
+
+
+@pytest.mark.parametrize("values", WINDOWS, ids=lambda values: f"{values['sheet']}-{len(values)}")
+def test_light_takes_the_path_of_the_cameras_rays(values):
+    scene = Chess(**values, eye=(0.3, -0.2))
+    rays = scene.rays((40, 30))
+    there = scene.trace(rays)
+    assert there.shape == (30, 40) and there.designed.sum() > 100
+    leaving = there[there.designed]
+    back = scene.trace(Bundle(leaving.position, -leaving.direction))
+    assert back.designed.all()
+    np.testing.assert_allclose(back.at(-scene.z2), scene.E, atol=1e-9)
+    np.testing.assert_allclose(back.direction, -rays[there.designed].direction, atol=1e-9)
+
+
+def test_a_ray_for_each_pixel():
+    scene = Chess(sheet="none", eye=(0.5, -0.3), z2=5)
+    rays = scene.rays((8, 6))
+    np.testing.assert_allclose(rays.at(0), camera.pixels(scene, (8, 6)))
+    np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=-1), 1)
+    assert (rays.position == (0.5, -0.3, -5)).all()
+    inside, direction = camera.rays(scene, (8, 6))
+    assert (rays.direction[inside] == direction).all()
+
+
+def test_ideal_sheets_bend_by_their_laws_and_prisms_as_in_the_trace():
+    scene = Chess(sheet="ideal", alpha=50, z2=8, window=["alpha=75,z=2", "alpha=-20,z=3,prisms=40,sheet=detailed"])
+    rays = scene.rays((64, 48))
+    found = scene.trace(rays)
+    P = series.crossings(rays.at(0), 0, 8, np.radians(50), scene.behind)
+    turned = equations.rotate(rays.direction, np.radians(125))
+    at = np.stack((P[1].real, P[1].imag, np.full(P[1].shape, 2.0)), -1)
+    passes = (np.maximum(abs(P[:2].real), abs(P[:2].imag)) < 1.3).all(0)
+    (prisms,) = (window for window in scene.windows if window.sheet.layers)
+    exact = trace.trace(at[passes], turned[passes], prisms.sheet.layers_at(3, 0), 3.0, frame=scene.depth)
+    same = found.end[passes] == exact.end
+    assert passes.sum() > 500 and same.mean() > 0.9 and (found.count == 0)[~passes].mean() > 0.8
+    through = exact.end == End.THROUGH
+    np.testing.assert_allclose(found.position[passes][same & through], exact.position[same & through], atol=1e-9)
+    assert (found.designed[passes][same] == exact.designed[same]).all()
+    back = same & (exact.end == End.BACK)  # on their way back, the ideal windows turn these rays once more
+    once_more = equations.rotate(exact.direction[back], np.radians(75 + 50))
+    assert back.sum() > 5
+    np.testing.assert_allclose(found.direction[passes][back], once_more, atol=1e-9)
+
+
+def test_how_rays_end():
+    scene = Chess(sheet="refraction", ratio=0.3, window="sheet=none,z=8", z2=4)
+    targets = np.array([0.1, 0.6, 1.4, 2.0])  # straight on; beside window 2; totally reflected; beside window 1
+    found = scene.trace(Bundle((0, 0, -4), np.column_stack((targets, 0 * targets, 0 * targets + 4))))
+    assert [*found.end] == [End.THROUGH, End.BESIDE, End.BLOCKED, End.FRAME]
+    assert [*found.designed] == [True, False, False, False] and not found.faces.size
+    share = shares(found)
+    assert (share.designed, share.beside, share.blocked, share.frame) == (0.25,) * 4
+    oblique = scene.trace(Bundle((-6.4, 0, -4), [[1.52 + 6.4, 0, 4], [1.3 + 6.4, 0, 4]]))  # meets the frame's inside
+    assert [*oblique.end] == [End.FRAME, End.BLOCKED]
+
+
+@pytest.mark.parametrize("alpha", [0, 40, 66, 180, -100])
+def test_where_a_pencil_converges(alpha):
+    """At the distance Re W, and at |Im W| times the spread of the slopes: see optics/series.py."""
+    scene, z1 = Chess(sheet="ideal", alpha=alpha), 2
+    light = scene.trace(scene.pencil((0.1, -0.2, z1), 500, middle=0.3j, radius=0.5))
+    W = series.image_depth(z1, np.radians(alpha))
+    seen = light.convergence()
+    assert light.designed.all() and seen.z == pytest.approx(W.real, abs=1e-12)
+    spread = np.sqrt((abs(light.slope - light.slope.mean()) ** 2).mean())
+    assert seen.rms == pytest.approx(abs(W.imag) * spread, abs=1e-12)
+    if alpha in (0, 180):
+        assert (seen.x, seen.y) == pytest.approx((0.1, -0.2), abs=1e-12)
+    for z in (seen.z - 0.1, seen.z + 0.1):
+        assert scene.spot((0.1, -0.2, z1), z, 500, 0.3j, 0.5).rms > seen.rms
+
+
+def test_a_lens_makes_parallel_rays_of_its_focus():
+    scene = Chess(sheet="lens", focal_length=4)
+    light = scene.trace(scene.pencil((0, 0, 4), 100))
+    assert light.convergence().z == np.inf and light.convergence().rms > 0.5
+    assert scene.trace(scene.pencil((0, 0, -6), 100)).convergence().z == pytest.approx(12)  # 1/6 + 1/12 = 1/4
+
+
+def test_a_spot_through_prisms_shrinks_with_them():
+    spots = [Chess(alpha=180, prisms=N).spot((0.1, 0.2, 2), -2, 2000, 0.1, 0.4) for N in (50, 100, 200)]
+    sizes = np.array([spot.rms for spot in spots])
+    assert np.log2(sizes[:-1] / sizes[1:]) == pytest.approx(1, abs=0.25)
+    assert abs(spots[-1].centre - (0.1 + 0.2j)) < 0.02 and 0.4 < spots[-1].share < 0.8
+    stray = Chess(alpha=180, prisms=200).spot((0.1, 0.2, 2), -2, 2000, 0.1, 0.4, stray=True)
+    assert stray.share > spots[-1].share + 0.05 and stray.rms > 3 * spots[-1].rms
+
+
+def test_the_memory_of_a_spot_is_that_of_its_points():
+    scene, peaks = Spheres(sheet="ideal"), []
+    for count in (80_000, 240_000):
+        tracemalloc.start()
+        spot = scene.spot((0, 0, -6), 5, count, radius=0.5)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert len(spot.points) == count and spot.share == 1
+    assert peaks[1] - peaks[0] < 80 * 160_000  # bytes; all rays at once would need more than 160 a ray
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda s: s.rays(64), "size = 64: allowed: width and height, in pixels"),
+        (lambda s: s.rays((64, 4.5)), "height = 4.5: allowed: a whole number from 1 to 16384"),
+        (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
+        (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
+        (lambda s: s.pencil(0.5), "allowed: x, y and z"),
+        (lambda s: s.pencil((0, 0, 2), count=0), "count = 0: allowed: a whole number"),
+        (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
+        (lambda s: s.trace(Bundle((0, 0, -1), (0, 0, -1))), "ray 0 from"),
+        (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
+        (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "most = 0"),
+        (lambda s: Bundle((0, 0, -6), (0, 0)), "direction: an array of the shape (2,); allowed: (..., 3)"),
+        (lambda s: Bundle((0, 0, -6), (1, 0, 0)), "direction: dz = 0"),
+        (lambda s: Bundle((0, 0, np.nan), (1, 0, 1)), "position: not finite"),
+        (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
+    ],
+)
+def test_wrong_values_are_refused(call, words):
+    with pytest.raises(ValueError) as raised:
+        call(Chess(sheet="detailed", prisms=20))
+    assert words in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_what_a_user_gives_a_scene_is_an_input_error():
+    with pytest.raises(InputError, match="between the windows"):
+        Chess().spot((0, 0, 0), 3)

@@ -1,0 +1,51 @@
+"""How to install what is missing."""
+
+import shlex
+
+import pytest
+
+from povgen import remedies
+from povgen.remedies import CHECKOUT
+
+
+@pytest.fixture
+def programs(tmp_path, monkeypatch):
+    """Return a function that makes programs of these names the only ones on the path."""
+
+    def put(*names):
+        for name in names:
+            (tmp_path / name).write_text("#!/bin/sh\n")
+            (tmp_path / name).chmod(0o755)
+
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CONDA_PREFIX", raising=False)
+    return put
+
+
+@pytest.mark.parametrize(
+    ("found", "povray", "gl"),
+    [
+        (["apt-get"], "apt-get install povray", "apt-get install libegl1 "),
+        (["dnf"], "dnf install povray", "dnf install mesa-libEGL "),
+        (["brew"], "brew install povray", "on Debian: apt-get install libegl1 "),
+        (["conda"], "conda install conda-forge::povray", "on Debian: apt-get install libegl1 "),
+        ([], "on Debian: apt-get install povray", "on Debian: apt-get install libegl1 "),
+    ],
+)
+def test_the_command_is_of_this_system(found, povray, gl, programs):
+    programs(*found)
+    assert remedies.system("povray") == povray and remedies.system("gl").startswith(gl)
+
+
+def test_an_environment_of_conda_comes_first(programs, monkeypatch):
+    programs("apt-get", "conda")
+    assert remedies.system("povray") == "apt-get install povray"
+    monkeypatch.setenv("CONDA_PREFIX", "/opt/conda")
+    assert remedies.system("povray") == "conda install conda-forge::povray"
+    assert remedies.system("gl").startswith("apt-get install libegl1")
+
+
+def test_an_extra_is_installed_from_where_povgen_is(tmp_path, monkeypatch):
+    assert shlex.split(remedies.extra("gl")) == ["pip", "install", "-e", f"{CHECKOUT}[gl]"]
+    monkeypatch.setattr(remedies, "CHECKOUT", tmp_path)  # as a wheel's, which has no pyproject.toml beside it
+    assert remedies.extra("gl") == "pip install 'povgen[gl]'"

@@ -1,0 +1,104 @@
+"""Tables of many scenes: their columns, their numbers, and the processes that compute them."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError, PovrayError, Spheres, results
+from povgen.optics import equations, series
+from povgen.rendering import results as module
+from povgen.scene import survey
+from povgen.scene.quantities import QUANTITIES
+
+SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
+
+
+def test_the_columns_are_what_differs_and_the_quantities():
+    table = results(SCENES, "M", "nu", "visible", progress=False)
+    assert list(table) == ["alpha", "z1", "M", "nu", "visible"] and {len(column) for column in table.values()} == {6}
+    assert all(column.dtype == float for column in table.values())
+    r, alpha = 6 / table["z1"], np.radians(table["alpha"])
+    np.testing.assert_allclose(table["M"], equations.M(r, alpha))
+    np.testing.assert_allclose(np.radians(table["nu"]), equations.nu(r, alpha), atol=1e-12)
+    assert np.isnan(table["nu"]).tolist() == [False] * 5 + [True] and table["visible"].tolist() == [1] * 5 + [0]
+
+
+def test_columns_of_all_kinds_of_parameters():
+    scenes = [
+        Chess(sheet="none", eye=(0.5, 1), x=(0, 1)),
+        Chess(sheet="law", parameter={"k": 2}, window="alpha=30,z=2"),
+        Spheres(sheet="none", z1=3, fresnel=True),
+    ]
+    table = results((scene for scene in scenes), "x", progress=False)
+    assert table["scene"].tolist() == ["chess", "chess", "spheres"] and table["sheet"].tolist() == [
+        "none",
+        "law",
+        "none",
+    ]
+    assert table["eye_x"].tolist() == [0.5, 0, 0] and table["x_2"][0] == 1 and np.isnan(table["x_2"][1:]).all()
+    assert table["window2_alpha"][1] == 30 and table["window2_z"][1] == 2 and table["parameter_k"][1] == 2
+    assert table["piece"].tolist() == ["knight", "knight", ""] and table["fresnel"].tolist() == [False, False, True]
+    assert "background" not in table and "z1" in table
+
+
+def test_what_the_ray_trace_finds():
+    scene = Chess(alpha=120, z1=2)
+    table = results([scene], "designed", "stray", "focus", "spot", progress=False)
+    assert table["designed"][0] == pytest.approx(survey.survey(scene).designed, abs=0.03)
+    assert 0.2 < table["stray"][0] < 1 - table["designed"][0]
+    ideal = results([scene.replace(sheet="ideal")], "focus", "spot", "designed", progress=False)
+    W = series.image_depth(2, np.radians(120))
+    assert ideal["focus"][0] == pytest.approx(W.real) and ideal["designed"][0] > 0.9
+    assert table["focus"][0] == pytest.approx(W.real, abs=0.1)
+    assert 0.5 < table["spot"][0] / ideal["spot"][0] < 1  # the designed path has smaller angles
+    black = results([scene.replace(tops="black")], "stray", progress=False)
+    assert black["stray"][0] < 0.5 * table["stray"][0]
+    dark = Chess(sheet="law", law="x, y, -z")
+    assert np.isnan(results([dark], "focus", progress=False)["focus"][0])
+
+
+def test_other_processes_find_the_same(monkeypatch, capsys):
+    alone = results(SCENES, "M", "x", progress=False, workers=1)
+    monkeypatch.setattr(module, "PATIENCE", 0)
+    together = results(SCENES, "M", "x", workers=2)
+    assert list(together) == list(alone) and all(np.array_equal(together[name], alone[name]) for name in alone)
+    assert capsys.readouterr().err.splitlines() == [f"results: {n}/6 scenes" for n in range(1, 7)]
+
+
+def test_a_process_that_ends_is_an_error(monkeypatch):
+    monkeypatch.setattr(module, "PATIENCE", 0)
+    python = module.python
+    monkeypatch.setattr(module, "python", lambda _: python("povgen.version"))
+    with pytest.raises(PovrayError, match="^results: the process that computes Chess.* has ended$"):
+        results(SCENES, "M", workers=2, progress=False)
+
+
+class Mine(Chess):
+    """A scene that other processes do not know."""
+
+
+def test_scenes_of_ones_own(monkeypatch):
+    monkeypatch.setattr(module, "PATIENCE", 0)
+    monkeypatch.setattr(module, "python", None)
+    assert results([Mine(), Mine(alpha=3)], "M", workers=2, progress=False)["alpha"].tolist() == [66, 3]
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: results(SCENES), "quantity = None: allowed: x, y, nu, M"),
+        (lambda: results(SCENES, "nix"), "quantity = 'nix': allowed: x, y"),
+        (lambda: results([3], "M"), "scene = 3"),
+        (lambda: results(SCENES, "M", workers=0), "workers = 0"),
+        (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
+    ],
+)
+def test_wrong_values_are_refused(call, words):
+    with pytest.raises(InputError) as raised:
+        call()
+    assert words in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_no_scenes_make_an_empty_table():
+    assert {name: column.shape for name, column in results([], *QUANTITIES, progress=False).items()} == {
+        name: (0,) for name in QUANTITIES
+    }

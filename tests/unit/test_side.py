@@ -1,0 +1,93 @@
+"""The side view: everything is where the scene has it, to one scale."""
+
+import numpy as np
+import pytest
+from conftest import refused
+
+from povgen import Chess, Spheres
+from povgen.settings import Rendering
+from povgen.video import side, still
+
+SIZE = 640, 480
+TWO = {"alpha": 120, "window": "alpha=120,z=2", "z2": 8, "z1": 2}
+
+
+def middles(strip, colour):
+    """Return the x of each group of columns with this colour, pixels."""
+    columns = np.flatnonzero((strip == colour).all(-1).any(0))
+    return [group.mean() for group in np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if len(group)]
+
+
+def test_images_are_where_the_light_comes_together():
+    assert side.images(Chess(alpha=180, z1=2)) == pytest.approx([-2])  # a real image, as far before the window
+    assert side.images(Chess(alpha=0, z1=2)) == pytest.approx([2])
+    assert side.images(Chess(**TWO)) == pytest.approx([-2])
+    assert np.isnan(side.images(Chess(alpha=66))).all()  # light never comes together
+    assert np.isnan(side.images(Chess(sheet="refraction", ratio=0.7))).all()
+    assert np.isnan(side.images(Chess(sheet="view-rotator", alpha=20))).all()
+    assert side.images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
+    assert side.images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
+    assert side.images(Chess(sheet="lens", focal_length=4)) == pytest.approx([4])
+
+
+@pytest.mark.parametrize("scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9)])
+def test_distances_have_one_scale(scene):
+    strip = side.side_view(scene, *SIZE)
+    assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0
+    windows, (thing,), (image,) = (middles(strip, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE))
+    (eye, *_) = middles(strip[: len(strip) * 3 // 4], (255, 255, 255))
+    places = np.array([-scene.z2, *scene.places, scene.places[-1] + scene.z1, *side.images(scene)])
+    pixels = np.array([eye, *windows, thing, image])
+    scale = (thing - eye) / (places[-2] - places[0])
+    assert abs(pixels - eye - scale * (places - places[0])).max() < 1.5
+    column = (strip == side.SHEET).all(-1).any(1)
+    assert abs(column.sum() - scale * scene.aperture) < 3  # along y too
+    foot = np.flatnonzero((strip == side.OBJECT).all(-1).any(1))[-1]
+    middle = np.flatnonzero(column).mean()
+    assert abs(foot - middle + scale * scene.L.imag) < 2
+
+
+@pytest.mark.parametrize("scene", [Chess(sheet="ideal", alpha=180, eye=(0, 0.4)), Chess(sheet="ideal", **TWO)])
+def test_rays_from_the_objects_tip_meet_at_the_images(scene):
+    (image,) = side.images(scene)
+    heights = []
+    for (z0, y0), (z1, y1), *_, (last, tip) in side._rays(scene):
+        heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
+        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L.imag + side.ARROW)
+    assert heights == pytest.approx([tip, tip])  # the image is upright, and as large as the object
+
+
+def test_a_movie_keeps_its_scale():
+    scenes = [Chess(**{**TWO, "window": f"alpha=120,z={z}"}) for z in (0.5, 2, 5)]
+    strips = [side.side_view(scene, *SIZE, side.extent(scenes)) for scene in scenes]
+    marks = np.array([middles(strip[: len(strip) * 3 // 4], (255, 255, 255))[:1] for strip in strips])
+    eyes, firsts = marks[:, 0], np.array([middles(strip, side.SHEET)[0] for strip in strips])
+    assert np.ptp(eyes) == 0 == np.ptp(firsts)
+    seconds = np.array([middles(strip, side.SHEET)[1] for strip in strips])
+    assert np.allclose((seconds - firsts) / (firsts - eyes), np.array([0.5, 2, 5]) / 8, atol=0.01)
+
+
+def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
+    texts = []
+    monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size)))
+    for scene, expected in (
+        (Chess(alpha=66), {"eye", "sheets", "object", "no image"}),
+        (Chess(alpha=180), {"eye", "sheets", "object", "real image"}),
+        (Chess(alpha=0), {"eye", "sheets", "object", "virtual image"}),
+        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther"}),
+        (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther"}),
+    ):
+        texts.clear()
+        side.side_view(scene, *SIZE)
+        assert {text for _, text, _ in texts} == expected
+        ends = sorted((x, x + size * side.text_width(text)) for x, text, size in texts)
+        assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
+        assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
+
+
+def test_it_is_added_below_the_picture(tmp_path):
+    scene, size = Chess(sheet="none"), (96, 72)
+    plain, more = (still.render(scene, size=size, antialias="off", side_view=on) for on in (False, True))
+    assert (more[:72] == plain).all() and (more[72:] == side.side_view(scene, *size)).all()
+    assert Rendering(side_view=True).annotated
+    assert "side_view is drawn with 8 bits" in refused(["frame", "chess", "--side-view", "--bits=16"], tmp_path)

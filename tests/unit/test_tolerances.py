@@ -1,0 +1,193 @@
+"""Pairs of sheets that are not built exactly: the ray trace, the prediction, sensitivities and random builds."""
+
+from math import asin, cos, radians, sin
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError
+from povgen.liveview.values import values
+from povgen.measure import tolerance
+from povgen.optics import aim
+from povgen.optics.faces import Sheet, facet_angles
+from povgen.optics.prism import Prism
+from povgen.optics.profile import confocal
+from povgen.optics.trace import trace
+from povgen.rendering.views import check_gl
+from povgen.scene.quantities import seen
+
+FINE = Chess(prisms=1000, alpha=90, z1=10, z2=10)
+
+
+@pytest.mark.parametrize("tilt", [(0.3, 0), (0, 0.3), (-0.2, 0.1)])
+def test_a_tilted_sheet_turns_light_by_twice_the_tilt_about_its_ridges(tilt):
+    """Along z light meets the sheet at the tilt; about the normal to the ridges it acts as a slab of glass."""
+    tilt = tuple(np.radians(tilt))
+    place = np.random.default_rng(1).uniform(-1, 1, (2000, 2))
+    start = np.column_stack((place, np.full(2000, -5)))
+    rays = trace(start, [[0, 0, 1]], (Sheet(0.0, 0.0, Prism(0.01), tilt=tilt),), 3.0)
+    assert rays.designed.mean() > 0.8
+    slope = rays.direction[rays.designed][:, :2] / rays.direction[rays.designed][:, 2:]
+    np.testing.assert_allclose(slope, [(0, -np.tan(2 * tilt[0]))] * len(slope), atol=3e-5)
+    across = aim.layer(Sheet(0.0, 0.0, Prism(0.01), tilt=tilt))
+    np.testing.assert_allclose(slope, [across[2:4, 4]] * len(slope), atol=3e-5)
+
+
+def test_a_tilt_and_the_opposite_rotation_of_the_rays_are_the_same():
+    sheet = Sheet(0.4, 0.2, Prism(0.1), tilt=(0.1, -0.2))
+    rng = np.random.default_rng(2)
+    start = np.column_stack((rng.uniform(-0.2, 0.2, (300, 2)), np.full(300, -4.0)))  # far from the frame
+    direction = np.column_stack((rng.uniform(-0.1, 0.1, (300, 2)), np.ones(300)))
+    tilted = trace(start, direction, (sheet,), 3.0)
+    middle = np.array([0, 0, 0.2])
+    plain = trace((start - middle) @ sheet.axes.T, direction @ sheet.axes.T, (Sheet(0.4, 0.0, Prism(0.1)),), 3.0)
+    assert (tilted.end == plain.end).all() and (tilted.faces == plain.faces).all()
+    np.testing.assert_allclose(tilted.position, plain.position @ sheet.axes + middle, atol=1e-12)
+    np.testing.assert_allclose(tilted.direction, plain.direction @ sheet.axes, atol=1e-12)
+
+
+def test_a_sheet_that_is_turned_changes_alpha_by_twice_as_much():
+    wrong, planned = FINE.replace(error={"turn": 1.5}), FINE.replace(alpha=93)
+    rays = planned.rays((30, 30))
+    found = [scene.trace(rays) for scene in (wrong, planned)]
+    np.testing.assert_allclose(*(each.direction for each in found), atol=1e-12)
+    assert wrong.sheets[0].thin == planned.sheets[0].thin
+
+
+@pytest.mark.parametrize("error", tolerance.STEPS)
+def test_the_prediction_knows_the_error(error):
+    """Glass and base angle of both facets alike do not turn light."""
+    wrong = FINE.replace(error={error: {"separation": 0.2, "index": 0.05, "far_index": 0.05}.get(error, 0.5)})
+    predicted = wrong.apparent_position(wrong.L, wrong.z1)
+    effect = abs(seen(wrong).position - seen(FINE).position)
+    assert (effect > 0.005) is (error in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "separation"))
+    assert abs(seen(wrong).position - predicted) < 0.1 * effect + 5e-4
+
+
+def test_facets_that_differ_turn_light_as_snells_law_says():
+    """Of light along z: refraction at the near facet, reflection at the base, refraction at the far facet."""
+    shape, half = Prism(0.1, index=1.6, base_angle=40), radians(0.2)
+    sheet = Sheet(0.0, 0.0, shape, facets=half, seed=(4, 1))
+    lowest, angles = facet_angles(shape, 3.0, sheet.facets, sheet.seed)
+    assert lowest <= 0 and lowest + len(angles) >= 30 and abs(angles - radians(40)).max() <= 4 * half
+    assert angles.std() == pytest.approx(half, rel=0.2) and abs(np.corrcoef(angles.T)[0, 1]) < 0.4
+    for number in range(30):  # the light of one prism after the other
+        y = -1.5 + (number + np.linspace(0.1, 0.9, 50)) * shape.pitch
+        start = np.column_stack((np.zeros(50), y, np.full(50, -5.0)))
+        rays = trace(start, [[0, 0, 1]], (sheet,), 3.0)
+        near, far = angles[number - lowest]
+        slope = np.pi / 2 - near - asin(cos(near) / shape.index)  # angle to z in the glass, behind the base
+        out = np.pi / 2 - far + asin(shape.index * sin(slope + far - np.pi / 2))
+        np.testing.assert_allclose(
+            np.arctan2(rays.direction[rays.designed, 1], rays.direction[rays.designed, 2]), out, atol=1e-12
+        )
+        assert rays.designed.sum() > 20
+
+
+def test_prisms_without_differences_are_equal_prisms():
+    rays = FINE.replace(prisms=40).rays((60, 60))
+    equal, unequal = (FINE.replace(prisms=40, error={"facets": x, "seed": 3}).trace(rays) for x in (0, 1e-12))
+    assert (equal.faces == unequal.faces).mean() > 0.9999
+    np.testing.assert_allclose(equal.direction[equal.designed], unequal.direction[equal.designed], atol=1e-10)
+    with pytest.raises(InputError, match="error: facets: the renderer gl draws equal prisms"):
+        check_gl(FINE.replace(error={"facets": 0.1}))
+
+
+@pytest.mark.parametrize("mismatch", [1e-4, -1e-3])
+@pytest.mark.parametrize(("ratio", "lenses"), [(1, 100), (0.7, 31)])
+def test_lenses_of_another_pitch_turn_light_in_proportion_to_the_distance(mismatch, ratio, lenses):
+    """By n delta/f1: delta = mismatch * x is how far the lenses opposite are displaced, f1 their focal length."""
+    pitch = 3 / lenses
+    shape = confocal(ratio, 6, 1.5, mismatch=mismatch).scaled(pitch)
+    x = pitch * (np.arange(-lenses // 2 + 5, lenses // 2 - 5) + (0.5 if lenses % 2 == 0 else 0))
+    start = np.column_stack((0 * x, x, 0 * x - 5))
+    rays = trace(start, [[0, 0, 1]], (Sheet(0.0, 0.0, shape),), 3.0)
+    assert rays.designed.all()
+    slope = rays.direction[:, 1] / rays.direction[:, 2]
+    wanted = 1.5 * mismatch * x / (ratio * 6 * pitch)
+    np.testing.assert_allclose(slope, wanted, rtol=0.003, atol=1e-12)
+    # the prediction is fitted to rays up to 0.1 rad, and so has some spherical aberration
+    np.testing.assert_allclose(aim.layer(Sheet(0.0, 0.0, shape))[3, 1] * x, wanted, rtol=0.1, atol=1e-12)
+
+
+def test_the_picture_of_arrays_of_different_pitch_repeats():
+    """Where the lenses opposite are displaced by a whole lens, their light has order 1: every p/mismatch."""
+    pitch, mismatch = 0.03, 0.025  # p/mismatch is 1.2 tiles: opposite 41 lenses are 40
+    sheet = Sheet(0.0, 0.0, confocal(1, 6, 1.5, mismatch=mismatch).scaled(pitch))
+    x = pitch * np.array([0.5, 41.5, -40.5])
+    rays = trace(np.column_stack((0 * x, x, 0 * x - 5)), [[0, 0, 1]], (sheet,), 3.0)
+    assert rays.orders[:, 0].tolist() == [0, -1, 1] and rays.designed.tolist() == [True, False, False]
+    np.testing.assert_allclose(rays.direction[:, 1], rays.direction[0, 1], atol=1e-9)
+    assert abs(rays.direction[0, 1]) > 0.003
+
+
+@pytest.mark.parametrize("mismatch", [1e-3, 3e-3, 1e-2])
+def test_the_prediction_knows_the_pitch(mismatch):
+    scene = Chess(sheet="lenticular", lenses=400, f_number=6, alpha=40, z1=3)
+    wrong = scene.replace(error={"pitch": mismatch, "far_pitch": mismatch})
+    traced, predicted = seen(wrong), wrong.apparent_position(wrong.L, 3)
+    plan = scene.apparent_position(scene.L, 3)
+    assert abs(traced.position - predicted) < 0.1 * abs(traced.position - plan)
+
+
+def test_facets_of_random_builds():
+    """Each build draws its own facets, and all are blurred alike."""
+    rough = Chess(prisms=200, alpha=90, z1=10, z2=10)
+    change = tolerance.builds(rough, tolerance.Spread(deviation={"facets": 0.1}, builds=6))
+    assert len(set(change.displaced)) == 6 and (change.blurred > 2).all()
+
+
+def test_sensitivities():
+    found = tolerance.sensitivities(FINE)
+    exact, turned = (scene.apparent_position(scene.L, scene.z1) for scene in (FINE, FINE.replace(alpha=92)))
+    assert found["turn"].displaced == pytest.approx(abs(turned - exact) / 10 / tolerance.ARCMINUTE, rel=0.05)
+    # at alpha = 90 the light of an object as far as the eye appears displaced by 1/sqrt(2) of the light's deviation
+    assert found["far_tilt_x"].displaced == pytest.approx(120 / np.sqrt(2), rel=0.02)
+    assert found["far_tilt_y"].displaced < 1
+    assert np.hypot(found["tilt_x"].displaced, found["tilt_y"].displaced) == pytest.approx(120 / np.sqrt(2), rel=0.02)
+
+
+def test_random_builds_of_a_scene_with_an_error():
+    wrong = FINE.replace(error={"turn": 1})
+    change = tolerance.builds(wrong, tolerance.Spread(deviation={"turn": 0.01}, builds=5))
+    assert (change.turned < 0.05).all() and (change.displaced < 0.2).all()
+
+
+def test_random_builds_agree_with_the_sensitivities():
+    spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
+    change = tolerance.builds(FINE, spread)
+    unit = tolerance.sensitivities(FINE)["far_tilt_x"].displaced
+    drawn = abs(np.random.default_rng(1).normal(size=60)) * 0.02
+    np.testing.assert_allclose(change.displaced, unit * drawn, rtol=0.05, atol=0.02)
+    assert tolerance.percentile(change.displaced, 50) == pytest.approx(unit * np.quantile(drawn, 0.5), rel=0.1)
+    assert tolerance.percentile(np.array([1, np.nan]), 99) == np.inf
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: Chess(error={"x": 1}), "error = {'x': 1}: should be 'turn', 'tilt_x'"),
+        (lambda: Chess(error="tilt_x=11"), "error: tilt_x = 11; allowed: -10 to 10 degrees"),
+        (lambda: Chess(error="separation=-0.1"), "error: separation = -0.1; allowed: 0 to 10 tiles"),
+        (lambda: Chess(error="facets=nan"), "error"),
+        (lambda: Chess(aspect=0.48, error="base_angle=-8"), "error: slanted facets would cross"),
+        (lambda: Chess(aspect=0.48, error="facets=1"), "error: slanted facets would cross"),
+        (lambda: Chess(index=1.1, error="far_index=-0.1"), "index = 1; allowed: above 1"),
+        (lambda: Chess(error="turn=1", window="z=2"), "only for a single window"),
+        (lambda: Chess(error="pitch=0.01"), "error: pitch = 0.01; allowed for prisms: turn, tilt_x"),
+        (lambda: Chess(sheet="lenticular", error="turn=1"), "turn = 1; allowed for lenses: pitch, far_pitch"),
+        (lambda: Chess(sheet="lenticular", error="far_pitch=0.2"), "error: far_pitch = 0.2; allowed: -0.1 to 0.1"),
+        (lambda: Chess(sheet="lenticular", error="pitch=nan"), "error"),
+        (lambda: Chess(sheet="lenticular", error="pitch=0.01", window="z=4"), "only for a single window"),
+        (lambda: Chess(sheet="lenticular", f_number=1.5, error="pitch=0.1"), "more than a semicircle"),
+        (lambda: check_gl(Chess(sheet="lenticular", error="pitch=0.01")), "the renderer gl draws lenses of one pitch"),
+        (lambda: values(Chess(sheet="lenticular", error="pitch=0.01")), "the live view shows sheets that are built"),
+        (lambda: tolerance.sensitivities(Chess(sheet="ideal")), "sheet = 'ideal': allowed: 'detailed'"),
+        (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation = ['turn=2']: should be less than"),
+        (lambda: tolerance.Spread(builds=0), "builds = 0"),
+    ],
+)
+def test_what_is_refused(call, words):
+    with pytest.raises(InputError) as raised:
+        call()
+    assert words in str(raised.value)
