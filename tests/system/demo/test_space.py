@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from demo.conftest import FAULTS, show
+from demo.conftest import FAULTS, bounds, show
 from povgen.measure import field
 from povgen.optics import equations
 
@@ -144,7 +144,7 @@ def test_a_loop_perpendicular_to_the_rays_does_not_close(page):
 def test_the_view_is_turned_by_keys_dragging_and_buttons(page):
     def eye():
         page.evaluate("draw()")
-        box = page.locator("#space .pupil").bounding_box()
+        [box] = bounds(page, "#space .pupil")
         return np.array([box["x"], box["y"]])
 
     view = page.locator("#space-turn")
