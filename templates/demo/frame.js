@@ -1,4 +1,4 @@
-// A drawing of the page, before the browser shows its next frame.
+// A drawing of the page: at once, or before the browser shows its next frame.
 
 let asked = false;
 let action = () => {};
@@ -8,11 +8,16 @@ export function drawBy(draw) {
   action = draw;
 }
 
+// Draw at once. A drawing that was asked for is done by this.
+export function draw() {
+  asked = false;
+  action();
+}
+
 export function refresh() {
   if (asked) return;
   asked = true;
   requestAnimationFrame(() => {
-    asked = false;
-    action();
+    if (asked) draw();
   });
 }

@@ -32,7 +32,7 @@ function rewrite() {
   rewriteQuestion();
 }
 
-export function draw() {
+function drawPage() {
   if (written !== spoken.language) rewrite();
   const now = moment();
   view.set(now.scene);
@@ -98,7 +98,7 @@ addEventListener("popstate", () => {
   refresh();
 });
 
-drawBy(draw);
+drawBy(drawPage);
 fromHash(location.hash);
 const opened = toHash();
 let kept = opened;  // the state that the address has
