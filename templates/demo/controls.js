@@ -72,13 +72,16 @@ function numberField(input, step, values) {
   input.addEventListener("input", () => {
     session.typing = input;
     const x = readNumber(input.value);
+    input.ariaInvalid = String(!Number.isFinite(x));
     if (!Number.isFinite(x)) return;
     given(values(x));
     const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
     if (noSphere) session.refusals = [say("controls.no_sphere", { z1: brief(x) })];
   });
+  input.setAttribute("aria-errormessage", "sentence");
   input.addEventListener("change", () => {
     session.typing = null;
+    input.ariaInvalid = "false";
     if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
     refresh();
   });
@@ -93,6 +96,7 @@ function numberField(input, step, values) {
 }
 
 function given(values) {
+  $("hint").hidden = true;
   player.pause();
   change(values);
   session.replaced = null;
@@ -192,7 +196,7 @@ export function showInputs(now) {
   for (const name of ["piece", "light"]) $(name).value = state[name];
   $("piece-choice").hidden = state.scene !== "chess";
   for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
-  $("show-stray").disabled = !now.glass && state.light !== "prism";
+  $("of-stray").hidden = !now.glass && state.light !== "prism";  // an ideal sheet has none
   $("show-circles").disabled = !now.two;
   $("show-image").disabled = !now.two && !now.beyond;
 }

@@ -113,6 +113,7 @@ for (const handle of document.querySelectorAll(".handle[data-moves]")) {
     if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     const { moves } = handle.dataset;
+    $("hint").hidden = true;
     player.pause();
     change({ [moves]: plus(state[moves], scaled(KEY_STEP * (event.shiftKey ? 5 : 1), step)) });
     refresh();

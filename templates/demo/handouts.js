@@ -34,13 +34,14 @@ $("copy-embed").addEventListener("click", () => {
 // A QR code leads somewhere only if the page has an address that others can open.
 function drawCode() {
   const dark = location.host ? qr(link()) : null;
-  $("qr").toggleAttribute("hidden", !dark);
+  $("qr-open").hidden = !dark;
   if (location.host && !dark) $("copied").textContent = say("share.too_long");
   if (!dark) return;
   const side = dark.length + 8;
   const d = dark.flatMap((row, y) => row.flatMap((on, x) => (on ? `M${x + 4} ${y + 4}h1v1h-1z` : []))).join("");
-  $("qr").setAttribute("viewBox", `0 0 ${side} ${side}`);
-  $("qr").replaceChildren(svg("rect", { width: side, height: side, fill: "#fff" }), svg("path", { d, fill: "#000" }));
+  const drawing = $("qr").firstElementChild;
+  drawing.setAttribute("viewBox", `0 0 ${side} ${side}`);
+  drawing.replaceChildren(svg("rect", { width: side, height: side, fill: "#fff" }), svg("path", { d, fill: "#000" }));
 }
 
 for (const id of ["share", "room"]) {

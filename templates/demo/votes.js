@@ -1,36 +1,41 @@
-// The votes of a class: a number for each choice of a question, and bars.
+// The votes of a class, before and after it has discussed a question: a number for each choice, and bars.
 
 import { $ } from "./data.js";
 import { percent, say } from "./language.js";
 
-const votes = new Map();  // the numbers of the questions, and a list of votes for each
+const votes = new Map();  // the numbers of the questions, and for each one or two lists of votes
+
+/** @type {(tag: string, properties?: object) => any} */
+const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
 
 export function drawVotes(n, choices) {
   if (!choices) return $("votes").replaceChildren();
-  const given = votes.get(n) ?? votes.set(n, choices.map(() => 0)).get(n);
-  const bars = [];
-  const show = () => {
-    const all = given.reduce((sum, x) => sum + x, 0);
-    bars.forEach(({ bar, share }, k) => {
-      bar.style.width = `${all ? (100 * given[k]) / all : 0}%`;
-      share.textContent = all ? percent(given[k] / all) : "";
-    });
-  };
-  $("votes").replaceChildren(...choices.map((choice, k) => {
-    const row = document.createElement("label"), track = document.createElement("span");
-    const name = Object.assign(document.createElement("span"), { textContent: choice });
-    const field = Object.assign(document.createElement("input"), { type: "number", min: 0, max: 999, value: given[k], className: "field" });
-    const [bar, share] = [document.createElement("i"), document.createElement("output")];
+  const none = () => choices.map(() => 0);
+  const rounds = votes.get(n) ?? votes.set(n, [none()]).get(n), given = rounds.at(-1);
+  const rows = choices.map((choice, k) => {
+    const row = element("label"), track = element("span", { className: "track" });
+    const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field" });
     field.setAttribute("aria-label", say("asking.votes_for", { choice }));
     field.addEventListener("input", () => {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
     });
-    track.className = "track";
-    track.append(bar);
-    bars.push({ bar, share });
-    row.append(name, field, track, share);
-    return row;
-  }));
+    const bars = rounds.map(() => element("i")), share = element("output");
+    track.append(...bars);
+    row.append(element("span", { textContent: choice }), field, track, share);
+    return { row, bars, share };
+  });
+  const show = () => rows.forEach(({ bars, share }, k) => {
+    const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0) || 0);
+    bars.forEach((bar, m) => (bar.style.width = `${100 * shares[m]}%`));
+    share.textContent = rounds.flat().some(Boolean) ? shares.map(percent).join(" → ") : "";
+  });
+  const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
+  again.addEventListener("click", () => {
+    rounds.push(none());
+    drawVotes(n, choices);
+    $("votes").querySelector("input").focus();
+  });
+  $("votes").replaceChildren(...rows.map(({ row }) => row), again);
   show();
 }

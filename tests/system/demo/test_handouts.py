@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import expect
 
-from demo.conftest import DRAWN, opened, picture, show
+from demo.conftest import DRAWN, bounds, opened, picture, show
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
@@ -34,8 +34,22 @@ def test_the_link_is_copied_or_shown(share):
     )
     frame = share.evaluate("window.copied")
     assert frame.startswith("<iframe src=") and "?embed&amp;hide=header,panel#" in frame and "alpha=33" in frame
-    expect(share.locator("#qr")).to_be_hidden()  # a file has no address that others can open
+    expect(share.locator("#qr-open")).to_be_hidden()  # a file has no address that others can open
     share.evaluate("delete window.copied")
+
+
+def test_the_code_of_the_link_is_large_and_moves_nothing(browser, demo_file):
+    page = browser.new_page(viewport={"width": 1000, "height": 640})
+    page.route("**/*", lambda route: route.fulfill(path=demo_file))
+    page.goto("http://povgen.test/#alpha=33")
+    page.get_by_role("button", name="More").click()
+    [before] = bounds(page, "#stage")
+    page.get_by_role("button", name="QR code of the link").click()
+    [code, after] = bounds(page, "#qr svg", "#stage")
+    assert code["height"] > 500 and after == before
+    page.keyboard.press("Escape")
+    expect(page.locator("#qr")).to_be_hidden()
+    page.close()
 
 
 def test_a_movement_is_recorded(share):
@@ -80,8 +94,12 @@ def test_for_a_projector_one_slider_is_left(page):
 
 def test_for_a_projector_a_question_is_beside_the_picture(page):
     page.evaluate("openQuestion(0)")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    size = "parseFloat(getComputedStyle($('ask')).fontSize)"
+    small = page.evaluate(size)
     page.get_by_role("button", name="More").click()
     page.get_by_role("button", name="Present").click()
+    assert page.evaluate(size) > max(24, 1.3 * small)
     for part, seen in (("#ask", True), ("#reveal", True), ("#stage", True), (".slider", False), (".player", False)):
         expect(page.locator(part).first).to_be_visible(visible=seen)
     picture, question = (page.locator(part).bounding_box() for part in ("#stage", "#ask"))

@@ -69,8 +69,11 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     expect(spoken).to_have_text(turned)  # what has changed, not where object and eye are
     page.locator("#eye-picture").press("ArrowRight")
     expect(spoken).to_have_text(re.compile("^The object L is at .*, the eye E at 0.05, 0.00.$"))
-    page.locator("#number-alpha").fill("abc")
-    page.locator("#number-alpha").press("Tab")
+    field = page.locator("#number-alpha")
+    field.fill("abc")
+    expect(field).to_have_attribute("aria-invalid", "true")
+    field.press("Tab")
+    expect(field).to_have_attribute("aria-invalid", "false")  # it has its old value again
     expect(spoken).to_have_text("“abc” is not a number.")
     names = page.evaluate("['slider-alpha', 'number-alpha', 'slider-z1'].map((id) => $(id).getAttribute('aria-label'))")
     assert len(set(names)) == 3 and all("alpha" in name or "z1" in name for name in names)
@@ -157,6 +160,14 @@ def test_votes_are_counted(page):
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
     page.evaluate("openQuestion(2); openQuestion(1); draw()")
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
+    page.get_by_role("button", name="Vote again").click()  # after a discussion
+    expect(page.locator("#votes input").first).to_be_focused()
+    for field, votes in zip(page.locator("#votes input").all(), ("18", "2", "0"), strict=True):
+        field.fill(votes)
+    assert page.locator("#votes output").all_text_contents() == ["60% → 90%", "15% → 10%", "25% → 0%"]
+    widths = "[...document.querySelectorAll('#votes i')].map((bar) => parseFloat(bar.style.width))"
+    assert page.evaluate(widths) == pytest.approx([60, 90, 15, 10, 25, 0])
+    expect(page.get_by_role("button", name="Vote again")).to_be_hidden()
     page.get_by_role("button", name="Votes of the class").click()
 
 
@@ -266,10 +277,11 @@ def test_full_screen(page):
 
 def test_words_are_explained_where_they_stand(page):
     for what, said in (("a sheet", "mirrored once"), ("a tile", "3 tiles wide"), ("stray light", "wrong part")):
+        show(page, sheet="detailed")
         page.get_by_role("button", name=f"What is {what}?").click()
         text = page.locator(".explained:popover-open")
         expect(text).to_contain_text(said)
-        page.keyboard.press("Escape")
+        text.get_by_role("button", name="Close").click()
         expect(text).to_have_count(0)
 
 
