@@ -97,7 +97,7 @@ def test_a_row_is_filled_by_hand_saved_and_removed(measure):
     assert measure.evaluate("csv()") == "alpha,z1,z2,nu,M\r\n60,2,6,14.5,"
     measure.evaluate("choose('de')")
     assert measure.evaluate("csv()") == "alpha;z1;z2;nu;M\r\n60;2;6;14,5;"  # as its spreadsheets read it
-    measure.evaluate("choose('en')")
+    measure.evaluate("choose('en'); draw()")
     with measure.expect_download() as download:
         measure.get_by_role("button", name="Save CSV").click()
     assert download.value.suggested_filename == "povgen.csv"
