@@ -29,6 +29,8 @@ CONTENTS = {
     "Begin": [
         "docs/install",
         "docs/usage",
+        "docs/examples",
+        "docs/rays",
         "docs/gallery",
         "docs/lesson",
         "docs/worksheet",
@@ -39,6 +41,7 @@ CONTENTS = {
         "docs/sheets",
         "docs/beyond",
         "docs/tolerances",
+        "docs/lenticulars",
         "docs/kinds",
         "docs/figures/README",
         "docs/errata",
@@ -74,10 +77,11 @@ SETTINGS = {
     "html_show_copyright": False,
     "html_show_search_summary": False,  # a page that is opened from a file cannot read others
 }
-# Cells of tables break only between words. Pictures and movies are never wider than the page.
+# Cells of tables break only between words. Pictures and movies are never wider than the page. A movie's controls are
+# below it.
 CSS = """
 table.docutils code { white-space: normal; overflow-wrap: normal; }
-video { width: 100%; height: auto; }
+video { width: 100%; aspect-ratio: 13 / 11; object-fit: contain; object-position: top; background: #222; }
 article a { text-decoration: underline; }
 """
 # On paper a page has no menus. The worksheet is two pages with lines and cells to write in, and one of answers.
@@ -158,12 +162,14 @@ def _copy_linked(text: str, folder: Path, source: Path) -> None:
 
 
 def _with_videos(text: str) -> str:
-    """Return the text with movies in place of WebP files: a reader can stop them."""
+    """Return the text with movies in place of WebP files: a reader can stop them, or prevent that they begin."""
+    play = "matchMedia('(prefers-reduced-motion: reduce)').matches || play()"
 
     def video(found: re.Match[str]) -> str:
         _, alt, target, _ = found.groups()
         file = Path(target).with_suffix(".mp4")
-        return f'<video src="{file.as_posix()}" controls loop muted playsinline aria-label="{escape(alt)}"></video>'
+        attributes = f'controls loop muted playsinline oncanplay="{play}" aria-label="{escape(alt)}"'
+        return f'<video src="{file.as_posix()}" {attributes}></video>'
 
     return re.sub(LINK, lambda found: video(found) if found[3].endswith(".webp") else found[0], text)
 

@@ -22,12 +22,16 @@ FILES, ROOM = 16, 2**16  # bytes in each file
 
 
 class Part(NamedTuple):
-    """What povgen needs: a test of it, the remedy if it fails, and the parts without which it cannot be tested."""
+    """What povgen needs: a test of it, the remedy if it fails, and the parts without which it cannot be tested.
+
+    An optional part may be missing.
+    """
 
     name: str
     test: Callable[[], str]
     remedy: str
     needs: tuple[str, ...] = ()
+    optional: bool = False
 
 
 def faults(report: Callable[[str], object]) -> Iterator[str]:
@@ -44,6 +48,9 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         try:
             report(f"ok     {part.name}: {part.test()}")
         except InputError as error:  # it says what is allowed
+            if part.optional:
+                report(f"-      {part.name}: {error}")
+                continue
             report(f"FAULT  {part.name}: {error}")
         except (PovrayError, OSError, RuntimeError) as error:
             report(f"FAULT  {part.name}: {message_of(error)}\n       remedy: {part.remedy}")
@@ -81,13 +88,10 @@ def _frame() -> str:
 
 
 def _gl() -> str:
-    """Return which device the renderer gl draws with. It is no fault if there is none: POV-Ray does not need it."""
+    """Return which device the renderer gl draws with."""
     from povgen.rendering import gl_runner
 
-    try:
-        return gl_runner.device()
-    except InputError as error:
-        return f"none: {error}"
+    return gl_runner.device()
 
 
 def _encode() -> str:
@@ -114,7 +118,12 @@ PARTS = (
         "read POV-Ray's message; remove POV-Ray and install it again",
         ("POV-Ray", "temporary files", "sandbox", "limits"),
     ),
-    Part("renderer gl", _gl, "reinstall it: pip install --force-reinstall moderngl; update the graphics driver"),
+    Part(
+        "renderer gl",
+        _gl,
+        "reinstall it: pip install --force-reinstall moderngl; update the graphics driver",
+        optional=True,  # POV-Ray does not need it
+    ),
     Part(
         "encoder",
         _encode,

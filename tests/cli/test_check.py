@@ -9,8 +9,8 @@ import pytest
 from conftest import PROJECT, povgen
 
 from povgen.cli import checkup
-from povgen.errors import PovrayError
-from povgen.rendering import povray
+from povgen.errors import InputError, PovrayError
+from povgen.rendering import gl_runner, povray
 
 
 def failing(error):
@@ -36,6 +36,13 @@ def test_without_povray(tmp_path, monkeypatch):
     faults, untested, remedies = checked(tmp_path)
     assert (faults, untested) == (["POV-Ray"], ["frame"])
     assert remedies == ["       remedy: install it: apt-get install povray"]
+
+
+def test_without_moderngl_nothing_is_faulty(tmp_path, monkeypatch):
+    """The line says what is missing, and how to install it."""
+    missing = InputError("renderer = 'gl' needs moderngl, which is not installed: pip install 'povgen[gl]'")
+    monkeypatch.setattr(gl_runner, "device", failing(missing))
+    assert checked(tmp_path) == ([], ["renderer gl"], [])
 
 
 def test_without_povray_the_renderer_gl_draws(tmp_path, monkeypatch):
