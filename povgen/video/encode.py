@@ -4,6 +4,7 @@ import errno
 import logging
 import os
 import struct
+import subprocess
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from povgen import remedies
 from povgen.errors import InputError
-from povgen.files import is_full, temporary_folder
+from povgen.files import is_full, temporary_folder, work_folder
 from povgen.record import Record, into_movie, png_of, webp_parts
 from povgen.rendering.light import exr as exr_library
 from povgen.version import __version__
@@ -58,7 +59,7 @@ def encode(
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
     `rate` is in frames a second, `webp_quality` from 0 to 100. A GIF and a WebP file have the record alone, other files
-    also have the tags. Raises OSError if the file is incomplete.
+    also have the tags. An MP4 file has its middle picture as its cover. Raises OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
@@ -92,8 +93,25 @@ def encode(
         if is_full(output.parent):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
         raise OSError(f"the encoder {imageio_ffmpeg.get_ffmpeg_exe()} failed: it wrote {found} of {written} frames")
+    _add_cover(output, found // 2)
     if record:
         into_movie(output, record)
+
+
+def _add_cover(movie: Path, n: int) -> None:
+    """Make frame n of an MP4 file its cover, which players and folders show. The first frame may show no effect yet.
+
+    Other formats have none. Where there is no room for it, the movie stays as it was.
+    """
+    if movie.suffix != ".mp4":
+        return
+    words = "-loglevel quiet -i movie.mp4 -i cover.jpg -map 0 -map 1 -c copy -disposition:v:1 attached_pic"
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), *words.split(), "-movflags", "+faststart", "covered.mp4"]
+    with suppress(OSError, subprocess.SubprocessError), work_folder(movie.parent) as folder:
+        iio.imwrite(folder / "cover.jpg", iio.imread(movie, index=n, plugin="FFMPEG"), quality=90)
+        (folder / "movie.mp4").symlink_to(movie.resolve())
+        subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, check=True)
+        (folder / "covered.mp4").replace(movie)
 
 
 def _webp_frames(output: Path, rate: float, written: int) -> int:

@@ -1,5 +1,6 @@
 """Movies read back from their files."""
 
+import errno
 import subprocess
 import weakref
 
@@ -57,6 +58,27 @@ def test_colours_come_back(suffix, plugin, tmp_path):
     decoded = iio.imread(tmp_path / f"movie{suffix}", plugin=plugin, index=2)
     for n, colour in enumerate(colours):
         assert abs(decoded[32, 32 * n + 16].astype(int) - colour).max() < 8
+
+
+@pytest.mark.parametrize("made", ["mp4"], indirect=True)
+def test_the_middle_frame_is_the_cover_of_an_mp4_file(made, tmp_path):
+    """Players and folders show it: at the first frame's angle of 0 the sheets do nothing."""
+    cover = tmp_path / "cover.png"
+    decode = ["-loglevel", "quiet", "-i", made, "-map", "0:v:1", "-frames:v", "1", cover]
+    subprocess.run([imageio_ffmpeg.get_ffmpeg_exe(), *decode], check=True)
+    frames = iio.imread(made, plugin="FFMPEG").astype(float)
+    differences = [np.sqrt(((iio.imread(cover)[..., :3] - frame) ** 2).mean()) for frame in frames]
+    assert len(frames) == 13 and np.argmin(differences) == 6 and differences[6] < 6  # of 255, for JPEG
+    assert {path.suffix for path in made.parent.iterdir()} <= {".mp4", ".webm", ".gif", ".png"}  # no folder is left
+
+
+def test_a_movie_without_room_for_a_cover_has_none(monkeypatch, tmp_path):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(encode, "work_folder", full)
+    encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, tmp_path / "a.mp4", 10, {})
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
 
 
 def test_the_movie_carries_its_record(made):
