@@ -86,6 +86,23 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     assert spoken.get_attribute("role") == "status"
 
 
+def test_the_question_comes_before_sliders_and_marks(page):
+    page.get_by_role("tab", name="Questions").click()
+    page.get_by_role("button", name="Votes of the class").click()
+    order = """(selector) => [...document.querySelectorAll(selector)].map((part) => part.getBoundingClientRect())
+        .map(({ top, bottom }) => [top, bottom])"""
+    parts = page.evaluate(order, "#ask, #votes, .panel > #row-z1, #space-box")
+    assert all(bottom <= top + 1 for (_, bottom), (top, _) in zip(parts, parts[1:], strict=False)), parts
+    names = ["ask", "votes", "row-z1", "space-box"]
+    assert (
+        page.evaluate(
+            "[...document.querySelectorAll('#ask, #votes, .panel > #row-z1, #space-box')].map(({ id }) => id)"
+        )
+        == names
+    )
+    page.get_by_role("button", name="Votes of the class").click()
+
+
 def test_questions_are_predicted_and_revealed(page):
     page.get_by_role("tab", name="Questions").click()
     count = page.evaluate("QUESTIONS.length")
