@@ -14,7 +14,7 @@ import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, session, state, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, RANGES, session, state, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -30,15 +30,18 @@ function reciprocal(least, most) {
   const { from, to } = log(most, least);
   return { ends: [-STEPS, STEPS], step: "any", from: (place) => (place < 0 ? -1 : 1) * from(Math.abs(place)), to: (x) => Math.sign(x) * to(Math.abs(x)) };
 }
-const sliderOf = ({ unit, least, most, size }) => (unit.startsWith("°") ? linear(Math.max(least, -180), Math.min(most, 180), 0.5)
-  : least > 0 ? log(least, most) : size > 0 ? reciprocal(size, most) : linear(least, most, "any"));
+function sliderOf(name) {
+  const { unit, size } = data.parameters[name], [least, most] = RANGES[name];
+  if (unit.startsWith("°")) return linear(least, most, 0.5);
+  return least > 0 ? log(least, most) : size > 0 ? reciprocal(size, most) : linear(least, most, "any");
+}
 
 const OF_SHEETS = Object.keys(data.parameters);
 const DIRECTIONS = OF_SHEETS.filter((name) => data.parameters[name].kind === "direction");
 const FIELDS = Object.entries({ L: "xy", E: "xy", ...Object.fromEntries(DIRECTIONS.map((name) => [name, "xyz"])) });
 const SLIDERS = {
-  z1: log(0.3, 50), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(-180, 180, 0.5), d: log(0.4, 20),
-  ...Object.fromEntries(OF_SHEETS.filter((name) => !DIRECTIONS.includes(name)).map((name) => [name, sliderOf(data.parameters[name])])),
+  z1: log(0.3, 50), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(...RANGES.alpha2, 0.5), d: log(0.4, 20),
+  ...Object.fromEntries(OF_SHEETS.filter((name) => !DIRECTIONS.includes(name)).map((name) => [name, sliderOf(name)])),
 };
 const valueOf = (name) => {
   const x = SLIDERS[name].from(Number($(`slider-${name}`).value));
@@ -72,16 +75,22 @@ function numberField(input, step, values) {
   input.addEventListener("input", () => {
     session.typing = input;
     const x = readNumber(input.value);
-    input.ariaInvalid = String(!Number.isFinite(x));
-    if (!Number.isFinite(x)) return;
-    given(values(x));
+    if (Number.isFinite(x)) given(values(x));
+    else session.refusals = /[^\s.,+−-]/.test(input.value) ? [say("controls.not_a_number", { text: input.value })] : [];  // a sign begins a number
     const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
     if (noSphere) session.refusals = [say("controls.no_sphere", { z1: brief(x) })];
+    refuse(session.refusals.length > 0);
+    refresh();
   });
-  input.setAttribute("aria-errormessage", "sentence");
+  // The sentence below the picture says why a number is not allowed.
+  const refuse = (refused) => {
+    input.ariaInvalid = String(refused);
+    if (refused) input.setAttribute("aria-describedby", "sentence");
+    else input.removeAttribute("aria-describedby");
+  };
   input.addEventListener("change", () => {
     session.typing = null;
-    input.ariaInvalid = "false";
+    refuse(false);
     if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
     refresh();
   });
@@ -105,6 +114,7 @@ function given(values) {
 
 for (const input of document.querySelectorAll(".choice input")) {
   input.addEventListener("change", () => {
+    $("hint").hidden = true;
     player.pause();
     replace({ [input.name]: input.value }, [input.name]);
     refresh();
@@ -188,6 +198,8 @@ export function showInputs(now) {
     const said = { name: name === "prisms" ? "N" : name, label: text };
     $(`slider-${name}`).setAttribute("aria-label", say("controls.slider", said));
     $(`number-${name}`).setAttribute("aria-label", say("controls.number", said));
+    const [least, most] = RANGES[name].map(brief);
+    $(`number-${name}`).title = say("controls.range", { least, most });
   }
   const shown = partsShown();
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").some((name) => shown.includes(name));

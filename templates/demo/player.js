@@ -53,6 +53,7 @@ export const player = {
 
   play() {
     if (this.preset.scene !== state.scene) return;
+    $("hint").hidden = true;
     if (this.preset.parameter === "alpha" && !usesAlpha(state.sheet)) replace({ sheet: "ideal" });
     if (this.part() >= 1) this.seek(0);
     this.playing = true;

@@ -23,7 +23,8 @@ export const OPENING = {
 };
 export const RANGES = {
   ...Object.fromEntries(Object.entries(data.parameters).map(([name, { least, most }]) => [name, [least, most]])),
-  z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], alpha2: [-360, 360], d: [0.01, 100],
+  z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], d: [0.01, 100],
+  alpha: [-180, 180], alpha2: [-180, 180],  // other angles turn light as one of these does
 };
 export const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filter((name) => data.parameters[name].kind === "whole number")];
 const SHEETS = ["none", "single", "detailed", "ideal", ...Object.keys(data.kinds)];

@@ -54,6 +54,14 @@ def test_a_choice_is_seen_in_high_contrast(page):
     page.evaluate("session.pinned = ''; mark('')")
 
 
+def test_lines_are_as_dark_as_text_if_the_system_asks_for_more_contrast(page):
+    colours = "[getComputedStyle($('language')).borderTopColor, getComputedStyle($('question-count')).color]"
+    page.emulate_media(contrast="more")
+    assert {*page.evaluate(colours)} == {page.evaluate("getComputedStyle(document.body).color")}
+    page.emulate_media(contrast="no-preference")
+    assert page.evaluate("getComputedStyle(document.body).color") not in page.evaluate(colours)
+
+
 # ---- Numbers ----
 
 

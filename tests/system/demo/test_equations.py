@@ -128,7 +128,7 @@ def test_numbers_are_those_of_the_scene(page):
         {"sheet": "detailed", "prisms": 20, "alpha": 170, "z1": 5},
         {"sheet": "detailed", "prisms": 1},
         {"alpha": 180, "z1": 6},
-        {"alpha": 360, "z1": 5000, "z2": 150},
+        {"alpha": -180, "z1": 5000, "z2": 150},
         {"alpha": -33, "z1": 0.001, "z2": 0.001, "piece": "king"},
         {"sheet": "none", "E": [-10, 10], "L": [10, 8]},
         {"scene": "spheres", "alpha": 90, "z1": 24},

@@ -43,7 +43,7 @@ def test_numbers_are_typed_and_sliders_moved(page):
         ("z1", "1e9", 5000),
         ("z2", "-3", 0.161),
         ("prisms", "400.2", 400),
-        ("alpha", "-400", -360),
+        ("alpha", "-400", -180),
     ):
         page.locator("#sheet input[value=detailed]").check()
         field = page.locator(f"#number-{name}")
@@ -62,17 +62,17 @@ def test_numbers_are_typed_and_sliders_moved(page):
         page.locator(f"#number-{field}").fill(str(value))
     assert page.evaluate("[...state.L, ...state.E]") == [0.5, -0.4, -0.3, 0.2]
     page.locator("#number-alpha").fill("")  # while someone types
-    assert page.evaluate("state.alpha") == -360
+    assert page.evaluate("state.alpha") == -180
 
 
 def test_what_is_changed_is_said(page):
     show(page, sheet="detailed")
     for name, typed, value, said in (
-        ("alpha", "400", 360, "α is at most 360°."),
+        ("alpha", "400", 180, "α is at most 180°."),
         ("z1", "0.1", 0.1, "z₁ is at least 0.581: the piece would touch the frame."),
         ("z1", "2,5", 2.5, ""),
         ("prisms", "10.4", 10, "N is a whole number."),
-        ("alpha", "12 or so", 360, "“12 or so” is not a number."),
+        ("alpha", "12 or so", 180, "“12 or so” is not a number."),
         ("Ex", "−0,3", -0.3, ""),
         ("Ey", "-5", None, "y of E is at least −1.6: the floor is below."),
     ):
@@ -85,7 +85,7 @@ def test_what_is_changed_is_said(page):
         if value is not None:
             assert page.evaluate("({ ...state, Ex: state.E[0] })")[name] == value
     page.locator("#number-alpha").press("ArrowDown")
-    assert page.evaluate("state.alpha") == 359
+    assert page.evaluate("state.alpha") == 179
 
 
 def test_arrow_keys_choose_the_next_sphere(page):

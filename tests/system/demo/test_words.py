@@ -70,15 +70,37 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     page.locator("#eye-picture").press("ArrowRight")
     expect(spoken).to_have_text(re.compile("^The object L is at .*, the eye E at 0.05, 0.00.$"))
     field = page.locator("#number-alpha")
-    field.fill("abc")
-    expect(field).to_have_attribute("aria-invalid", "true")
+    field.fill("-")  # a number begins with it
+    expect(field).to_have_attribute("aria-invalid", "false")
+    for typed, said in (("181", "α is at most 180°."), ("abc", "“abc” is not a number.")):
+        field.fill(typed)
+        expect(field).to_have_attribute("aria-invalid", "true")
+        expect(field).to_have_accessible_description(re.compile(re.escape(said)))
     field.press("Tab")
     expect(field).to_have_attribute("aria-invalid", "false")  # it has its old value again
+    expect(field).to_have_accessible_description("−180 to 180")
     expect(spoken).to_have_text("“abc” is not a number.")
     names = page.evaluate("['slider-alpha', 'number-alpha', 'slider-z1'].map((id) => $(id).getAttribute('aria-label'))")
     assert len(set(names)) == 3 and all("alpha" in name or "z1" in name for name in names)
     expect(page.locator("#view")).to_have_attribute("aria-label", re.compile("“abc” is not a number.$"))
     assert spoken.get_attribute("role") == "status"
+
+
+def test_the_question_comes_before_sliders_and_marks(page):
+    page.get_by_role("tab", name="Questions").click()
+    page.get_by_role("button", name="Votes of the class").click()
+    order = """(selector) => [...document.querySelectorAll(selector)].map((part) => part.getBoundingClientRect())
+        .map(({ top, bottom }) => [top, bottom])"""
+    parts = page.evaluate(order, "#ask, #votes, .panel > #row-z1, #space-box")
+    assert all(bottom <= top + 1 for (_, bottom), (top, _) in zip(parts, parts[1:], strict=False)), parts
+    names = ["ask", "votes", "row-z1", "space-box"]
+    assert (
+        page.evaluate(
+            "[...document.querySelectorAll('#ask, #votes, .panel > #row-z1, #space-box')].map(({ id }) => id)"
+        )
+        == names
+    )
+    page.get_by_role("button", name="Votes of the class").click()
 
 
 def test_questions_are_predicted_and_revealed(page):
