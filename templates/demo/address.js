@@ -72,6 +72,8 @@ function valuesOf(given) {
     if (parts.length !== [OPENING[name]].flat().length || !parts.every(isNumber)) continue;
     values[name] = Array.isArray(OPENING[name]) ? parts.map(Number) : Number(parts[0]);
   }
+  // a scene's angle may be up to 360 degrees: the same one here is from -180 to 180
+  for (const name of ["alpha", "alpha2"]) if (Math.abs(values[name]) > 180) values[name] -= 360 * Math.round(values[name] / 360);
   if (given.has("show")) for (const name of SWITCHES) values[name] = given.get("show").split(",").includes(name);
   return values;
 }

@@ -340,6 +340,12 @@ def test_no_ideal_sheet_stands_behind_prisms(page):
     assert [sheet.name for sheet in scene_of(page).sheets] == ["detailed", "single"]
 
 
+@pytest.mark.parametrize(("given", "kept"), [("270", -90), ("-360", 0), ("180", 180), ("-180", -180), ("190", -170)])
+def test_an_angle_of_a_link_is_the_same_one_within_half_a_turn(node, given, kept):
+    node.evaluate("fromHash", f"#sheet=ideal&alpha={given}")
+    assert node.evaluate("[state.alpha, session.refusals]") == [kept, []]
+
+
 def test_an_address_keeps_two_windows(page):
     values = {"windows": 2, "sheet": "lenslets", "sheet2": "axis", "d": 1.5, "alpha": 170, "alpha2": 15}
     page.evaluate("change", {**values, "axis": [0, 1, 0.2], "ratio": 1.5, "L": [0.3, 0.1]})
@@ -512,8 +518,9 @@ def test_what_is_beyond_the_paper_is_povgens(page, values):
 def test_the_pages_ranges_are_those_of_the_scenes(page):
     """The page allows no value that povgen refuses."""
     ranges = page.evaluate("RANGES")
+    assert ranges["alpha"] == ranges["alpha2"] == [-180, 180]  # any other angle is one of these
     for model in (Chess, Spheres):
-        for name in ("alpha", "z2", "prisms"):
+        for name in ("z2", "prisms"):
             for value, beyond in zip(ranges[name], (-1, 1), strict=True):
                 outside = value + beyond * max(1, abs(value)) * (0 if name == "z2" and beyond < 0 else 1)
                 if outside != value:
@@ -663,7 +670,7 @@ def test_a_choice_opens_with_the_values_of_its_kind(page, name):
     [
         ({"sheet": "refraction", "ratio": 1, "alpha": 40}, 40),
         ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": -20}, -20),
-        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": 360}, 0),
+        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": 0}, 0),
         ({"sheet": "twist", "twist": 0, "alpha": 15}, 15),
         ({"sheet": "view-rotator", "alpha": 0}, 0),
         ({"sheet": "lenslets", "ratio": 1, "alpha": 50.01}, 50.01),
