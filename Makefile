@@ -80,7 +80,7 @@ test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command li
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
-	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
+	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 test-release: $(VENV)/test-ready test-deps gl-deps  ## tests before a release: every Python on this machine, the oldest packages
 	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
