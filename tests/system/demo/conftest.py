@@ -15,29 +15,6 @@ COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio i
 STILL = "view.later = () => {}"  # most tests are not about the live view
 DRAWN = "if (Object.hasOwn(view, 'later')) { delete view.later; view.again(); }"
 
-# Each visible control has to be on top at its centre and a target of 24 px. Each text has to have 12 px.
-FAULTS = """() => {
-  const faults = [];
-  for (const control of document.querySelectorAll("button, input, select, summary")) {
-    if (!control.checkVisibility() || control.disabled || control.matches(".on-focus:not(:focus)")) continue;
-    control.scrollIntoView({ block: "nearest" });
-    const name = control.id || control.value || control.outerHTML;
-    const { x, y, width, height } = control.getBoundingClientRect();
-    const top = document.elementFromPoint(x + width / 2, y + height / 2);
-    const parts = [control, ...(control.labels ?? [])];
-    if (!parts.some((part) => part.contains(top))) faults.push(`${name} is under ${top?.outerHTML.slice(0, 60)}`);
-    const sides = parts.map((part) => part.getBoundingClientRect()).map((box) => Math.min(box.width, box.height));
-    if (Math.max(...sides) < 23.9) faults.push(`${name} is ${Math.max(...sides)} px`);
-  }
-  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  for (let text; (text = texts.nextNode()); ) {
-    const size = parseFloat(getComputedStyle(text.parentElement).fontSize);
-    if (text.data.trim() && text.parentElement.checkVisibility() && size < 12) faults.push(`${size} px: ${text.data}`);
-  }
-  const { scrollWidth } = document.documentElement;
-  return scrollWidth > innerWidth ? [...faults, `${scrollWidth} px wide`] : faults;
-}"""
-
 
 @pytest.fixture(scope="package")
 def browser():

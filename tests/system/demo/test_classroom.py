@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import sentence
+from conftest import FAULTS, sentence
 from playwright.sync_api import expect
 
-from demo.conftest import FAULTS, show
+from demo.conftest import show
 from povgen.liveview.page import KINDS
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]

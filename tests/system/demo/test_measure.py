@@ -3,9 +3,10 @@
 import re
 
 import pytest
+from conftest import FAULTS
 from playwright.sync_api import expect
 
-from demo.conftest import FAULTS, STILL, show
+from demo.conftest import STILL, show
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from conftest import scene_of
+from conftest import FAULTS, scene_of
 from playwright.sync_api import expect
 
-from demo.conftest import FAULTS, centre, show
+from demo.conftest import centre, show
 from demo.test_classroom import SMALL
 from demo.test_equations import NOT_A_NUMBER
 

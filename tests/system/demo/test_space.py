@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from conftest import FAULTS
 from playwright.sync_api import expect
 
-from demo.conftest import FAULTS, bounds, show
+from demo.conftest import bounds, show
 from povgen.measure import field
 from povgen.optics import equations
 
