@@ -48,8 +48,8 @@ def main() -> None:
             width, height = (median(each[k] for each in late) for k in (0, 1))
             whole = page.evaluate("povgen.picture.view.canvas.width")
             print(
-                f"{sheet}: {len(late) / MEASURED:.1f} pictures a second, {width:.0f}x{height:.0f} pixels on a canvas {whole} "
-                f"wide; {median(gaps):.0f} ms apart, at most {max(gaps):.0f} ms"
+                f"{sheet}: {len(late) / MEASURED:.1f} pictures a second, {width:.0f}x{height:.0f} pixels on a canvas "
+                f"{whole} wide; {median(gaps):.0f} ms apart, at most {max(gaps):.0f} ms"
             )
             page.close()
 
