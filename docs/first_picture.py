@@ -11,7 +11,8 @@ import numpy as np
 from povgen import Chess, render
 from povgen.settings import Rendering
 from povgen.video import encode
-from povgen.video.overlay import Caption, annotated
+from povgen.video.captions import Caption
+from povgen.video.overlay import annotated
 
 SIZE = 640, 450  # pixels; the caption adds 30 rows
 FIRST, STEP, RATE = 64, 4, 20  # degrees, degrees a frame, frames a second

@@ -12,7 +12,9 @@ from povgen import Chess, Scene, Spheres, render
 from povgen.settings import Rendering
 from povgen.teach import agreement
 from povgen.video import encode
-from povgen.video.overlay import STRIP, Caption, annotated, write
+from povgen.video.captions import Caption
+from povgen.video.overlay import annotated
+from povgen.video.text import STRIP, write
 
 SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
 VIEW = 3.5  # tiles

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from povgen.optics import aim
 from povgen.optics.series import image_distance
 from povgen.scene.models import Chess, Scene
-from povgen.video.overlay import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
+from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.3  # of the side view, as a fraction of the picture's height
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out

@@ -28,7 +28,7 @@ from povgen.version import __version__
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from povgen.video.overlay import Caption
+    from povgen.video.captions import Caption
     from povgen.video.side import Extent
 
 
@@ -130,7 +130,7 @@ def pictures(
 
             shows = extent(once)
         if movie and rendering.annotated:
-            from povgen.video.overlay import captions
+            from povgen.video.captions import captions
 
             texts = captions(once, rendering)
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):

@@ -15,7 +15,7 @@ from povgen.optics import equations
 from povgen.rendering import frames, povray, volumes
 from povgen.scene.pieces import INCLUDES, PIECES
 from povgen.scene.spec import MovieSpec
-from povgen.video import outline, overlay
+from povgen.video import captions, outline, overlay
 
 SMALL = {"size": (96, 96), "antialias": "off"}
 CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
@@ -99,7 +99,7 @@ def test_z1_is_swept_for_all_pieces():
 
 
 def test_the_caption_has_the_range_of_z1():
-    assert overlay.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5 tiles"
+    assert captions.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5 tiles"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from povgen import Chess, InputError, MovieSpec, to_pov
 from povgen.optics.glasses import GLASSES, index
 from povgen.scene.shader import uniforms
-from povgen.video.overlay import facts
+from povgen.video.captions import facts
 
 # n of the yellow line d and Abbe's number, as Schott's data sheets state them; of the others, as their papers do
 STATED = {

@@ -8,7 +8,7 @@ from povgen import Chess, InputError, MovieSpec, Spheres, limits
 from povgen.scene import warnings
 from povgen.scene.cells import camera_cells
 from povgen.settings import Rendering
-from povgen.video import overlay
+from povgen.video import captions, overlay
 
 SHEETS = [
     {"sheet": "lens", "focal_length": 5},
@@ -31,7 +31,7 @@ def test_they_contain_the_rotating_sheet_and_no_sheet():
         Chess(sheet="lenslets", ratio=1, alpha=50),
     ):
         assert scene.apparent_position(scene.L, 2) == pytest.approx(right.apparent_position(right.L, 2))
-        assert overlay.facts(scene)["alpha"] == "50°"
+        assert captions.facts(scene)["alpha"] == "50°"
     none = Chess(sheet="none")
     for sheet in ("axis", "refraction", "lenslets"):
         scene = Chess(sheet=sheet, alpha=0)
@@ -125,8 +125,8 @@ def test_overlays_are_drawn(values):
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
     assert "path as z₁ changes" in dict(overlay.key(scene, Rendering(overlay=True)))
-    assert "M" not in overlay.facts(scene)
-    assert ("ratio" in overlay.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
+    assert "M" not in captions.facts(scene)
+    assert ("ratio" in captions.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
     assert not [*warnings.warnings(scene, Rendering(overlay=True, caption="full"))]
 
 
@@ -201,7 +201,7 @@ def test_sheets_that_cannot_be_are_refused(values, words):
 
 def test_captions_name_the_parameters_in_words():
     scene = Chess(sheet="twist", twist=20, window="z=1,sheet=lens,focal_length=4.5")
-    assert overlay.facts(scene)["twist"] == "20°/tile"
+    assert captions.facts(scene)["twist"] == "20°/tile"
     plain = np.zeros((240, 640, 3), np.uint8)
     with pytest.MonkeyPatch.context() as patch:
         texts = []

@@ -14,7 +14,8 @@ from povgen.optics import equations
 from povgen.scene import camera
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
-from povgen.video import overlay
+from povgen.video import captions, overlay
+from povgen.video.text import STRIP, TEXT, _font, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
 
@@ -22,7 +23,7 @@ BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 
 def parts(scene, size=(640, 480), texts=None, **options):
     """Return what is drawn for a grey picture: the strip above it, the picture, and the strip below it."""
     made = overlay.annotated(BLANK[size], scene, Rendering(size=size, **options), texts).astype(int)
-    top = np.argmin((made[:, 0] == overlay.STRIP).all(-1))
+    top = np.argmin((made[:, 0] == STRIP).all(-1))
     return made[:top], made[top : top + size[1]], made[top + size[1] :]
 
 
@@ -164,7 +165,7 @@ def test_the_overlay_leaves_the_rest_of_the_picture(monkeypatch):
 
 
 def test_the_caption_prints_what_the_equations_predict():
-    assert overlay.facts(Chess(alpha=66, sheet="ideal")) == {
+    assert captions.facts(Chess(alpha=66, sheet="ideal")) == {
         "alpha": "66°",
         "z1": "2 tiles",
         "z2": "6 tiles",
@@ -172,7 +173,7 @@ def test_the_caption_prints_what_the_equations_predict():
         "nu": f"{np.degrees(equations.nu(3, radians(66))):.1f}°",
         "M": f"{equations.M(3, radians(66)):.3g}",
     }
-    assert list(overlay.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
+    assert list(captions.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
 
 
 @pytest.mark.parametrize(
@@ -199,7 +200,7 @@ def test_the_caption_prints_what_the_equations_predict():
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
-    assert [overlay.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
+    assert [captions.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
 
 
 @pytest.mark.parametrize(
@@ -211,7 +212,7 @@ def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
     ],
 )
 def test_numbers_are_not_in_powers_of_ten(scene, texts):
-    assert [overlay.facts(scene)[name] for name in ("alpha", "z1", "z2", "r")] == texts
+    assert [captions.facts(scene)[name] for name in ("alpha", "z1", "z2", "r")] == texts
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
@@ -242,9 +243,9 @@ def test_text_has_one_size_in_all_pictures(monkeypatch):
         for scene in (Chess(sheet="none"), Chess(), Spheres(alpha=120)):
             above, _, below = parts(scene, size, caption="full", overlay=True)
             if isinstance(scene, Chess) and size[0] > size[1]:
-                assert len(below) / size[1] / (1.6 * overlay.TEXT) == pytest.approx(1, abs=0.07)
+                assert len(below) / size[1] / (1.6 * TEXT) == pytest.approx(1, abs=0.07)
                 assert len(above) <= 2 * len(below)
-    assert len(heights) > 50 and np.allclose(heights, overlay.TEXT)
+    assert len(heights) > 50 and np.allclose(heights, TEXT)
     size = 320, 240
     drawn(Chess(), size, caption="full")
     assert heights[-1] * 240 == 12
@@ -270,7 +271,7 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     monkeypatch.setattr(overlay, "_letter", lambda *_: None)
 
     def written(draw, x, middle, text, height):
-        ends.append(((draw, middle), x, x + overlay.text_width(text) * height))
+        ends.append(((draw, middle), x, x + text_width(text) * height))
         write(draw, x, middle, text, height)
 
     monkeypatch.setattr(overlay, "write", written)
@@ -340,8 +341,8 @@ def test_greek_letters_and_subscripts():
     assert sub[1] > one[1] and sub[0] > one[0] and sub[2] < one[2]
     # no character of a caption or a key is drawn as the box that stands for a missing one
     for font, texts in (
-        (overlay._font(40), "".join(chr(code) for code in range(33, 127)) + "°₁₂–×"),
-        (overlay._font(40, "symbol"), "αβνrxyzELMP"),
+        (_font(40), "".join(chr(code) for code in range(33, 127)) + "°₁₂–×"),
+        (_font(40, "symbol"), "αβνrxyzELMP"),
     ):
         missing = font.getmask("☃")
         assert all(bytes(font.getmask(letter)) != bytes(missing) for letter in texts)
@@ -360,16 +361,13 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     """Every value begins at the same place in all frames. The gaps between the widest values are equal."""
     found, write = [], overlay.write
     monkeypatch.setattr(overlay, "write", lambda draw, x, *a: (found[-1].append(x), write(draw, x, *a)))
-    texts = overlay.captions(scenes, Rendering(caption=kind))
+    texts = captions.captions(scenes, Rendering(caption=kind))
     for scene, caption in zip(scenes, texts, strict=True):
         found.append([])
         parts(scene, texts=caption)
     assert found[0] and all(places == found[0] for places in found)
-    size = overlay.TEXT * 480 * texts[0].size
-    gaps = [
-        b - a - size * overlay.text_width(text)
-        for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)
-    ]
+    size = TEXT * 480 * texts[0].size
+    gaps = [b - a - size * text_width(text) for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)]
     assert np.allclose([gap for gap in gaps if gap > 0], overlay.GAP * size)  # others are from line to line
 
 
@@ -428,7 +426,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     ],
 )
 def test_a_short_caption_says_what_moves(scenes, texts):
-    assert [", ".join(caption.texts) for caption in overlay.captions(scenes, Rendering(caption="short"))] == texts
+    assert [", ".join(caption.texts) for caption in captions.captions(scenes, Rendering(caption="short"))] == texts
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from povgen.scene import camera, cells, survey, warnings
 from povgen.scene.windows import Window
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-from povgen.video import overlay
+from povgen.video import captions, overlay
 
 TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
 MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=detailed"]}
@@ -134,7 +134,7 @@ def test_what_the_exact_trace_shows_is_visible(rng, window):
 
 def test_captions_and_curves_are_of_all_windows():
     scene = Chess(sheet="ideal", **TWO)
-    facts = overlay.facts(scene)
+    facts = captions.facts(scene)
     assert facts == {
         "alpha": "120°, 120°",
         "z": "0, 2 tiles",
@@ -147,7 +147,7 @@ def test_captions_and_curves_are_of_all_windows():
     assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene, Rendering(overlay=True))) == 4
     curve = np.concatenate(parts)
     assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
-    assert "alpha" not in overlay.facts(scene.replace(sheet="none"))
+    assert "alpha" not in captions.facts(scene.replace(sheet="none"))
     assert scene.replace(sheet="none").apparent_position(1, 2) == pytest.approx(8 / 12)
 
 

@@ -1,0 +1,225 @@
+"""What a frame's caption says: the parameters of the scene, and what is predicted for it."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import floor, log10
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.optics import equations
+from povgen.scene.models import Scene
+from povgen.scene.pieces import PIECES
+from povgen.scene.quantities import LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.spec import swept_numbers
+from povgen.settings import Rendering
+from povgen.sheets import PARAMETERS
+from povgen.sheets.prisms import PRISMS
+from povgen.sheets.sheet import Said
+from povgen.video.text import text_width
+
+SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
+MOVING = 1.25  # the text of a movie's short caption is so much larger, because it is read while something moves
+LEAST_TURN = 2  # degrees: a movie's caption says by how much an object appears turned if this changes by more
+
+Reals = NDArray[np.float64]
+
+
+class Caption(NamedTuple):
+    """A frame's caption: its texts, and for each the widest that stands there in a frame of the movie."""
+
+    texts: Sequence[str]
+    widest: Sequence[str]
+    size: float = 1  # of the text, as a multiple of the usual size
+
+
+def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
+    """Return the captions of a movie's frames, or of a single picture.
+
+    A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
+    That of a single picture states the sheets' parameters, or z1 where the sheets have none.
+    """
+    size = 1.0
+    if rendering.caption == "full":
+        rows = [_all_said(scene, facts(scene)) for scene in scenes]
+    elif rendering.caption == "short":
+        rows = _moving(scenes) if len(scenes) > 1 else [_still(scenes[0])]
+        size = MOVING if len(scenes) > 1 else 1.0
+    else:
+        rows = [[] for _ in scenes]
+    widest = [max(set(texts), key=text_width) for texts in zip(*rows, strict=False)]
+    return [Caption(texts, widest, size) for texts in rows]
+
+
+def _still(scene: Scene) -> list[str]:
+    """Return the short caption of a picture."""
+    return _all_said(scene, _values(scene) or {"z1": facts(scene)["z1"]})
+
+
+def _all_said(scene: Scene, values: Mapping[str, str]) -> list[str]:
+    """Return what a caption says of these values. One is left out if the words about another one state it."""
+    words = "".join(_words(scene, name).words for name in values)
+    return [_said(scene, name, text) for name, text in values.items() if f"{{{name}}}" not in words]
+
+
+def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
+    """Return the short caption of each frame.
+
+    It states the numbers and points that are not the same in all frames, and the angle by which an object appears
+    turned if this changes.
+    """
+    rows = [_numbers(scene) for scene in scenes]
+    found: list[list[str]] = []
+    for name in dict.fromkeys(name for row in rows for name in row):
+        values = [row.get(name, ()) for row in rows]
+        if len({*values}) > 1 and name in ("eye", "line"):
+            digits = _digits(values)
+            found.append([_place(name, place, digits) for place in values])
+        elif len({*values}) > 1:
+            factor, unit = _words(scenes[0], name).factor, _unit(name.rstrip(SUBSCRIPTS))
+            values = [tuple(factor * x for x in value) for value in values]
+            digits = _digits(values, unit.startswith("°"))
+            texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+            found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
+    turned = [_turned(scene) for scene in scenes]
+    known = [nu for nu in turned if np.isfinite(nu)]
+    if known and max(known) - min(known) > LEAST_TURN:
+        if len({scene.alphas for scene in scenes}) == 1 and not scenes[0].window:
+            found.append([_said(scene, "alpha", _values(scene)["alpha"]) for scene in scenes])
+        names = [next((str(each.piece) for each in getattr(scene, "pieces", ())), "") for scene in scenes]
+        found.append(
+            [
+                f"{name if name in PIECES else 'object'} turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
+                for name, nu in zip(names, turned, strict=True)
+            ]
+        )
+    return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
+
+
+def _turned(scene: Scene) -> float:
+    """Return by how many degrees a scene's only object appears turned; NaN at the pole, and for several objects."""
+    if len(scene.objects) != 1 or not scene.rotates:
+        return float("nan")
+    return float(scene.nu_and_M(scene.distances[0])[0])
+
+
+def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:
+    """Return how many decimals show that the values differ: of angles no more than needed, otherwise mostly one."""
+    numbers = [x for value in values for x in value]
+    span = max(numbers) - min(numbers)
+    if not span or all(float(x).is_integer() for x in numbers):
+        return 0
+    return min(max(1 - floor(log10(span)), 0 if angles or span >= 100 else 1), 4)
+
+
+def _place(name: str, place: tuple[float, ...], digits: int) -> str:
+    """Return where a point is: `eye 0.4 tiles to the left`, rounded."""
+    if not place:  # a movie of several kinds of scenes
+        return f"{name} none"
+    ways = (("to the left", "to the right"), ("down", "up"))
+    rounded = [round(x, digits) for x in place]
+    parts = [f"{abs(x):.{digits}f}{UNITS[name]} {way[x > 0]}" for x, way in zip(rounded, ways, strict=True) if x]
+    return f"{name} {', '.join(parts) or 'in the middle'}"
+
+
+def _words(scene: Scene, name: str) -> Said:
+    """Return how a caption says a parameter. The name of a further window's ends with its number as a subscript."""
+    plain = name.rstrip(SUBSCRIPTS)
+    number = name[len(plain) :]
+    if plain == "z" and number:
+        return SECOND if len(scene.window) == 1 else LATER
+    found = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == plain and each.said]
+    if found and not number:
+        return found[0]
+    return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
+
+
+def _said(scene: Scene, name: str, text: str) -> str:
+    """Return what a caption says of a parameter, whose value as text is given."""
+    number = SUBSCRIPTS.find(name[-1])
+    return _words(scene, name).words.format(text, **{**_values(scene), "number": number})
+
+
+def _numbers(scene: Scene) -> dict[str, tuple[float, ...]]:
+    """Return those of a scene's parameters that a movie can change: a number, least and greatest number, or x and y.
+
+    A parameter of a further window has the window's number as a subscript. The view is left out: it is no part of the
+    scene that is seen.
+    """
+    counts = swept_numbers(type(scene))
+    found: dict[str, Any] = {name: getattr(scene, name) for name in counts if name != "view"}
+    for n, window in enumerate(scene.window, 2):
+        found |= {f"{name}{SUBSCRIPTS[n]}": getattr(window, name) for name in swept_numbers(type(window))}
+    values = {}
+    for name, value in found.items():
+        several = value if isinstance(value, tuple) else (value,)
+        if all(isinstance(x, (int, float)) for x in several):
+            values[name] = several if counts.get(name) == 2 else tuple(dict.fromkeys((min(several), max(several))))
+    return values
+
+
+def _unit(name: str) -> str:
+    """Return the unit of a parameter, as it follows a number."""
+    if name in UNITS:
+        return UNITS[name]
+    units = {each.unit for each in PARAMETERS.get(name, ())} - {""}
+    text = units.pop() if len(units) == 1 else ""
+    text = text.replace("degrees", "°").replace(" a ", "/")
+    return text if text.startswith("°") else f" {text}" if text else ""
+
+
+def facts(scene: Scene) -> dict[str, str]:
+    """Return what the caption says: alpha, z1, z2, r, nu and M, as text, and n of prisms whose glass is named.
+
+    Windows in series have their z in place of r. For several objects a value is a range. nu and M are predictions for
+    prisms of the scene's size (`Scene.nu_and_M`).
+    """
+    z1 = np.array(scene.distances)
+    tiles = UNITS["z1"]
+    texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
+    texts["r"] = _range(equations.r(z1, scene.z2))
+    other = not (scene.rotates or scene.is_empty or scene.sheet == "single")
+    if scene.window or other:  # r is for a single window that rotates light
+        del texts["r"]
+    if scene.window:
+        texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
+    if scene.rotates:
+        nu, M = scene.nu_and_M(z1)
+        texts = {**_values(scene), **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+    if other:
+        texts = {**_values(scene), **texts}
+    glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
+    if glasses:
+        found = dict.fromkeys(f"{values['index']:.4f} ({values['glass']})" for values in glasses)
+        texts["n"] = f"{', '.join(found)} at {scene.wavelength:.1f} nm"
+    return texts
+
+
+def _values(scene: Scene) -> dict[str, str]:
+    """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it."""
+    found: dict[str, list[str]] = {}
+    for sheet in scene.sheets:
+        numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
+        for each in numbers:
+            x = sheet.values[each.name] * (each.said.factor if each.said else 1)
+            unit = _unit(each.name)
+            text = (f"{x:z.1f}".removesuffix(".0") if unit.startswith("°") else _number(x, ".3g")) + unit
+            found.setdefault(each.name, []).append(text)
+        for name, x in sheet.values.get("parameter", {}).items():
+            found.setdefault(name, []).append(_number(x, ".3g"))
+    return {name: ", ".join(texts) for name, texts in found.items()}
+
+
+def _range(values: Reals, form: str = ".3g") -> str:
+    """Return the least and the greatest number as text, and '?' if one is NaN (nu at the pole)."""
+    numbers = values[~np.isnan(values)]
+    ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
+    unknown = "?" if len(numbers) < len(values) else ""
+    return ", ".join(filter(None, [" to ".join(ends), unknown]))
+
+
+def _number(value: float, form: str) -> str:
+    if np.isinf(value):
+        return "infinite"
+    text = f"{value:z{form}}"  # z: 0.0 in place of -0.0
+    return f"{float(text):g}" if "g" in form else text  # 5000 in place of 5e+03

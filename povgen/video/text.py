@@ -1,0 +1,50 @@
+"""Text on pictures: the fonts of its words and symbols, its width, and writing it."""
+
+import re
+from functools import lru_cache
+from typing import Any
+
+from PIL import ImageDraw, ImageFont
+
+from povgen.video import fonts
+
+DARK = (20, 20, 20)  # red, green, blue of letters with a white edge
+STRIP = (24, 26, 30)  # red, green, blue behind text
+# Height of text, as a fraction of the picture's height. In a small picture it is higher, to be at least LEGIBLE pixels
+# high, but not higher than MAX_TEXT.
+TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
+FONTS = {"text": fonts.TEXT, "symbol": fonts.SYMBOLS}
+SYMBOL_SIZE = 1.2  # the symbols' letters are larger, because they are low for their size
+# A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, and not a. Its subscript is text.
+SYMBOL = re.compile("(?<![\\w-])([B-Zb-zα-ω])(?![A-Za-z0-9-])")
+
+
+def _runs(text: str) -> list[tuple[str, str]]:
+    """Return the parts of a text, each with its font. A hyphen before a digit is a minus sign."""
+    parts = SYMBOL.split(re.sub(r"(?<!\w)-(?=\d)", "–", text))
+    return [(part, "symbol" if n % 2 else "text") for n, part in enumerate(parts) if part]
+
+
+@lru_cache(maxsize=4096)
+def text_width(text: str) -> float:
+    """Return the width of a text, in units of its height."""
+    return sum(_font(100, font).getlength(part) for part, font in _runs(text)) / 100
+
+
+def write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float, edge: float = 0) -> None:
+    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels.
+
+    With an `edge` of so many pixels, in white, the text is black.
+    """
+    colours: dict[str, Any] = {"fill": "white"}
+    if edge:
+        colours = {"fill": DARK, "stroke_width": edge, "stroke_fill": "white"}
+    for part, font in _runs(text):
+        draw.text((x, middle + 0.36 * size), part, font=_font(size, font), anchor="ls", **colours)
+        x += size * text_width(part) if font == "text" else _font(size, font).getlength(part)
+
+
+def _font(size: float, name: str = "text") -> ImageFont.FreeTypeFont:
+    # with the basic layout, places of letters do not depend on whether Pillow has Raqm
+    larger = SYMBOL_SIZE if name == "symbol" else 1
+    return ImageFont.truetype(str(FONTS[name]), size * larger, layout_engine=ImageFont.Layout.BASIC)
