@@ -196,7 +196,10 @@ def facts(scene: Scene) -> dict[str, str]:
 
 
 def _values(scene: Scene) -> dict[str, str]:
-    """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it."""
+    """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it.
+
+    A number that all windows in series have in common is said once.
+    """
     found: dict[str, list[str]] = {}
     for sheet in scene.sheets:
         numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
@@ -207,6 +210,9 @@ def _values(scene: Scene) -> dict[str, str]:
             found.setdefault(each.name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():
             found.setdefault(name, []).append(_number(x, ".3g"))
+    for name, texts in found.items():
+        if len(texts) == len(scene.sheets) > 1 and len({*texts}) == 1:
+            found[name] = [f"{texts[0]} in each window"]
     return {name: ", ".join(texts) for name, texts in found.items()}
 
 

@@ -136,7 +136,7 @@ def test_captions_and_curves_are_of_all_windows():
     scene = Chess(sheet="ideal", **TWO)
     facts = captions.facts(scene)
     assert facts == {
-        "alpha": "120°, 120°",
+        "alpha": "120° in each window",
         "z": "0, 2 tiles",
         "z1": "2 tiles",
         "z2": "8 tiles",
@@ -147,6 +147,7 @@ def test_captions_and_curves_are_of_all_windows():
     assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene, Rendering(overlay=True))) == 4
     curve = np.concatenate(parts)
     assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
+    assert captions.facts(scene.replace(alpha=60))["alpha"] == "60°, 120°"
     assert "alpha" not in captions.facts(scene.replace(sheet="none"))
     assert scene.replace(sheet="none").apparent_position(1, 2) == pytest.approx(8 / 12)
 
