@@ -4,7 +4,7 @@
 import * as geometry from "../live/geometry.js";
 import { hasPrisms } from "../live/sheets.js";
 import { passage } from "./trace.js";
-import { abs, finite, minus, turn } from "./complex.js";
+import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
 import { seenAt, SHOWN } from "./contents.js";
 import { $, clamped, data } from "./data.js";
 import { fieldRays, hasField, perpendicularLoop } from "./field.js";
@@ -235,13 +235,14 @@ function names(now, { object, eye, image }, { to, low }, rem) {
   return parts;
 }
 
-// z1, z2 and d, along the floor.
+// z1, z2 and d, along the floor. The name of z1 stands nearer to the object, because the frame covers the other end.
 function dimensions({ z1, z2, d, windows }, { to, low }, ground, rem) {
   const last = windows.at(-1).z, y = ground;
   return [["z2", "z₂", -z2, 0], ["z1", "z₁", last, last + z1], ...(d ? [["d", "d", 0, last]] : [])].flatMap(([name, text, from, end]) => {
     const [a, b] = [to([0, y, from]), to([0, y, end])], kind = `q q-${name}`;
     const tips = abs(minus(a, b)) > 3 * rem ? [[a, b], [b, a]].map(([tip, other]) => arrowhead(`head ${kind}`, tip, heading(other, tip), 0.5 * rem)) : [];
-    return [line(kind, a, b), ...tips, ...(low ? [] : [words(`symbol-name ${kind}`, [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 0.8 * rem], text)])];
+    const middle = plus(a, scaled(name === "z1" ? 0.75 : 0.5, minus(b, a)));
+    return [line(kind, a, b), ...tips, ...(low ? [] : [words(`symbol-name ${kind}`, plus(middle, [0, 0.8 * rem]), text)])];
   });
 }
 
