@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import povgen
-from povgen.model import Model
+from povgen.validation import Model
 
 WIDTH = 100  # characters; a longer signature has a line for each parameter
 

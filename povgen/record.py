@@ -20,8 +20,8 @@ from typing import Annotated, Any, BinaryIO
 from pydantic import Field
 
 from povgen.errors import InputError, shown
-from povgen.model import Model
 from povgen.settings import Rendering
+from povgen.validation import Model
 
 FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record

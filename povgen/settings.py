@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self, TypedDic
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from povgen.model import Model
+from povgen.validation import Model
 
 Factor = Literal["1.5x", "2x", "3x", "4x"]
 

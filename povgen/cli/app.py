@@ -1,6 +1,6 @@
 """The command line: find a command, run it, and turn every error into a message and an exit status.
 
-The commands are in commands/. The models check values (`povgen.model`).
+The commands are in commands/. The models check values (`povgen.validation`).
 """
 
 import os

@@ -14,12 +14,12 @@ from povgen.errors import InputError, shown
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
-from povgen.model import Model
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
 from povgen.scene.models import SCENES, Scene, checked_scene, input_files, pieces
 from povgen.scene.sdl import TEMPLATES, to_html
 from povgen.scene.shader import surroundings
+from povgen.validation import Model
 
 Side = Annotated[int, Field(ge=32, le=7680)]
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
 from povgen.errors import InputError
-from povgen.model import Model
 from povgen.rendering.results import results
 from povgen.scene.models import Scene
 from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, PrismPair
+from povgen.validation import Model
 
 # of the differences below. Random errors of the facets are no step: they blur, in proportion to no single number
 STEPS = {

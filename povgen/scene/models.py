@@ -22,7 +22,6 @@ from pydantic import (
 
 from povgen import limits
 from povgen.errors import InputError, input_errors, one_line, shown
-from povgen.model import as_pair
 from povgen.optics import glasses
 from povgen.optics.prism import Prism
 from povgen.record import Record, info
@@ -38,6 +37,7 @@ from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.prisms import PrismPair, Prisms
 from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
+from povgen.validation import as_pair
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.random import Generator

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
 
-from povgen.model import Model
 from povgen.optics.prism import Prism
 from povgen.scene.laws import Text, to_live
 from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, Spheres
@@ -17,6 +16,7 @@ from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.prisms import SHAPE
 from povgen.sheets.sheet import Ideal, Sheet
+from povgen.validation import Model
 
 if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.profile import Profile

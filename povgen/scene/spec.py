@@ -11,12 +11,12 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
-from povgen.model import Model, as_pair
 from povgen.scene.models import SCENES, Scene
 from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
 from povgen.settings import preset_of
 from povgen.sheets.profile import NAMES
+from povgen.validation import Model, as_pair
 
 MOVIES = own_folder("movies")
 MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
-from povgen.model import Model, as_pair
 from povgen.sheets import PAPER, PARAMETERS, SHEETS
 from povgen.sheets.profile import NAMES, ProfileFile, as_profile
 from povgen.sheets.sheet import Parameter, Sheet
+from povgen.validation import Model, as_pair
 
 MAX_WINDOWS = 5
 

@@ -14,7 +14,6 @@ from pydantic import Field
 
 from povgen.errors import InputError, shown
 from povgen.files import as_path, checked_output, output_folder, save, unless_removed
-from povgen.model import Model
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, in_png
 from povgen.rendering import cache
@@ -23,6 +22,7 @@ from povgen.rendering.views import views
 from povgen.scene.models import Scene, checked_scene, input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
+from povgen.validation import Model
 from povgen.version import __version__
 from povgen.video import encode
 from povgen.video.still import pictures, record_of

@@ -24,7 +24,7 @@ LAYERS = {
     "teach": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure"},
     "cli": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure", "teach"},
 }
-BASE = {"errors", "files", "limits", "model", "progress", "record", "remedies", "settings", "stopping", "version"}
+BASE = {"errors", "files", "limits", "progress", "record", "remedies", "settings", "stopping", "validation", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything
 
 

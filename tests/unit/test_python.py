@@ -13,10 +13,10 @@ import pytest
 
 from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, live, to_pov
 from povgen.liveview.page import demo
-from povgen.model import Model
 from povgen.scene.models import Scene
 from povgen.scene.spec import Sweep
 from povgen.settings import Options
+from povgen.validation import Model
 
 MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start": 0, "stop": 1}]}
 

@@ -1,4 +1,4 @@
-"""The base of povgen's models: values are checked, errors have one line, and help() names each parameter."""
+"""The base class of povgen's models. It checks values, makes the one-line error, and lists the parameters in help()."""
 
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
