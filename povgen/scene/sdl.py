@@ -1,4 +1,7 @@
-"""Templates: a scene becomes the text that POV-Ray reads, movies become a page. Only this module uses Jinja2."""
+"""Fill in the templates: a scene's text for POV-Ray, the live view's HTML and shaders, captions of figures, reports.
+
+Only this module uses Jinja2.
+"""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,6 +22,7 @@ from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
+from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
 from povgen.sheets.prisms import PrismPair, Prisms
 from povgen.version import __version__
@@ -65,9 +69,10 @@ def _raw(name: str) -> str:
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:
-    """Return the line that declares a parameter. If it is `free`, a value that was declared before stays.
+    """Return the line that declares a parameter. If it is `free`, a value that was declared before is kept.
 
-    A parameter is free if all that depends on it is computed from it in the text.
+    This is for parameters that can also be set on POV-Ray's command line. All that depends on a free parameter must be
+    computed in POV-Ray's text.
     """
     declaration = f"#declare {name:10} = {float(value):.15g};"
     if free:
@@ -93,11 +98,11 @@ def to_pov(
 ) -> str:
     """Return the scene in POV-Ray's language. Texts of two frames of a movie differ only in declared parameters.
 
-    The header has POV-Ray's command for the picture, from a file of this name. Options are size, quality and
-    antialias, as of `Rendering`.
+    The header has POV-Ray's command that renders the picture; in it, `file` is the name of the text's file. Options are
+    the fields size, quality and antialias of `Rendering`.
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
     `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
-    `found` is the scene's survey. Without it, rays are traced.
+    `found` is the result of `scene.survey`, if it is known already. Without it, rays are traced here.
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
     two scenes.
     """
@@ -135,7 +140,7 @@ def to_pov(
             glass=_shapes(scene),
             profiles=_profiles(scene),
             trace_level=max_trace_level(scene, found),
-            free=_is_exact(scene),  # sheets that are not built exactly are computed in Python
+            free=_is_exact(scene),  # sheets with errors of building are computed in Python, not in POV-Ray's text
             built=built,
             facets=first.facets if isinstance(first, PrismPair) else [],
             part="",
@@ -145,15 +150,13 @@ def to_pov(
 
 
 def to_sheets(scene: Scene) -> str:
-    """Return the scene's sheets of prisms in POV-Ray's language, as a text to #include in another scene.
+    """Return the scene's sheets of prisms or lenses in POV-Ray's language, as a text to #include in another scene.
 
-    Raises InputError if a window has an ideal sheet, or none.
+    Raises InputError if a window has an ideal sheet, or none, and for errors of building.
     """
     if checked_scene(scene).ideal:
-        raise InputError(
-            f"part = 'sheets': sheet = {scene.ideal[0].name!r} is no object, the camera simulates it; "
-            "allowed: detailed or single"
-        )
+        allowed = ", ".join(repr(name) for name, kind in SHEETS.items() if issubclass(kind, Layered))
+        raise InputError(f"part = 'sheets': sheet = {scene.ideal[0].name!r} has no glass; allowed: {allowed}")
     if not _is_exact(scene):
         raise InputError("error: not with part = 'sheets'; allowed: no errors of building")
     glass, level = _shapes(scene), max_trace_level(scene)
@@ -168,21 +171,21 @@ def _is_exact(scene: Scene) -> bool:
 
 
 def _shapes(scene: Scene) -> list[Prisms]:
-    """Return a sheet of prisms for each shape and number of sheets that the scene's windows have."""
+    """Return the different sheets of prisms: of windows with the same layers, shape and tops, the last one's."""
     found = {
         (sheet.layers, sheet.shape, sheet.values["tops"]): sheet for sheet in scene.sheets if isinstance(sheet, Prisms)
     }
     return list(found.values())
 
 
-class ProfileOf(NamedTuple):
-    """A window's sheets of a profile that is not that of Dove prisms."""
+class ProfileWindow(NamedTuple):
+    """A window whose sheets have another cross-section than Dove prisms: a `Profile`, such as lenses."""
 
     window: int  # counted from 0
     sheet: Layered
     shape: "Prism | Profile"
-    suffix: str  # of the names of its parameters
-    near: "Prism | Profile | None" = None  # the profile of the near sheet, if that is another one
+    suffix: str  # that ends the names of its parameters in the text
+    near: "Prism | Profile | None" = None  # the profile of the near sheet, if it differs from `shape`
 
     @property
     def periods(self) -> str:
@@ -190,16 +193,16 @@ class ProfileOf(NamedTuple):
         return self.sheet.counted.capitalize() + self.suffix
 
 
-def _profiles(scene: Scene) -> list[ProfileOf]:
-    """Return the windows whose sheets have a profile. Windows with the same one have the same suffix."""
-    found: list[ProfileOf] = []
+def _profiles(scene: Scene) -> list[ProfileWindow]:
+    """Return the windows whose sheets have a profile. Windows with equal profiles have the same suffix."""
+    found: list[ProfileWindow] = []
     suffixes: dict[tuple[str, Profile], str] = {}
     for number, sheet in enumerate(scene.sheets):
         if isinstance(sheet, Layered) and not isinstance(shape := sheet.shape, Prism):
             suffix = suffixes.setdefault((sheet.counted, shape), f"_{len(suffixes) + 1}" if suffixes else "")
             shapes = [] if sheet.is_exact else [built.shape for built in sheet.layers_at(0.0, 0)]
             near, far = shapes or (None, shape)
-            found.append(ProfileOf(number, sheet, far, suffix, near))
+            found.append(ProfileWindow(number, sheet, far, suffix, near))
     return found
 
 
@@ -232,9 +235,9 @@ def to_javascript(texts: Sequence[laws.Text]) -> str:
 
 
 def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
-    """Return one of the live view's fragment shaders, live/`main`.glsl with all that it needs, without its head.
+    """Return one of the live view's fragment shaders, live/`main`.glsl with all that it includes.
 
-    `texts` are the laws that it knows.
+    The caller adds the lines before it, #version and #define. `texts` are the laws that the shader knows.
     """
     if main in ("display", "share"):
         parts = [main]
@@ -244,7 +247,7 @@ def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
 
 
 def _input(file: str) -> str:
-    """Return POV-Ray's option, as a shell takes it, for its input file; no text if it cannot open the name."""
+    """Return POV-Ray's option for its input file, quoted for a shell; '' if POV-Ray cannot open a file of this name."""
     if re.fullmatch(r"[\w.-]+", file, re.ASCII):
         return f"+I{file}"
     return quote(f'+I"{file}"') if re.fullmatch("[ !#-~]+", file) else ""
@@ -268,22 +271,22 @@ def to_report(
 
 
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:
-    """Return where a line, counted from 1, of a text with these pieces (`to_pov`, `to_crossings`) comes from.
+    """Return the origin of a line of a text for POV-Ray: a user's file and the line in it, or a template and None.
 
-    This is a user's file (`PieceFile`) and the line there, or a template and None. Each template's text begins with its
-    name.
+    `source` is the result of `to_pov` or `to_crossings` for these pieces. A user's file is that of a `PieceFile`. Lines
+    are counted from 1. The text of each template begins with a comment that names the template.
     """
     for piece in pieces:
         if isinstance(piece, PieceFile):
             before, _, after = source.partition(f"union {{\n{piece.text}object {{ Piece }}\n}}\n")
             first = before.count("\n") + 2
             last = first + piece.text.count("\n") - 1
-            # then two lines use `Piece` and end the union, and others check how far the piece reaches
+            # after the file's text: two lines that use `Piece` and end the union, and lines that check the piece's size
             check = 0 if piece.is_mesh else after.partition("\nOwnPieceCheck(")[0].count("\n") + 2
             if first <= line <= last + 2 + check:
                 return repr(piece.path), min(line, last) - first + 1
     name = "header.pov.j2"
-    for text in source.split("\n")[:line]:  # POV-Ray ends a line only there
+    for text in source.split("\n")[:line]:  # POV-Ray ends a line at no other character
         if text.startswith("// ---- ") and text.endswith(") ----"):
             name = text[text.rindex("(") + 1 : -len(") ----")]
     return name, None

@@ -105,13 +105,15 @@ def test_the_sheets_in_a_scene_of_ones_own(tmp_path):
 
 
 def test_parts_that_cannot_be(tmp_path):
-    with pytest.raises(InputError, match="sheet = 'ideal' is no object, the camera simulates it; allowed: detailed or"):
+    with pytest.raises(
+        InputError, match="sheet = 'ideal' has no glass; allowed: 'detailed', 'single', 'lenticular', 'profile'$"
+    ):
         to_sheets(Chess(window="z=2", sheet="ideal"))
     for options, said in (
         (["--part", "frame"], "part = 'frame': allowed: sheets"),
         (["--part", "sheets", "--size", "64x48"], "part = 'sheets', size: the picture is not povgen's"),
         (["--part", "sheets", "-o", "a.pov"], ".inc"),
-        (["--part", "sheets", "--sheet", "none"], "sheet = 'none' is no object"),
+        (["--part", "sheets", "--sheet", "none"], "sheet = 'none' has no glass"),
     ):
         assert said in refused(["pov", "chess", *options], tmp_path)
 
