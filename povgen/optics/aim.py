@@ -36,11 +36,12 @@ Indices = NDArray[np.intp]
 # The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
-# The rays to which the matrix of a profile is fitted have slopes across the ridges within FAN of a middle one.
+# The matrix of a profile is fitted to rays with FAN_SIDE slopes across the ridges, within FAN of a middle one, and at
+# FAN_SIDE places of a period for each slope.
 FAN, FAN_SIDE = 0.1, 41
-_SLOPES = np.linspace(-0.6, 0.6, 31)  # at one of these, most light makes a ghost
-_WIDTH = 61.0  # periods of a sheet of which this is found: odd, so that a cell is in the middle
-_ROUNDS = 3  # until the matrix of a ghost is that for its own slopes
+_SLOPES = np.linspace(-0.6, 0.6, 31)  # among these is the one at which the greatest share of light makes a ghost
+_WIDTH = 61.0  # of the sheet through which rays are traced, periods; odd, so that a cell is in the middle
+_ROUNDS = 3  # a ghost's matrix depends on its slopes, and these on the matrix: so many iterations
 _PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
 
 
@@ -56,7 +57,7 @@ class Element(Protocol):
         """The ray-transfer matrix, or None if there is none."""
 
     def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
-        """Return the sheets of prisms of a window at z, the near one first."""
+        """Return the sheets of prisms or lenses of window number `window`, which stands at z, the near one first."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
         """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
@@ -79,17 +80,19 @@ class SmallAngles(NamedTuple):
     The place of a ray before and behind the sheet is where it, continued straight, crosses the sheet's middle plane.
     """
 
-    slab_shift: float  # along the ridges, light is displaced by -slab_shift times its slope
-    shift: float = 0.0  # across the ridges, by this times its slope,
-    offset: float = 0.0  # and by this
-    factor: float = -1.0  # its slope across the ridges is multiplied by this,
-    deviation: float = 0.0  # and this is added
-    reach: float = 0.0  # the farthest that light is displaced across the ridges, beside that
-    blur: float = 0.0  # RMS of what the slope differs by
-    bend: float = 0.0  # of arrays of different pitch: what is added to the slope, for each distance from the middle
+    # s and t are the components of a ray's slope along and across the ridges. Along the ridges, light is displaced by
+    # -slab_shift*s. Across the ridges, it is displaced by shift*t + offset, and its slope becomes factor*t + deviation.
+    slab_shift: float
+    shift: float = 0.0
+    offset: float = 0.0
+    factor: float = -1.0
+    deviation: float = 0.0
+    reach: float = 0.0  # the greatest difference of a ray's displacement from shift*t + offset
+    blur: float = 0.0  # the RMS difference of a ray's slope from factor*t + deviation
+    bend: float = 0.0  # for arrays of different pitch: deviation grows by bend times the distance from the middle
 
     def scaled(self, pitch: float) -> "SmallAngles":
-        """Return the same for a sheet whose pitch is so many times as large."""
+        """Return the same for a sheet that is larger by the factor `pitch`."""
         lengths = ("slab_shift", "shift", "offset", "reach")
         return self._replace(**{name: pitch * getattr(self, name) for name in lengths}, bend=self.bend / pitch)
 
@@ -97,10 +100,10 @@ class SmallAngles(NamedTuple):
 def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) -> SmallAngles:
     """Return what a sheet of this shape does to light on its designed path.
 
-    For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines fitted
-    to their slopes and places behind the sheet. So spherical aberration counts as for these rays. With an `order` other
-    than 0, these are the rays that leave the glass so many cells above the cell in which they enter it: a ghost. NaN if
-    there are none.
+    For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines are
+    fitted to their slopes and places behind the sheet. So the result contains the spherical aberration of these rays.
+    With an `order` other than 0, the result is for a *ghost*: for rays that leave the glass `order` cells above the
+    cell in which they enter it. It is NaN if there are no such rays.
     """
     if isinstance(shape, Prism):
         return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
@@ -113,10 +116,10 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 
 @lru_cache(10_000)
 def shares(profile: Profile, slope: float) -> dict[int, float]:
-    """Return for each order the share of the light with this slope across the ridges that takes the path with it.
+    """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
 
-    The order is as for `small_angles`: 0 is the designed path. Light on other paths is left out. The light fills a
-    period, and has no slope along the ridges.
+    The keys are the orders, as for `small_angles`. The light fills a period. It has this slope across the ridges, and
+    none along them. Light on other paths is left out.
     """
     count, z = 200, -profile.half * profile.pitch
     place = ((np.arange(count) + 0.5) / count - 0.5) * profile.pitch + z * slope
@@ -141,11 +144,12 @@ def field(profile: Profile) -> float:
 
 
 class Ghost(NamedTuple):
-    """An image by light that leaves the glass through other lenses than those opposite."""
+    """An image by light that leaves the glass through other lenses than those opposite the lenses where it enters."""
 
-    orders: tuple[int, ...]  # for each sheet: how many cells above that where light from the eye would enter
+    # for each sheet: by how many cells a ray from the eye leaves the glass above the cell where it enters
+    orders: tuple[int, ...]
     position: complex  # where the eye sees the point, in the plane of the window
-    share: float  # of the light there, by `shares` in each sheet
+    share: float  # the fraction of light that takes this path: the product of the sheets' `shares`
 
 
 def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
@@ -192,7 +196,7 @@ def _usual_slope(profile: Profile, order: int) -> float:
 def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
     """Return the matrix of a sheet in paraxial approximation. Prisms mirror the slope about the ridges.
 
-    With an `order` and a `middle`, it is that for a ghost of lenses: `small_angles`.
+    `order` and `middle` are those of `small_angles`: they select a ghost of lenses.
     """
     does = small_angles(sheet.shape, order, middle)
     ridges, g = np.exp(2j * np.asarray(sheet.angle)), does.slab_shift
@@ -215,8 +219,8 @@ def transfer(sheets: Iterable[Sheet], orders: Sequence[int] = (0, 0), middles: S
     """Return the matrix of sheets, the nearest to the eye first.
 
     It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
-    crosses the plane z = 0. With `orders` and `middles` it is the matrix for a ghost, with one of each for every sheet:
-    `small_angles`.
+    crosses the plane z = 0. `orders` and `middles` have, for each sheet, the `order` and `middle` of
+    `small_angles`: they select a ghost of lenses.
     """
     total, z = np.eye(5), 0.0
     for sheet, order, middle in zip(sheets, orders, middles, strict=False):
@@ -226,7 +230,7 @@ def transfer(sheets: Iterable[Sheet], orders: Sequence[int] = (0, 0), middles: S
 
 @lru_cache(1000)
 def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> SmallAngles:
-    """Return what `small_angles` does, for a profile with the pitch 1, so many cells from the middle."""
+    """Return the result of `small_angles` for one cell of a profile with the pitch 1. Cell 0 is in the middle."""
     # across the ridges many slopes, and along them one; at each slope, rays at many places within a period
     slope = np.repeat(np.linspace(middle - FAN, middle + FAN, FAN_SIDE), FAN_SIDE)
     place = np.tile((np.arange(FAN_SIDE) + 0.5) / FAN_SIDE - 0.5 + cell, FAN_SIDE)
@@ -322,8 +326,8 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
     With A and B of `depths`, a short step d on the object appears as a d + b conj(d) in the plane of the first window:
     a = z2 conj(A)/(|A|^2 - |B|^2) and b = -z2 B/(|A|^2 - |B|^2). Then nu = arg(a). The magnification depends on the
     direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For sheets without thickness that
-    rotate light, nu and M are eqs. 8 and 9, corrected. If |b| > |a|, the object appears mirrored: nu is NaN, and M is
-    |b|. If |A| = |B|, nu is NaN and M is infinite.
+    rotate light, nu and M are eqs. 8 and 9, corrected (docs/errata.md). If |b| > |a|, the object appears mirrored:
+    nu is NaN, and M is |b|. If |A| = |B|, nu is NaN and M is infinite.
     """
     A, B = depths(z1, windows)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -335,7 +339,8 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
 def infinite_z1(windows: Windows) -> Floats:
     """Return the distances z1 > 0 at which objects appear at infinity; none if a window has no matrix.
 
-    A z1 at which an object comes closest to infinity, without reaching it, is a result too.
+    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. Of complex solutions, the real part is a
+    result: there |A|^2 - |B|^2 is closest to 0.
     """
     total = matrix(windows)
     if total is None:
@@ -461,8 +466,8 @@ def newton(
 ) -> tuple[Complexes, Floats]:
     """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
 
-    Levenberg's and Marquardt's method: where no ray near it meets the target, the result is a ray that misses it least.
-    But a ray is given up if ten steps have not halved its distance, and this is not yet `enough`.
+    Levenberg's and Marquardt's method: if no ray near the first one meets the target, the result is the ray that misses
+    it least. A ray is given up if its distance is more than `enough`, and ten steps have not halved it.
     """
     s, f = s.copy(), miss(s, target)
     damping, earlier = np.full(len(s), 1e-3), abs(f)

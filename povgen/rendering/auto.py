@@ -35,9 +35,9 @@ from povgen.settings import Options, Rendering
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
-# ideal sheet costs about as much as the first one of the prisms. All are POV-Ray's own: small blocks estimate their
-# FLIP to a few percent. Blocks estimate the FLIP of 1.5x to 4x only to 10 to 20 %, because the filter needs pixels
-# beyond a block's edge.
+# ideal sheet costs about as much as the first one of the prisms. All are POV-Ray's own methods, because small
+# blocks estimate their FLIP to a few percent. Blocks estimate the FLIP of 1.5x to 4x only to 10 to 20 %, because the
+# filter needs pixels beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 # Through prisms, the renderer gl needs its filter of 2x to 4x: with as many rays, METHOD,THRESHOLD,DEPTH is worse.
@@ -131,7 +131,8 @@ def choose(
     """
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")
-    # at alpha = 0 the ideal sheet changes nothing, and no sheet costs less; but a predicted image needs a sheet
+    # at alpha = 0 the ideal sheet changes nothing, and the picture without it ("none") is cheaper; but a predicted
+    # image needs a sheet
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)
     substitute = "none" if plain else "ideal"
     position_errors = {
@@ -159,8 +160,9 @@ def choose(
 
 
 def _cheapest(ladders: Sequence[list[Candidate]], trial: "_Trial", most: float, reason: str) -> tuple[Candidate, str]:
-    """Return the first candidate with at most so much FLIP, by bisection in each ladder, and one line with the reason.
+    """Return the cheapest candidate whose FLIP is at most `most`, and one line with the reason.
 
+    A ladder is a list of candidates, the cheapest first; ladders are tried in turn, each by bisection.
     Raises InputError if there is none.
     """
     for ladder in ladders:
@@ -202,7 +204,7 @@ class _Trial:
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
         self.size = size
-        self.right = self._pictures("detailed", CONVERGED)
+        self.converged = self._pictures("detailed", CONVERGED)
         self._drawing: gl_runner.Runner | None = None  # one for all candidates: a process takes long to start
 
     def __enter__(self) -> "_Trial":
@@ -217,13 +219,13 @@ class _Trial:
         make = self._pictures if candidate.renderer == "povray" else self._cut
         pictures = make(candidate.sheet, candidate.antialias)
         worst = (0.0, 0.0)  # the result if no window is visible
-        for (_, part), picture, right in zip(self.mosaics, pictures, self.right, strict=True):
-            blocks = _flip(picture, right, part.side)
+        for (_, part), picture, converged in zip(self.mosaics, pictures, self.converged, strict=True):
+            blocks = _flip(picture, converged, part.side)
             if candidate.sheet == "detailed":
                 # FLIP depends on a pixel's surroundings. Between the mosaic's other blocks it is too high (noise at the
                 # edges). Between copies of the block it is too low by the same amount (3 %, mean of 14 scenes). So the
                 # two values are averaged.
-                blocks = (blocks + _flip(picture, right, part.side, part.side // 2)) / 2
+                blocks = (blocks + _flip(picture, converged, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)
         return replace(candidate, flip=worst[0], margin=worst[1])
@@ -284,7 +286,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     return Mosaic(size, side, np.stack((columns, rows), axis=-1).tolist())
 
 
-def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> NDArray[np.float64]:
+def _flip(picture: Picture, converged: Picture, side: int, around: int = 0) -> NDArray[np.float64]:
     """Return the mean FLIP of each block of a mosaic, (rows, columns).
 
     Each block is first surrounded by copies of itself, `around` pixels wide.
@@ -296,7 +298,7 @@ def _flip(picture: Picture, right: Picture, side: int, around: int = 0) -> NDArr
         blocks = mosaic.reshape(-1, side, columns, side, 3)[:, index][:, :, :, index]
         return blocks.reshape(-1, columns * extent, 3)
 
-    off = flip(repeated(picture), repeated(right)).reshape(-1, extent, columns, extent)
+    off = flip(repeated(picture), repeated(converged)).reshape(-1, extent, columns, extent)
     inner = slice(around, around + side)
     return np.asarray(off[:, inner, :, inner].mean((1, 3)), np.float64)
 

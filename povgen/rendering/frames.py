@@ -44,7 +44,7 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 def _read(path: Path, rendering: Rendering) -> bytes | None:
     """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    # no frame is larger: of a PNG file, twice the raw pixels and 1 MiB
+    # the most that a valid frame has: 1 MiB, and twice the 3 bytes of a pixel, or 13 bytes for a pixel of light
     return cache.read(path, most=2**20 + (13 if rendering.is_light else 6) * width * height)
 
 
@@ -75,7 +75,7 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
 def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
     """Return whether this is a complete PNG file of 8-bit RGB and this size, whose pixels can be decoded.
 
-    Or whether it is a complete frame of light of this size.
+    If `is_light`, return whether it is a complete frame of linear light (`light.unpacked`) of this size.
     """
     if is_light:
         try:
@@ -96,9 +96,10 @@ def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
 
 
 def _unpacked(packed: bytes, row: int, most: int) -> tuple[int, int]:
-    """Return the number of unpacked bytes, and the greatest first byte of a row of so many bytes.
+    """Return the number of unpacked bytes, and the greatest of the first bytes of the rows. A row has `row` bytes.
 
-    A damaged file may unpack to more than memory holds: few bytes are unpacked at once, and little more than `most`.
+    A damaged file may unpack to more than memory holds. So few bytes are unpacked at once, and in all not many more
+    than `most`.
     """
     unpacker, count, highest = zlib.decompressobj(), 0, 0
     while count <= most and (block := unpacker.decompress(packed, BLOCK)):
@@ -118,7 +119,8 @@ def render_all(
 ) -> Generator[list[bytes], None, None]:
     """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background. Keep the order.
 
-    Call `done` after each scene, and `part` with each further part of a frame. `workers` frames are rendered at once by
+    Call `done` after each scene, and `part` with the fraction of a frame that has been rendered since its last call.
+    `workers` frames are rendered at once by
     `runner`. The default runner is the renderer on this machine. The runner is stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
@@ -168,7 +170,7 @@ def _renderer(
     workers: int | None,
     part: Callable[[float], None] | None = None,
 ) -> tuple[Callable[[Scene], str], Runner, int]:
-    """Return what makes the text that is rendered of a scene, what renders it, and how many frames at once."""
+    """Return a function from a scene to its text, a runner that renders such texts, and how many it renders at once."""
     if rendering.renderer == "povray":
         if rendering.is_light and runner is None:
             light.exr()  # raises an error before anything is rendered

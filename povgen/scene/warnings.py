@@ -16,7 +16,7 @@ from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
 from povgen.sheets.prisms import SHAPE, Prisms
 
-UNUSUAL = (*SHAPE, "ratio", "f_number")  # parameters of a shape: a warning states those that are not the defaults
+UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
 
 
 def warnings(
@@ -24,7 +24,7 @@ def warnings(
 ) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence.
 
-    `found` is the scene's survey; without it, rays are traced.
+    `found` is the result of `survey`, if it is known already. Without it, rays are traced here.
     """
     glass = scene.has_prisms
     shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
@@ -47,9 +47,9 @@ def warnings(
         text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the {things} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     if glass or scene.rotates:
-        yield from _prediction(scene, rendering)
+        yield from _wrong_prediction(scene, rendering)
     if not scene.rotates:
-        yield from _laws(scene, rendering)
+        yield from _no_light(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         finest = min(scene.layered, key=lambda sheet: sheet.pitch)
         pixels = finest.pitch / scene.view * rendering.size[1]
@@ -64,7 +64,7 @@ def _things(scene: Scene) -> str:
     return "prisms" if any(isinstance(sheet, Prisms) for sheet in scene.layered) else "lenses"
 
 
-def _laws(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning if no light passes through the ideal windows, and if the overlay cannot mark an object."""
     if scene.is_empty:
         return
@@ -91,29 +91,28 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
     return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements) / scene.view * 960
 
 
-def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
-    two = scene.rotates
     shows = {
         "predicted_image": getattr(scene, "predicted_image", False),
         "overlay": rendering and rendering.overlay,
-        "caption": rendering and rendering.caption == "full" and two,
+        "caption": rendering and rendering.caption == "full" and scene.rotates,
     }
     names = [name for name, shown in shows.items() if shown]
     if not names:
         return
-    found = []
+    errors = []
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if scene.has_prisms:
             what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and spherical aberration")
-            found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
-        else:  # up to MAX_CONDITION, the error is one pixel; so is that between the camera's cells
+            errors.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
+        else:  # at M = MAX_CONDITION the error is a pixel; between the points of the camera's mesh it is grid_error
             M = float(scene.nu_and_M(z1)[1])
             cells = camera_cells(scene)
             error = max(M / MAX_CONDITION, grid_error(scene, cells) if cells > 1 else 0)
-            found.append((error, 1, z1, f"the magnification of the object, {M:.3g} times"))
-    error, limit, z1, cause = max(found, key=lambda each: each[0])
+            errors.append((error, 1, z1, f"the magnification of the object, {M:.3g} times"))
+    error, limit, z1, cause = max(errors, key=lambda each: each[0])
     if error > limit:
-        where = f"alpha = {scene.alpha:g} and " * two + f"z1 = {z1:g}"
+        where = f"alpha = {scene.alpha:g} and " * scene.rotates + f"z1 = {z1:g}"
         much = f"by up to {error:.3g} pixels of 1280x960" if error < 1280 else "by more than the picture's width"
         yield names[0], f"{', '.join(names)}: at {where} the prediction can be wrong {much}, because of {cause}"

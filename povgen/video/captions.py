@@ -26,7 +26,7 @@ Reals = NDArray[np.float64]
 
 
 class Caption(NamedTuple):
-    """A frame's caption: its texts, and for each the widest that stands there in a frame of the movie."""
+    """A frame's caption: its texts, and for each the widest text at the same place in any frame of the movie."""
 
     texts: Sequence[str]
     widest: Sequence[str]
@@ -37,7 +37,7 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
     """Return the captions of a movie's frames, or of a single picture.
 
     A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
-    That of a single picture states the sheets' parameters, or z1 where the sheets have none.
+    The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none.
     """
     size = 1.0
     if rendering.caption == "full":
@@ -57,7 +57,7 @@ def _still(scene: Scene) -> list[str]:
 
 
 def _all_said(scene: Scene, values: Mapping[str, str]) -> list[str]:
-    """Return what a caption says of these values. One is left out if the words about another one state it."""
+    """Return what a caption says of these values. A value is left out if the words about another value state it."""
     words = "".join(_words(scene, name).words for name in values)
     return [_said(scene, name, text) for name, text in values.items() if f"{{{name}}}" not in words]
 
@@ -104,7 +104,10 @@ def _turned(scene: Scene) -> float:
 
 
 def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:
-    """Return how many decimals show that the values differ: of angles no more than needed, otherwise mostly one."""
+    """Return how many decimals show that the values differ: 0 to 4, and 0 if all are whole numbers.
+
+    Angles have no more than needed. Other values have at least one, unless they differ by 100 or more.
+    """
     numbers = [x for value in values for x in value]
     span = max(numbers) - min(numbers)
     if not span or all(float(x).is_integer() for x in numbers):
@@ -123,7 +126,7 @@ def _place(name: str, place: tuple[float, ...], digits: int) -> str:
 
 
 def _words(scene: Scene, name: str) -> Said:
-    """Return how a caption says a parameter. The name of a further window's ends with its number as a subscript."""
+    """Return how a caption says a parameter. For a further window, `name` ends with the window's number."""
     plain = name.rstrip(SUBSCRIPTS)
     number = name[len(plain) :]
     if plain == "z" and number:
@@ -141,7 +144,7 @@ def _said(scene: Scene, name: str, text: str) -> str:
 
 
 def _numbers(scene: Scene) -> dict[str, tuple[float, ...]]:
-    """Return those of a scene's parameters that a movie can change: a number, least and greatest number, or x and y.
+    """Return the parameters that a movie can change, each as a number, as least and greatest number, or as x and y.
 
     A parameter of a further window has the window's number as a subscript. The view is left out: it is no part of the
     scene that is seen.
