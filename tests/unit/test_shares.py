@@ -47,7 +47,7 @@ def test_the_docs_state_the_shares_of_the_default_scene():
             assert getattr(black, name) <= getattr(glass, name)
     (_, _, _, designed, stray, left), *others = [tuple(map(float, row)) for row in rows]
     assert f"they take {100 * (1 - left / stray):.0f} % of the stray light" in text
-    assert f"a base angle of 40° adds {others[4][3] - designed:.0f} points" in text
+    assert f"a base angle of 40° adds {others[4][3] - designed:.0f} percentage points" in text
 
 
 def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
