@@ -195,7 +195,7 @@ def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
 
 
 def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
-    """Return the distances to a piece's surface, in voxels, (z, y, x), as templates/live/volume.js does."""
+    """Return the distances to a piece's surface, in voxels, (z, y, x), as templates/live/pieceShape.js does."""
     steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
     stored = np.cumsum(steps, axis=0, dtype=np.uint8)
     most = volume["most"]

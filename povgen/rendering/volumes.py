@@ -42,7 +42,7 @@ Mask = NDArray[np.bool_]
 
 
 class Volume(NamedTuple):
-    """A piece's distance field. `templates/live/volume.js` reads it."""
+    """A piece's distance field. `templates/live/pieceShape.js` reads it."""
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
     # A byte for each point: the difference from the point before it along z. x changes fastest, z slowest. All is

@@ -6,7 +6,7 @@
 
 import { Context } from "./context.js";
 import { Schedule } from "./scheduling.js";
-import { field } from "./volume.js";
+import { field } from "./pieceShape.js";
 
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
