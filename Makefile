@@ -76,6 +76,9 @@ demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, besi
 	$(POVGEN) demo -o build/demo.html $(OPTIONS)
 	$(call note,build -maxdepth 1 -name 'demo*')
 
+# The tests start hundreds of Pythons. Without the compiled modules on disk, each of them would compile povgen again.
+test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
+
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
@@ -241,10 +244,10 @@ $(VENV)/mitsuba/ready: pyproject.toml $(NEW) | $(READY)
 	$(VENV)/mitsuba/bin/pip install --quiet --disable-pip-version-check mitsuba numpy
 	@touch $@
 
-# uv installs the many packages of the tests faster than pip does.
+# uv installs the many packages of the tests faster than pip does. It compiles them only if it is told to.
 $(VENV)/test-ready: pyproject.toml $(NEW) | $(READY)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check uv \
-	  && $(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python --editable .[test])
+	  && $(VENV)/bin/uv pip install --quiet --compile-bytecode --python $(VENV)/bin/python --editable .[test])
 	@touch $@
 
 # eslint, tsc, Puppeteer, which drives Firefox, and the Node that runs them. `npm ci` installs what the lock file names,
