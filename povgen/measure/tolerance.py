@@ -17,9 +17,11 @@ from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, PrismPair
 from povgen.validation import Model
 
-# of the differences below. Random errors of the facets are no step: they blur, in proportion to no single number
+# Of the differences below. They are large, because a sheet that moves sends other rays along the designed path, which
+# changes the fitted turn by some 0.01 degrees. Random errors of the facets are no step: they blur, in proportion to no
+# single number
 STEPS = {
-    name: {"tiles": 0.01, "": 0.005}.get(allowed.unit, 0.1)
+    name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
     if name not in ("facets", "seed", *OF_LENSES)
 }
@@ -58,20 +60,24 @@ class Change(NamedTuple):
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
     """Return what a unit of each error changes: a degree, or a tile of `separation`.
 
-    These are differences between small errors, divided by the errors' difference. `displaced` has no sign. Raises
-    InputError for other sheets than one pair of prisms.
+    Two errors are compared: greater and less by a step of `STEPS`, within the error's range. The difference is divided
+    by the errors' difference. `displaced` has no sign. Raises InputError for other sheets than one pair of prisms.
     """
-    scenes = [_checked(scene)]
-    for name, step in STEPS.items():
-        for change in (0.0 if name == "separation" else -step, step):
-            scenes.append(scene.replace(error={**scene.error, name: scene.error.get(name, 0.0) + change}))
+    _checked(scene)
+    ends = {name: _ends(name, scene.error.get(name, 0.0)) for name in STEPS}
+    scenes = [scene.replace(error={**scene.error, name: end}) for name, both in ends.items() for end in both]
     seen = _seen(scenes, workers, scheduler)
     found = {}
-    for number, (name, step) in enumerate(STEPS.items()):
-        low, high = (seen.at(2 * number + k) for k in (1, 2))
-        units = step if name == "separation" else 2 * step
-        found[name] = Change(*(each / units for each in _change(scene, low, high)))
+    for number, (name, (least, most)) in enumerate(ends.items()):
+        change = _change(scene, seen.at(2 * number), seen.at(2 * number + 1))
+        found[name] = Change(*(each / (most - least) for each in change))
     return found
+
+
+def _ends(name: str, planned: float) -> tuple[float, float]:
+    """Return the two values of an error that `sensitivities` compares."""
+    allowed = ERRORS[name]
+    return max(planned - STEPS[name], allowed.least), min(planned + STEPS[name], allowed.most)
 
 
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:

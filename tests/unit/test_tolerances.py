@@ -141,10 +141,19 @@ def test_sensitivities():
     found = tolerance.sensitivities(FINE)
     exact, turned = (scene.apparent_position(scene.L, scene.z1) for scene in (FINE, FINE.replace(alpha=92)))
     assert found["turn"].displaced == pytest.approx(abs(turned - exact) / 10 / tolerance.ARCMINUTE, rel=0.05)
+    assert found["turn"].turned == pytest.approx(1, abs=0.02)  # half of alpha's change: the object is as far as the eye
+    apart = FINE.replace(error={"separation": 0.1})
+    moved, before = (scene.apparent_position(scene.L, scene.z1) for scene in (apart, FINE))
+    assert found["separation"].displaced == pytest.approx(abs(moved - before) / tolerance.ARCMINUTE, rel=0.02)
     # at alpha = 90 the light of an object as far as the eye appears displaced by 1/sqrt(2) of the light's deviation
     assert found["far_tilt_x"].displaced == pytest.approx(120 / np.sqrt(2), rel=0.02)
     assert found["far_tilt_y"].displaced < 1
     assert np.hypot(found["tilt_x"].displaced, found["tilt_y"].displaced) == pytest.approx(120 / np.sqrt(2), rel=0.02)
+
+
+def test_sensitivities_of_errors_at_the_end_of_their_range():
+    wrong = FINE.replace(error={"turn": 10, "index": -0.1})
+    assert tolerance.sensitivities(wrong)["turn"].turned == pytest.approx(1, abs=0.05)
 
 
 def test_random_builds_of_a_scene_with_an_error():
