@@ -150,7 +150,8 @@ def test_both_sides_of_the_curtain_are_printed_beside_no_text(page):
     page.wait_for_function("otherView().gl && otherView().converged()")
     page.evaluate(
         """() => {
-          const red = Object.assign(document.createElement("canvas"), { width: 8, height: 4 }), pen = red.getContext("2d");
+          const red = Object.assign(document.createElement("canvas"), { width: 8, height: 4 });
+          const pen = red.getContext("2d");
           pen.fillStyle = "red";
           pen.fillRect(0, 0, 8, 4);
           setOtherSky(red);
