@@ -32,7 +32,7 @@ export function openQuestion(n) {
 function ask(n) {
   endGlide();
   revealed.delete(n);
-  drawnQuestion = -1;
+  drawnQuestion = null;
   session.drawn = null;
   change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, question: n });
 }
@@ -80,14 +80,14 @@ function glide(target) {
 
 // ---- The panel ----
 
-let drawnQuestion = -1;
+let drawnQuestion = null;
 
 // The numbers of the questions of this level, and of the one that is open.
 const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
 
 // The language has changed: the panel is written anew.
 export function rewriteQuestion() {
-  drawnQuestion = -1;
+  drawnQuestion = null;
 }
 
 export function drawQuestion() {
@@ -95,14 +95,14 @@ export function drawQuestion() {
   if (n < 0) {
     session.ghost = null;
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
-    return (drawnQuestion = -1);
+    return (drawnQuestion = null);
   }
   const question = QUESTIONS[n];
-  if (n !== drawnQuestion) {
+  if (question !== drawnQuestion) {
     $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
-    drawVotes(n, choices(question));
-    drawnQuestion = n;
+    drawVotes(question, choices(question));
+    drawnQuestion = question;
     asksForNumber = false;
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });

@@ -9,6 +9,7 @@ import { change, session, state } from "./state.js";
 
 /** @type {LiveView | null} */
 let other = null;
+let sky = null;  // the picture in the place of the mountains
 export const otherView = () => other;
 
 export function drawCompare(now) {
@@ -17,12 +18,20 @@ export function drawCompare(now) {
   $("compare").value = state.compare;
   if (!on) return;
   const scene = { ...now.scene, sheet: state.compare, window: [] };
-  if (!other) other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);
-  else other.set(scene);
+  if (!other) {
+    other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);
+    other.ready.then(() => sky && other.setSky(sky));
+  } else other.set(scene);
   $("stage").style.setProperty("--curtain", session.curtain);
   $("curtain").value = 100 * session.curtain;
   $("name-left").textContent = ofKind(now.sheet, "choice", data.kinds[now.sheet]);
   $("name-right").textContent = ofKind(state.compare, "choice");
+}
+
+// Show a picture in the place of the mountains, as LiveView.setSky does.
+export function setOtherSky(picture) {
+  sky = picture;
+  other?.setSky(picture);
 }
 
 // Draw what is to the right of the curtain, for a picture's file.

@@ -1,6 +1,7 @@
 // What a lesson takes away: a link with its QR code, a frame for another page, a recorded movement, a printed page.
 
 import { toHash } from "./address.js";
+import { drawOther } from "./compare.js";
 import { $ } from "./data.js";
 import { say } from "./language.js";
 import { savedAs, view } from "./picture.js";
@@ -31,18 +32,21 @@ $("copy-embed").addEventListener("click", () => {
   copy(frame.outerHTML);
 });
 
-// A QR code leads somewhere only if the page has an address that others can open.
+// A QR code leads somewhere only if the page has an address that others can open. Return whether there is one.
 function drawCode() {
   const dark = location.host ? qr(link()) : null;
   $("qr-open").hidden = !dark;
   if (location.host && !dark) $("copied").textContent = say("share.too_long");
-  if (!dark) return;
+  if (!dark) return false;
   const side = dark.length + 8;
   const d = dark.flatMap((row, y) => row.flatMap((on, x) => (on ? `M${x + 4} ${y + 4}h1v1h-1z` : []))).join("");
   const drawing = $("qr").firstElementChild;
   drawing.setAttribute("viewBox", `0 0 ${side} ${side}`);
   drawing.replaceChildren(svg("rect", { width: side, height: side, fill: "#fff" }), svg("path", { d, fill: "#000" }));
+  return true;
 }
+// The page may have changed since its tools were opened.
+$("qr").addEventListener("beforetoggle", (event) => event.newState === "open" && !drawCode() && event.preventDefault());
 
 for (const id of ["share", "room"]) {
   const button = $(`${id}-open`);
@@ -54,7 +58,7 @@ for (const id of ["share", "room"]) {
   };
   button.addEventListener("click", () => open($(id).hidden));
   $(id).addEventListener("keydown", ({ key }) => {
-    if (key !== "Escape") return;
+    if (key !== "Escape" || $("qr").matches(":popover-open")) return;  // the browser closes the code alone
     open(false);
     button.focus();
   });
@@ -92,8 +96,12 @@ function showRecording() {
 const printed = $("print-picture");
 addEventListener("beforeprint", () => {
   if (!view.gl || view.gl.isContextLost()) return;
+  const { canvas } = view, { width, height } = canvas, copy = Object.assign(document.createElement("canvas"), { width, height });
+  const pen = copy.getContext("2d");
   view.context.repaint();
-  printed.src = view.canvas.toDataURL("image/png");
+  pen.drawImage(canvas, 0, 0);
+  drawOther(pen, copy);
+  printed.src = copy.toDataURL("image/png");
 });
 addEventListener("afterprint", () => printed.removeAttribute("src"));
 $("print").addEventListener("click", () => {

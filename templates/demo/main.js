@@ -17,7 +17,7 @@ import "./look.js";
 import "./own.js";
 import "./room.js";
 import { drawOverlay, stage } from "./overlay.js";
-import { view } from "./picture.js";
+import { view, writeFailure } from "./picture.js";
 import { player, povray, reducedMotion } from "./player.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
@@ -29,6 +29,7 @@ let written = "";  // the language of the page's sentences
 function rewrite() {
   written = spoken.language;
   fillPage();
+  writeFailure();
   rewriteQuestion();
 }
 
@@ -90,6 +91,7 @@ export function keepAddress() {
 addEventListener("popstate", () => {
   if (location.hash === kept) return;
   player.pause();
+  tour.leave(true);
   endGlide();
   session.typing = null;
   if (state.question < 0) session.explored = { ...state };
@@ -107,7 +109,8 @@ document.fonts?.ready.then(refresh);
 view.ready.then(() => {
   $("hint").textContent = say($("hint").dataset.say = "page.hint");
   refresh();
-  if (view.gl && !location.hash && !reducedMotion.matches) tour.start();
+  const isFrame = document.body.classList.contains("embed");
+  if (view.gl && !location.hash && !reducedMotion.matches && !isFrame) tour.start();
 });
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = benchText(view)));

@@ -173,7 +173,7 @@ export function isBesideSecond(now, place) {
 }
 
 // Where this line of sight crosses the second window; undefined if there is none, or if no light passes.
-export const atSecondWindow = ({ follow, E, z2 }, place) => meets(follow(scaled(1 / z2, minus(place, E))), 1)?.place;
+const atSecondWindow = ({ follow, E, z2 }, place) => meets(follow(scaled(1 / z2, minus(place, E))), 1)?.place;
 
 export const outside = (point, scene) => point.some((x) => Math.abs(x) > scene.aperture / 2);
 

@@ -15,12 +15,19 @@ import { player } from "./player.js";
 import { svg } from "./shapes.js";
 import { OPENING, session, state } from "./state.js";
 
+let failure = ["", ""];  // why there is no picture, and what the browser says
+
 function failed(why, reason = "") {
-  const hasMovies = data.presets.some(({ movie }) => movie);
-  const sentences = why ? [say(`failures.${why}`, { reason }), ...(hasMovies ? [say("failures.movies")] : [])] : [];
-  $("message").textContent = sentences.join(" ");
+  failure = [why, reason];
+  writeFailure();
   document.body.classList.toggle("failed", Boolean(why));
   refresh();
+}
+
+export function writeFailure() {
+  const [why, reason] = failure, hasMovies = data.presets.some(({ movie }) => movie);
+  const sentences = why ? [say(`failures.${why}`, { reason }), ...(hasMovies ? [say("failures.movies")] : [])] : [];
+  $("message").textContent = sentences.join(" ");
 }
 
 export const view = new LiveView($("view"), { ...sceneValues(), pictures: data.scenes.chess.pictures }, data.volumes, failed);
@@ -28,6 +35,7 @@ view.loading.then(outlinesOf, () => {});
 
 // Save the picture with its overlay and its numbers, at least 1920 pixels wide.
 async function savePicture() {
+  await view.ready;
   const width = Math.max(1920, view.canvas.width);
   const canvas = still(view, width, Math.round((width * view.canvas.height) / view.canvas.width));
   const pen = canvas.getContext("2d");

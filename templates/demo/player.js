@@ -11,7 +11,7 @@ const SLOWER = 4;  // how many times as long a movie takes, if it is to be slow
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
 export const player = {
-  preset: data.presets[0], playing: false, since: 0,
+  preset: data.presets[0], playing: false, since: 0, asked: 0,
 
   // The ends of the movie. Some sheets have their own.
   ends() {
@@ -58,7 +58,7 @@ export const player = {
     if (this.part() >= 1) this.seek(0);
     this.playing = true;
     this.since = performance.now();
-    requestAnimationFrame((time) => this.tick(time));
+    this.next();
     refresh();
   },
 
@@ -87,7 +87,13 @@ export const player = {
         this.pause();
       }
     }
-    requestAnimationFrame((next) => this.tick(next));
+    this.next();
+  },
+
+  // There is one loop of frames, however often the movie is started.
+  next() {
+    cancelAnimationFrame(this.asked);
+    this.asked = requestAnimationFrame((time) => this.tick(time));
   },
 
   // A preset is for a scene: another scene takes its own. A sheet beyond the paper that has no alpha takes another parameter.

@@ -1,5 +1,6 @@
 // The user's own room in the place of the mountains: a photo, or the camera's picture. Nothing leaves the page.
 
+import { setOtherSky } from "./compare.js";
 import { $ } from "./data.js";
 import { say } from "./language.js";
 import { view } from "./picture.js";
@@ -31,6 +32,10 @@ function around(source, width, height, whole) {
   return canvas;
 }
 
+function show(picture) {
+  view.setSky(picture);
+  setOtherSky(picture);
+}
 
 function stopCamera() {
   stream?.getTracks().forEach((track) => track.stop());
@@ -39,7 +44,7 @@ function stopCamera() {
 }
 
 let photo = null;
-const showPhoto = () => photo && view.setSky(around(photo, photo.width, photo.height, $("all-around").checked));
+const showPhoto = () => photo && show(around(photo, photo.width, photo.height, $("all-around").checked));
 
 $("photo").addEventListener("change", async () => {
   const [file] = $("photo").files;
@@ -59,11 +64,14 @@ $("all-around").addEventListener("change", showPhoto);
 $("camera").addEventListener("click", async () => {
   if (stream) return stopCamera();
   const video = $("camera-video");
+  $("camera").disabled = true;  // a second press would start a camera that nothing stops
   try {
     stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment" } });
   } catch {
     $("room-message").textContent = say("share.no_camera");
     return;
+  } finally {
+    $("camera").disabled = false;
   }
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);
@@ -72,7 +80,7 @@ $("camera").addEventListener("click", async () => {
   await video.play();
   const next = () => {
     if (!stream) return;
-    view.setSky(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));
+    show(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));
     setTimeout(next, STEP);
   };
   next();
@@ -82,5 +90,5 @@ $("no-room").addEventListener("click", () => {
   stopCamera();
   photo = null;
   $("photo").value = "";
-  view.setSky(null);
+  show(null);
 });

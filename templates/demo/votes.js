@@ -3,15 +3,15 @@
 import { $ } from "./data.js";
 import { percent, say } from "./language.js";
 
-const votes = new Map();  // the numbers of the questions, and for each one or two lists of votes
+const votes = new Map();  // the questions, and for each one or two lists of votes
 
 /** @type {(tag: string, properties?: object) => any} */
 const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
 
-export function drawVotes(n, choices) {
+export function drawVotes(question, choices) {
   if (!choices) return $("votes").replaceChildren();
   const none = () => choices.map(() => 0);
-  const rounds = votes.get(n) ?? votes.set(n, [none()]).get(n), given = rounds.at(-1);
+  const rounds = votes.get(question) ?? votes.set(question, [none()]).get(question), given = rounds.at(-1);
   const rows = choices.map((choice, k) => {
     const row = element("label"), track = element("span", { className: "track" });
     const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field" });
@@ -33,7 +33,7 @@ export function drawVotes(n, choices) {
   const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
   again.addEventListener("click", () => {
     rounds.push(none());
-    drawVotes(n, choices);
+    drawVotes(question, choices);
     $("votes").querySelector("input").focus();
   });
   $("votes").replaceChildren(...rows.map(({ row }) => row), again);

@@ -192,6 +192,6 @@ export class Context {
 
   // Show the last sum again: a browser keeps the canvas's pixels only until they have been shown.
   repaint() {
-    this.show(...this.shown);
+    if (this.shown) this.show(...this.shown);
   }
 }

@@ -67,7 +67,7 @@ export function depth(scene) {
 }
 
 // z of the last window, from which the objects' z1 counts.
-export const lastZ = (scene) => windows(scene).at(-1).z;
+const lastZ = (scene) => windows(scene).at(-1).z;
 
 // The window frame's cross-section, from the opening's front to its back: distance from the opening, and z. The lip's
 // width. templates/frame.pov.j2

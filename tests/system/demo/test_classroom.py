@@ -227,6 +227,22 @@ def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
     assert drawn(page) - {2} == {3}  # nothing but wood
 
 
+def test_another_question_of_ones_own_replaces_the_first(page):
+    """In the history two of them can follow each other. Each has its own choices and votes."""
+    open_own = """(choices) => {
+      const question = { ask: choices.join(), choices, why: "", before: "", after: "" };
+      fromHash(`#own=${encodeURIComponent(JSON.stringify(question))}`);
+      draw();
+    }"""
+    page.evaluate(open_own, ["a", "b"])
+    page.evaluate("$('votes').querySelector('input').value = 3")
+    page.evaluate("$('votes').querySelector('input').dispatchEvent(new Event('input'))")
+    page.evaluate(open_own, ["c", "d", "e"])
+    expect(page.locator("#ask")).to_have_text("c,d,e")
+    assert page.evaluate("[...$('votes').querySelectorAll('input')].map(({ value }) => value)") == ["0"] * 3
+    page.evaluate("openQuestion(-1); QUESTIONS.pop(); session.own_question = ''; draw()")
+
+
 # ---- Settings, history, movies ----
 
 

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import expect
 
-from demo.conftest import DRAWN, bounds, opened, picture, show
+from demo.conftest import DRAWN, bounds, opened, picture, pixels, show
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
@@ -49,6 +49,11 @@ def test_the_code_of_the_link_is_large_and_moves_nothing(browser, demo_file):
     assert code["height"] > 500 and after == before
     page.keyboard.press("Escape")
     expect(page.locator("#qr")).to_be_hidden()
+    drawn = "document.querySelector('#qr path').getAttribute('d')"
+    before = page.evaluate(drawn)
+    page.evaluate("povgen.state.change({ alpha: 71 })")
+    page.get_by_role("button", name="QR code of the link").click()
+    assert page.evaluate(drawn) != before  # it leads to what the page shows now
     page.close()
 
 
@@ -75,6 +80,14 @@ def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
         page.set_viewport_size({"width": width, "height": height})
         assert page.locator("#stage").bounding_box()["width"] > 0.5 * width
         assert page.evaluate("document.documentElement.scrollHeight <= innerHeight + 1")
+    page.close()
+
+
+def test_in_a_frame_nothing_moves_by_itself(browser, demo_file):
+    page = browser.new_page(reduced_motion="no-preference")
+    page.goto(f"{demo_file.as_uri()}?embed&hide=said")
+    page.evaluate("povgen.picture.view.ready.then(() => {})")
+    assert page.evaluate("povgen.picture.view.gl && povgen.tour.tour.step") == -1
     page.close()
 
 
@@ -132,6 +145,60 @@ def test_the_page_is_printed_with_its_picture(page):
     assert not page.locator("#print-picture").get_attribute("src")
 
 
+def test_both_sides_of_the_curtain_are_printed_beside_no_text(page):
+    show(page, compare="none")
+    picture(page)
+    page.wait_for_function("otherView().gl && otherView().converged()")
+    page.evaluate(
+        """() => {
+          const red = Object.assign(document.createElement("canvas"), { width: 8, height: 4 });
+          const pen = red.getContext("2d");
+          pen.fillStyle = "red";
+          pen.fillRect(0, 0, 8, 4);
+          setOtherSky(red);
+        }"""
+    )
+    page.wait_for_function("otherView().converged()")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    page.wait_for_function("$('print-picture').complete && $('print-picture').naturalWidth > 0")
+    printed = pixels(page.locator("#stage").screenshot())
+    left, right = (printed[5, round(part * printed.shape[1])] for part in (0.4, 0.6))
+    assert left[2] > 100 and right[0] > 200 and right[1:].max() < 60
+    for size in ((1000, 640), (718, 1040)):  # a sheet of paper, either way
+        page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+        [stage, panel] = bounds(page, "#stage", ".panel")
+        assert stage["bottom"] <= panel["top"]
+    page.emulate_media(media="screen")
+    page.evaluate("dispatchEvent(new Event('afterprint')); setOtherSky(null)")
+
+
+def test_before_the_first_picture_nothing_is_printed(page):
+    page.evaluate("window.shown = view.context.shown; delete view.context.shown")
+    page.evaluate("dispatchEvent(new Event('beforeprint')); view.context.shown = window.shown")
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+
+
+def test_a_camera_that_is_asked_for_is_not_asked_for_again(page):
+    """The second one could not be stopped."""
+    page.evaluate(
+        """() => {
+          window.streams = [];
+          navigator.mediaDevices.getUserMedia = async () => {
+            await new Promise((done) => setTimeout(done, 50));
+            return streams[streams.push($("tool-canvas").captureStream()) - 1];
+          };
+          document.body.append(Object.assign(document.createElement("canvas"), { id: "tool-canvas" }));
+          $("tool-canvas").getContext("2d").fillRect(0, 0, 9, 9);
+          $("camera").click();
+          $("camera").click();
+        }"""
+    )
+    page.wait_for_function("$('camera').getAttribute('aria-pressed') === 'true'")
+    page.evaluate("$('no-room').click(); $('tool-canvas').remove()")
+    assert page.evaluate("streams.map((each) => each.active)") == [False]
+
+
 def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     show(page, sheet="none", z1=2)
     before = picture(page)
@@ -145,9 +212,15 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     height, width, _ = room.shape
     red = room[height // 5, width // 2]
     assert red[0] > 200 and red[1:].max() < 60
+    page.get_by_label("compare with").select_option("ideal sheet")
+    page.evaluate("draw()")
+    page.wait_for_function("Boolean(otherView().sky)")  # to the right of the curtain, too
+    page.get_by_label("compare with").select_option("nothing")
+    page.evaluate("draw()")
+    assert [box["height"] >= 24 for box in bounds(page, "#photo")] == [True]
     page.locator("#photo").set_input_files({"name": "no.png", "mimeType": "image/png", "buffer": b"no"})
     expect(page.locator("#room-message")).to_have_text("This file is not a picture that the browser can read.")
     page.get_by_role("button", name="Mountains").click()
     page.get_by_role("button", name="Your room").click()
     page.get_by_role("button", name="More").click()
-    assert np.abs(picture(page) - before).mean() < 1
+    assert np.abs(picture(page) - before).mean() < 1 and page.evaluate("otherView().sky") is None

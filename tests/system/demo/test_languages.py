@@ -107,6 +107,16 @@ def test_the_language_is_changed_and_kept_in_the_address(page):
         page.evaluate("choose('en'); draw()")
 
 
+def test_each_language_fits_a_small_phone(page):
+    page.set_viewport_size({"width": 320, "height": 568})
+    try:
+        for language in tables(ALL_KINDS):
+            page.evaluate("(language) => { choose(language); change({ level: 'simple' }); draw(); }", language)
+            assert page.evaluate("document.documentElement.scrollWidth") <= 320, language
+    finally:
+        page.evaluate("choose('en'); draw()")
+
+
 def test_from_right_to_left_the_picture_and_numbers_stay(page):
     boxes = """() => ["#stage", "#slider-alpha", "#number-alpha", "#row-alpha .symbol"].map((part) =>
       document.querySelector(part).getBoundingClientRect().x)"""

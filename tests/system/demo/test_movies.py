@@ -41,6 +41,25 @@ def test_presets_play_loop_stop_and_scrub(page):
     assert page.evaluate("player.preset.name") == "vary-alpha"
 
 
+def test_each_frame_is_drawn_once_however_often_a_movie_is_started(page):
+    ticks = page.evaluate(
+        """() => new Promise((done) => {
+          for (let n = 0; n < 5; n++) player.choose(data.presets[0]);
+          const { tick } = player;
+          let count = 0, frames = 0;
+          player.tick = (time) => { count += 1; tick.call(player, time); };
+          const after = () => {
+            if (++frames < 5) return requestAnimationFrame(after);
+            Object.assign(player, { tick });
+            player.pause();
+            done(count);
+          };
+          requestAnimationFrame(after);
+        })"""
+    )
+    assert 4 <= ticks <= 5
+
+
 def test_reduced_motion(page):
     page.emulate_media(reduced_motion="reduce")
     page.get_by_role("button", name="vary α").click()

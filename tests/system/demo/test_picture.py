@@ -150,6 +150,11 @@ def test_without_webgl_the_page_says_so(browser, demo_file):
     expect(page.locator("#message")).to_contain_text("needs WebGL 2")
     expect(page.locator("#hint")).to_be_hidden()
     expect(page.locator("#value-nu")).to_have_text("15.0°")  # the rest of the page works
+    page.get_by_label("Language").select_option("de")
+    expect(page.locator("#message")).to_contain_text("braucht WebGL 2")
+    page.get_by_role("button", name="Mehr").click()
+    for name, seen in (("save", False), ("record", False), ("copy-link", True)):
+        expect(page.locator(f"#{name}")).to_be_visible(visible=seen)
     page.close()
 
 

@@ -90,6 +90,12 @@ def test_who_moves_something_takes_over(tour):
     expect(tour.locator("#sentence")).to_be_visible()
 
 
+def test_an_address_takes_over(tour):
+    tour.evaluate("location.hash = '#alpha=33&z1=7'")
+    tour.wait_for_function("tour.step < 0")
+    assert tour.evaluate("[state.alpha, state.z1]") == [33, 7]
+
+
 def test_with_reduced_motion_each_step_waits(tour):
     tour.emulate_media(reduced_motion="reduce")
     tour.evaluate("tour.leave(); tour.start(); draw()")
