@@ -1,6 +1,7 @@
 """Make a movie from its spec."""
 
 import logging
+import os
 import re
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
@@ -13,7 +14,7 @@ from typing import Any, Unpack
 from pydantic import Field
 
 from povgen.errors import InputError, shown
-from povgen.files import as_path, checked_output, output_folder, save, unless_removed
+from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed
 from povgen.model import Model
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, in_png
@@ -181,10 +182,12 @@ def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable
     """
     output = as_path(output, [*encode.FORMATS, ".png"], "output")
     if files := sequence(output, frames):
-        inputs, folder = [*inputs], output.parent
-        new = not folder.exists()  # a new folder is made when all frames are there
-        for file in [folder.parent / files[0].name] if new else files:
-            if file in files[:1] or new or file.exists():
+        if not os.path.lexists(output.parent):  # it is made when all frames are there
+            check_new_folder(output)
+            return output
+        inputs = [*inputs]
+        for file in files:
+            if file == files[0] or file.exists():
                 checked_output(file, [".png"], inputs=inputs)
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
