@@ -108,13 +108,12 @@ def movie(
         title = spec.title
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
-    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
     output = checked_movie(output, len(scenes), rate, [*inputs, *input_files(scenes)])
     files = sequence(output, len(scenes))
     if rendering.caption is None and not files:
         drawn = {name: getattr(spec, name, False) for name in ("overlay", "side_view") if name not in options}
-        rendering = rendering.replace(caption="short", **drawn).suited(any(scene.has_prisms for scene in scenes))
+        rendering = rendering.replace(caption="short", **drawn)
     record = record_of(scenes, rendering, title or output.stem, rate)
     tags = {
         "title": str(record.title),
@@ -128,8 +127,8 @@ def movie(
             folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
             frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
             if files:
-                sampled = rendering.replace(antialias=rendering.antialias)  # of each alone, another could be suited
-                records = (record_of([scene], sampled) for scene in scenes)
+                # with the antialiasing of all: of each scene alone, another could be suited
+                records = (record_of([scene], record.rendering) for scene in scenes)
                 pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
                 _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
             else:
