@@ -25,6 +25,7 @@ Result = TypeVar("Result")
 WORK_PREFIX = ".povgen-"  # a work folder's name begins with this
 LOCK_FILE = "lock"  # in each work folder; the process that uses the folder holds a lock on it
 REMOVALS = 3
+NO_ROOM = errno.ENOSPC, errno.EDQUOT, errno.EFBIG  # of a disk, of a user's quota, and of ulimit -f
 NO_INODES = "no inodes left, which means too many files (df -i)"
 MARK = b"povgen's folder for unfinished files: it may be removed when no process holds a lock on this file\n"
 
@@ -69,20 +70,32 @@ def checked_output(
     for given in inputs:
         if _is_same(path, given):
             raise InputError(f"{name}: povgen reads this file; allowed: another file")
-    try:
+    with _refused(name, "a file in a folder that can be written to"):
         if path.exists() and not (path.is_file() and os.access(path, os.W_OK)):
             raise ValueError("it exists and cannot be written to")
-        with tempfile.TemporaryFile(dir=path.resolve().parent):
-            return path
+        tempfile.TemporaryFile(dir=path.resolve().parent).close()
+    return path
+
+
+def check_new_folder(path: Path) -> None:
+    """Raise InputError if the folder of this output, which is missing, cannot be made."""
+    with _refused(f"output = {str(path)!r}", "a file in a folder that can be written to, or in a new one there"):
+        tempfile.TemporaryFile(dir=path.parent.resolve().parent).close()
+
+
+@contextmanager
+def _refused(name: str, allowed: str) -> Iterator[None]:
+    """Raise InputError, which says what is allowed, for what the system does not do with the output of this name."""
+    try:
+        yield
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle; ValueError: NUL in a name
-        reason = getattr(error, "strerror", error)
-        raise InputError(f"{name}: {reason}; allowed: a file in a folder that can be written to") from None
+        raise InputError(f"{name}: {getattr(error, 'strerror', error)}; allowed: {allowed}") from None
 
 
 def _is_same(path: Path, other: str | Path | int) -> bool:
     """Return whether both are the same file, perhaps through links. `other` can be a descriptor."""
     try:
-        return os.path.samefile(path, other)
+        return os.path.samefile(path, other if isinstance(other, int) else in_home(Path(other)))
     except (OSError, ValueError):  # one of them does not exist; ValueError: NUL in a name
         return False
 
@@ -111,12 +124,9 @@ def output_folder(path: Path) -> Iterator[Path]:
     """
     new = not os.path.lexists(path)
     try:
-        try:
+        with _refused(f"output = {str(path)!r}", "a folder that can be written to"):
             path.mkdir(exist_ok=True)
             tempfile.TemporaryFile(dir=path).close()
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", error)
-            raise InputError(f"output = {str(path)!r}: {reason}; allowed: a folder that can be written to") from None
         yield path
     except BaseException:
         if new:
@@ -140,8 +150,9 @@ def work_folder(parent: Path) -> Iterator[Path]:
         except Exception as error:
             if not os.path.lexists(folder):
                 raise Removed(folder) from None
-            if isinstance(error, OSError) and error.errno == errno.ENOSPC:
-                error.strerror = NO_INODES if _has_no_inodes(parent) else error.strerror
+            if isinstance(error, OSError) and error.errno in NO_ROOM:
+                no_inodes = error.errno == errno.ENOSPC and _has_no_inodes(parent)
+                error.strerror = NO_INODES if no_inodes else error.strerror
                 error.filename = error.filename or str(parent)
             raise
 

@@ -20,6 +20,7 @@ from typing import Annotated, Any, BinaryIO
 from pydantic import Field
 
 from povgen.errors import InputError, shown
+from povgen.files import in_home
 from povgen.settings import Rendering
 from povgen.validation import Model
 
@@ -121,9 +122,10 @@ def info(path: str | Path) -> Record:
 def _name_and_data(path: str | Path) -> tuple[str, bytes | None]:
     """Return a file's name for messages and the bytes of its record, None if it has none. Raises InputError."""
     try:
-        name = repr(str(Path(path)))
+        path = in_home(Path(path))
     except TypeError:
         raise InputError(f"path = {shown(path)}: should be a path; allowed: {KINDS}") from None
+    name = repr(str(path))
     try:
         # without O_NONBLOCK, opening a FIFO would wait
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
@@ -131,7 +133,7 @@ def _name_and_data(path: str | Path) -> tuple[str, bytes | None]:
                 return name, _data(file)
         reason = "no regular file"
     except OSError as error:
-        reason = error.strerror or "unreadable"
+        reason = error.strerror or f"damaged: {error}"
     except (IndexError, struct.error):
         reason = "damaged: it ends too early"
     except ValueError as error:  # also a NUL in the name

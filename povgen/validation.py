@@ -18,6 +18,7 @@ WORDS = {
     "too_short": "should have at least {min_length} values",
     "too_long": "should have at most {max_length} values",
     "tuple_type": "should be a list",
+    "string_pattern_mismatch": "is not allowed",
     **dict.fromkeys(("dict_type", "model_type"), "should be a table"),
     **dict.fromkeys(("float_parsing", "float_type"), "should be a number"),
     **dict.fromkeys(("int_parsing", "int_type", "int_from_float"), "should be a whole number"),

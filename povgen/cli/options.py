@@ -1,6 +1,7 @@
 """Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
+import os
 import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -117,7 +118,7 @@ def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
     from povgen.scene import mesh
 
     for name, texts in repeated.items():
-        several = (text for text in texts if re.search("[,; ]", text) and not mesh.split(text))
+        several = (x for x in texts if re.search("[,; ]", x) and not os.path.exists(x) and not mesh.split(x))
         if re.search(rf"\b{name} = ", message) and any(several):
             return f"; give --{name} once for each value"
     return ""
@@ -181,8 +182,8 @@ def _takes_several(annotation: object) -> bool:
 
 
 def columns() -> int:
-    """Return how wide a help is."""
-    return min(get_terminal_size().columns, 120)
+    """Return how wide a help is, in characters: as the terminal, but not so narrow that no word fits."""
+    return min(max(get_terminal_size().columns, 2 * INDENT), 120)
 
 
 def item(names: str, about: str, width: int) -> list[str]:
@@ -214,10 +215,11 @@ def scene_of(name: str, values: Values) -> "Scene":
     return SCENES[name](**values)
 
 
-def again(source: Path, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
+def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
     """Return the record in a file, its scenes, and the values that the user gave, after those of its rendering.
 
-    Print a warning if another version of povgen or of the renderer made the file. Raises InputError.
+    An output that ends in .exr has 32 bits, whatever the record says. Print a warning if another version of povgen or
+    of the renderer made the file. Raises InputError.
     """
     from povgen.scene.models import recorded
     from povgen.version import __version__
@@ -225,10 +227,10 @@ def again(source: Path, values: Values, quiet: bool) -> "tuple[Record, list[Scen
 
     record, scenes = recorded(source)
     options = record.rendering.model_dump()
-    if options["stereo"] == "none":
-        del options["eye_distance"]
-    if options["bits"] != 16:  # the output's ending says whether it is 8 or 32
+    if options["bits"] == 32 or str(output).lower().endswith(".exr"):  # the output's ending says whether it is 8 or 32
         del options["bits"]
+    if values.get("stereo", options["stereo"]) == "none":
+        del options["eye_distance"]
     if "quality" in values:  # it decides what the user does not
         del options["size"], options["antialias"]
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:

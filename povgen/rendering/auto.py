@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen import limits
-from povgen.errors import InputError, TransientError
+from povgen.errors import InputError, TransientError, shown
 from povgen.files import temporary_folder
 from povgen.optics import equations
 from povgen.rendering import gl_runner, gl_scene, povray, surveys
@@ -64,10 +64,10 @@ class Tolerance:
     def parse(cls, text: str) -> "Tolerance":
         """Parse text such as '1px', '0.2flip', '1px,0.2flip'. Raises InputError."""
         given = {}
-        for part in text.split(","):
+        for part in str(text).split(","):
             match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(px|flip)\s*", part, re.ASCII)
             if not match or match[2] in given or not 0 < float(match[1]) < inf:
-                raise InputError(f"tolerance = {text[:40]!r}: not a tolerance; {ALLOWED_TOLERANCES}")
+                raise InputError(f"tolerance = {shown(text)}: not a tolerance; {ALLOWED_TOLERANCES}")
             given[match[2]] = float(match[1])
         return cls(**given)
 

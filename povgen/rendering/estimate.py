@@ -37,13 +37,12 @@ def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
 
 def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
     """Return in words what these pictures are, and how long they take if none is in the cache."""
-    seconds = cpu_seconds(scenes, rendering)
+    seconds, count = cpu_seconds(scenes, rendering), len(scenes)
     width, height = rendering.size
-    what = f"{len(scenes)} frames" if len(scenes) > 1 else "a picture"
-    each = " each" if len(scenes) > 1 else ""
+    what, each = ("a picture", "") if count == 1 else (f"{count} frames", " each")  # a shard can have none
     return (
-        f"{what} of {width}x{height} pixels, about {seconds / len(scenes):.2g} CPU seconds{each}, without those in the "
-        f"cache: about {duration(seconds / cores())} on {cores()} cores"
+        f"{what} of {width}x{height} pixels, about {seconds / max(count, 1):.2g} CPU seconds{each}, without those in "
+        f"the cache: about {duration(seconds / cores())} on {cores()} cores"
     )
 
 

@@ -284,7 +284,9 @@ def main() -> None:
             bands = drawer.bands(scene, *sampling, is_light=is_light, told=lambda part: say(part=part))
             picture = Path(asked["picture"])
             write_light(picture, bands) if is_light else write_png(picture, bands, size)
-        except Exception as error:  # said where povgen waits; this process goes on
+        except OSError as error:  # the disk is full; said where povgen waits, and this process goes on
+            say(error=error.strerror, errno=error.errno)
+        except Exception as error:
             say(error=f"{type(error).__name__}: {error}")
         else:
             say()

@@ -67,7 +67,8 @@ class Runner:
         """Draw a scene's text, as of `gl_scene.to_text`, in a work folder and return the picture's path.
 
         If the process crashes or hangs, another one tries once more. Raises InputError if this system cannot draw,
-        PovrayError if the process was stopped or refuses the scene, and TransientError if both tries fail.
+        PovrayError if the process was stopped or refuses the scene, OSError if the disk is full, and TransientError if
+        both tries fail.
         """
         (folder / SCENE).write_text(source, "utf-8")
         for name, png in pictures.used(source).items():
@@ -90,6 +91,8 @@ class Runner:
                     raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
                 continue
             self._idle.append(process)
+            if "errno" in answer:
+                raise OSError(answer["errno"], answer["error"], str(folder))
             if "error" in answer:
                 raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
             return picture

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from numbers import Integral
 from pathlib import Path
 from typing import Protocol
 
@@ -37,6 +38,8 @@ def cores() -> int:
 
 def worker_count(value: object) -> int | None:
     """Return the number of workers that a user gave, or None if the user gave None. Raises InputError."""
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        value = int(value)  # numpy's
     text = shown(value).strip("'")
     if value is not None and not (re.fullmatch("[0-9]{1,9}", text) and 1 <= int(text) <= 256):
         raise InputError(f"workers = {shown(value)}: allowed: a whole number from 1 to 256")

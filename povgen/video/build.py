@@ -1,6 +1,7 @@
 """Make a movie from its spec."""
 
 import logging
+import os
 import re
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
@@ -13,7 +14,7 @@ from typing import Any, Unpack
 from pydantic import Field
 
 from povgen.errors import InputError, shown
-from povgen.files import as_path, checked_output, output_folder, save, unless_removed
+from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, in_png
 from povgen.rendering import cache
@@ -107,13 +108,12 @@ def movie(
         title = spec.title
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
-    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     check_views(scenes, rendering)
     output = checked_movie(output, len(scenes), rate, [*inputs, *input_files(scenes)])
     files = sequence(output, len(scenes))
     if rendering.caption is None and not files:
         drawn = {name: getattr(spec, name, False) for name in ("overlay", "side_view") if name not in options}
-        rendering = rendering.replace(caption="short", **drawn).suited(any(scene.has_prisms for scene in scenes))
+        rendering = rendering.replace(caption="short", **drawn)
     record = record_of(scenes, rendering, title or output.stem, rate)
     tags = {
         "title": str(record.title),
@@ -127,8 +127,8 @@ def movie(
             folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
             frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
             if files:
-                sampled = rendering.replace(antialias=rendering.antialias)  # of each alone, another could be suited
-                records = (record_of([scene], sampled) for scene in scenes)
+                # with the antialiasing of all: of each scene alone, another could be suited
+                records = (record_of([scene], record.rendering) for scene in scenes)
                 pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
                 _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
             else:
@@ -181,10 +181,12 @@ def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable
     """
     output = as_path(output, [*encode.FORMATS, ".png"], "output")
     if files := sequence(output, frames):
-        inputs, folder = [*inputs], output.parent
-        new = not folder.exists()  # a new folder is made when all frames are there
-        for file in [folder.parent / files[0].name] if new else files:
-            if file in files[:1] or new or file.exists():
+        if not os.path.lexists(output.parent):  # it is made when all frames are there
+            check_new_folder(output)
+            return output
+        inputs = [*inputs]
+        for file in files:
+            if file == files[0] or file.exists():
                 checked_output(file, [".png"], inputs=inputs)
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)

@@ -1,6 +1,7 @@
 """What a frame's caption says: the parameters of the scene, and what is predicted for it."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import zip_longest
 from math import floor, log10
 from typing import Any, NamedTuple
 
@@ -47,8 +48,9 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
         size = MOVING if len(scenes) > 1 else 1.0
     else:
         rows = [[] for _ in scenes]
-    widest = [max(set(texts), key=text_width) for texts in zip(*rows, strict=False)]
-    return [Caption(texts, widest, size) for texts in rows]
+    widest = [max(set(texts), key=text_width) for texts in zip_longest(*rows, fillvalue="")]
+    # scenes of several kinds can have different numbers of texts
+    return [Caption([*texts, *[""] * (len(widest) - len(texts))], widest, size) for texts in rows]
 
 
 def _still(scene: Scene) -> list[str]:

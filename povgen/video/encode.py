@@ -175,11 +175,16 @@ def check_gif(frames: int, rate: float) -> None:
 
 
 def check_encoder() -> None:
-    """Raise InputError if there is no ffmpeg. Only GIFs need none."""
+    """Raise InputError if there is no ffmpeg, or if it cannot be started. Only GIFs need none."""
     try:
-        imageio_ffmpeg.get_ffmpeg_exe()
+        imageio_ffmpeg.get_ffmpeg_version()
     except RuntimeError:
         raise InputError(f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: .gif") from None
+    except (OSError, subprocess.SubprocessError):  # only of IMAGEIO_FFMPEG_EXE: imageio_ffmpeg tries others
+        named = os.environ.get("IMAGEIO_FFMPEG_EXE")
+        raise InputError(
+            f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; allowed: an ffmpeg, or without it .gif"
+        ) from None
 
 
 def png(picture: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
@@ -197,7 +202,10 @@ def png(picture: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
 
 
 def exr(light: NDArray[np.float32], record: Record) -> bytes:
-    """Return light, (height, width, 3), as the bytes of an EXR file of 32-bit numbers."""
+    """Return light, (height, width, 3), as the bytes of an EXR file of 32-bit numbers.
+
+    Raises OSError if the disk for temporary files is full.
+    """
     library = exr_library()
     header = {
         "type": library.scanlineimage,
@@ -208,5 +216,8 @@ def exr(light: NDArray[np.float32], record: Record) -> bytes:
     }
     with temporary_folder() as folder:
         path = folder / "light.exr"
-        library.File(header, {"RGB": np.ascontiguousarray(light)}).write(str(path))
+        try:
+            library.File(header, {"RGB": np.ascontiguousarray(light)}).write(str(path))
+        except RuntimeError as error:  # OpenEXR's, of a full disk; its message names the file
+            raise OSError(str(error)) from None
         return path.read_bytes()

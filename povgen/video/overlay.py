@@ -1,6 +1,7 @@
 """Draw on a frame an overlay with predicted positions, and add strips with the key and the caption."""
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import ceil
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from PIL import Image, ImageDraw
 
 from povgen.optics import aim
 from povgen.optics.prism import Prism
+from povgen.rendering.views import views
 from povgen.scene.models import Chess, Scene
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
@@ -34,16 +36,22 @@ Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to 
 
 
 def annotated(
-    picture: NDArray[np.uint8], scene: Scene, rendering: Rendering, caption: Caption | None = None
+    picture: NDArray[np.uint8],
+    scene: Scene,
+    rendering: Rendering,
+    caption: Caption | None = None,
+    said: Sequence[tuple[str, Colour]] | None = None,
 ) -> NDArray[np.uint8]:
     """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
 
     Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below
-    it: they cover nothing, and their heights are even. Without `caption` it is that of the scene alone.
+    it: they cover nothing, and their heights are even. Without `caption` it is that of the scene alone. `said` is what
+    the key says (`common_key`); without it, it is what `key` returns.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
-    above = _strip([Item(text, text, colour) for text, colour in key(scene, rendering)], width, height)
+    said = key(scene, rendering) if said is None else said
+    above = _strip([Item(text, text, colour) for text, colour in said], width, height)
     below = _strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
     made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
     made[: len(above)], made[len(above) + height :] = above, below
@@ -87,6 +95,15 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     if rendering.annotated and getattr(scene, "predicted_image", False):
         texts.append(("predicted image", IMAGE_COLOUR))
     return texts
+
+
+def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
+    """Return the key of a movie's frames, or of a picture of two eyes: all that one of them says.
+
+    Then their strips are equally high, although a point may be in the window in some of them only.
+    """
+    shown = (view for scene in scenes for view in views(scene, rendering))
+    return list(dict.fromkeys(item for view in shown for item in key(view, rendering)))
 
 
 def _strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
@@ -248,6 +265,7 @@ def positions(scene: Scene) -> list[complex]:
     return [complex(position) for position, visible in (scene.seen(*each) for each in objects) if visible]
 
 
+@lru_cache(maxsize=4096)  # through lenses it takes half a second, and both the key and the overlay need it
 def ghosts(scene: Scene) -> list[complex]:
     """Return the predicted positions of the objects' ghosts through lenses (`Scene.ghosts`), in tiles."""
     return [ghost.position for L, z1 in scene.objects for ghost in scene.ghosts(L, z1)]

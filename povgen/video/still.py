@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
     from povgen.video.captions import Caption
+    from povgen.video.overlay import Colour
     from povgen.video.side import Extent
 
 
@@ -124,17 +125,18 @@ def pictures(
         once = [scene for scene, _ in runs]
         frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
         texts: Sequence[Caption | None] = [None] * len(once)
-        shows = None
+        shows = said = None
         if movie and rendering.side_view:
             from povgen.video.side import extent
 
             shows = extent(once)
         if movie and rendering.annotated:
             from povgen.video.captions import captions
+            from povgen.video.overlay import common_key
 
-            texts = captions(once, rendering)
+            texts, said = captions(once, rendering), common_key(once, rendering)
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
-            made = picture(views, scene, rendering, caption, shows)
+            made = picture(views, scene, rendering, caption, shows, said)
             yield from repeat(made, count)
 
 
@@ -250,21 +252,23 @@ def picture(
     rendering: Rendering,
     caption: "Caption | None" = None,
     shows: "Extent | None" = None,
+    said: "Sequence[tuple[str, Colour]] | None" = None,
 ) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
-    Each frame gets the overlay, the caption and the side view that `rendering` asks for: in a movie, this caption and
-    this extent.
+    Each frame gets the overlay, the caption and the side view that `rendering` asks for: in a movie, this caption,
+    this extent, and this key.
     """
     if rendering.is_light:
         made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = [read_png(frame) for frame in frames]
     if draws_on(scene, rendering):
-        from povgen.video.overlay import annotated
+        from povgen.video.overlay import annotated, common_key
 
         shown = views(scene, rendering)
-        pictures = [annotated(plain, view, rendering, caption) for plain, view in zip(pictures, shown, strict=True)]
+        said = common_key([scene], rendering) if said is None else said
+        pictures = [annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
     if rendering.side_view:
         from povgen.video.side import side_view
 

@@ -5,7 +5,7 @@ import re
 import sys
 
 import pytest
-from conftest import povgen, refused, run_povgen
+from conftest import picture, povgen, refused, run_povgen
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
@@ -356,6 +356,8 @@ def test_the_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
     text = povgen([command, "-h"], tmp_path)[1]
     lines = text.splitlines()
     assert text == povgen([command, "--help"], tmp_path)[1]
+    monkeypatch.setenv("COLUMNS", "10")
+    assert len(povgen([command, "--help"], tmp_path)[1]) > len(text) / 2
     assert max(map(len, lines)) <= 80 and len(lines) <= (120 if command == "frame" else 140)
     others = "Parameters of other sheets, which povgen list explains:"
     headings = ["Options:", "The sheets:", others, "The eye:", "The picture:", "The objects:"]
@@ -401,6 +403,42 @@ def test_without_ffmpeg_a_movie_is_refused_before_a_frame_is_rendered(tmp_path, 
     for arguments in (["movie", "vary-z1"], ["demo", "--movies"]):
         assert "allowed without it: .gif" in refused(arguments, tmp_path)
     build.checked_movie(tmp_path / "a.gif", 10, 10, [])
+
+
+@pytest.mark.parametrize("program", ["/missing", "/bin/false", "/"])
+def test_an_ffmpeg_that_cannot_be_started_is_refused_before_a_frame_is_rendered(program, tmp_path, monkeypatch):
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", program)
+    monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
+    said = refused(["movie", "vary-z1"], tmp_path)
+    assert said.startswith(f"povgen: IMAGEIO_FFMPEG_EXE = '{program}': no ffmpeg that can be started; allowed: ")
+
+
+def test_the_folder_of_numbered_pictures(tmp_path):
+    """A new folder is empty: files beside it are not those that are written."""
+    (tmp_path / "file").touch()
+    (tmp_path / "link").symlink_to("missing")
+    build.checked_movie(tmp_path / "new/%d.png", 3, 10, [tmp_path / "1.png"])
+    (tmp_path / "1.png").mkdir()
+    build.checked_movie(tmp_path / "new/%d.png", 3, 10, [tmp_path / "1.png"])
+    assert not (tmp_path / "new").exists()
+    sweep = ["movie", "chess", "--sweep", "alpha=0:9", "-o"]
+    said = refused([*sweep, "new/er/%d.png"], tmp_path)
+    assert said.startswith("povgen: output = 'new/er/%d.png': No such file or directory; allowed: a file in a folder")
+    for name in ("file", "link"):
+        assert f"output = '{name}/1.png': " in refused([*sweep, f"{name}/%d.png"], tmp_path)
+
+
+def test_a_chart_does_not_replace_a_picture_that_the_scene_shows(tmp_path):
+    path = picture(tmp_path)
+    said = refused(["tolerance", "chess", "--sky", path, "-o", path], tmp_path)
+    assert said.startswith(f"povgen: output = {path!r}: povgen reads this file")
+
+
+def test_a_file_whose_name_has_a_space(tmp_path):
+    """It is one value."""
+    (tmp_path / "a b").write_text("sphere { 0, 1 }")
+    assert "once for each value" not in refused(["frame", "chess", "--piece", "a b"], tmp_path)
+    assert refused(["frame", "chess", "--piece", "a c"], tmp_path).endswith("; give --piece once for each value\n")
 
 
 @pytest.mark.parametrize("arguments", [["figure", "2"], ["verify", "--stability"]])

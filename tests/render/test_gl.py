@@ -16,6 +16,7 @@ from conftest import refused, wait_for
 
 import povgen
 from povgen import Chess, InputError, PovrayError, Spheres, remedies
+from povgen.cli.report import message_of
 from povgen.errors import TransientError
 from povgen.measure import drawn, verify_gl
 from povgen.measure.drawn import Drawn
@@ -351,6 +352,16 @@ def test_stopping_ends_a_picture_at_once(text, runner, tmp_path):
     runner.stop()
     thread.join()
     assert time.monotonic() - start < 2 and errors == ["the drawing was stopped"]
+
+
+def test_a_full_disk_is_named_by_its_folder(text, runner, tmp_path):
+    """As of POV-Ray's. The process goes on."""
+    (tmp_path / "frame.png").symlink_to("/dev/full")
+    with pytest.raises(OSError) as raised:
+        runner.run(text, SMALL, tmp_path)
+    assert message_of(raised.value) == f"{tmp_path}: No space left on device"
+    (tmp_path / "frame.png").unlink()
+    assert runner.run(text, SMALL, tmp_path).is_file() and len(runner._all) == 1
 
 
 def test_a_wrong_shader_is_an_error_in_one_line(runner, tmp_path):

@@ -4,6 +4,7 @@ import struct
 import subprocess
 import sys
 import zlib
+from contextlib import nullcontext
 
 import imageio_ffmpeg
 import numpy as np
@@ -15,7 +16,7 @@ from PIL import Image
 from povgen import Chess, InputError, Rendering, Spheres, info, movie, render, save, show
 from povgen.rendering import cache, light
 from povgen.rendering.frames import is_whole, render_all
-from povgen.video import still
+from povgen.video import encode, still
 
 SCENE = Spheres(sheet="ideal", view=1.5, z1=(3, 6))  # with highlights
 SIZE = (96, 72)
@@ -177,3 +178,13 @@ def test_frames_of_another_kind_have_another_key():
 
 def test_pictures_of_bytes_are_as_before():
     assert still.render(SCENE, **OFF).dtype == np.uint8 and not is_whole(WHOLE, (48, 36))
+
+
+def test_a_full_disk(tmp_path, monkeypatch):
+    """For temporary files; OpenEXR's error has no type of its own."""
+    (tmp_path / "light.exr").symlink_to("/dev/full")
+    monkeypatch.setattr(encode, "temporary_folder", lambda: nullcontext(tmp_path))
+    arguments = ["frame", "chess", "--sheet", "none", "--size", "32x32", "--antialias", "off", "-o", "a.exr"]
+    status, out, err = povgen(arguments, tmp_path)
+    assert (status, out) == (1, "") and "light.exr" in err and "No space left on device" in err
+    assert len(err.splitlines()) == 1 and not (tmp_path / "a.exr").exists()

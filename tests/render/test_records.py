@@ -151,8 +151,8 @@ def test_the_wrong_kind_of_file(made, tmp_path):
         (["movie", "--from", "a.png"], "from = 'a.png': a picture; allowed: a movie"),
         (["movie", "--from", "a.gif", "--frames", "4"], "frames = '4': not with --from"),
         (["movie", "--from", "a.mp4"], "output = 'a.mp4': povgen reads this file"),
-        (["frame", "chess", "--from", "a.png"], "scene = 'chess': allowed: chess or spheres, or else --from FILE"),
-        (["frame"], "scene = None: allowed: "),
+        (["frame", "chess", "--from", "a.png"], "scene = 'chess': not with --from, which shows the file's scene; "),
+        (["frame"], "scene: missing; allowed: chess or spheres, or else --from FILE"),
         (["movie"], "spec: missing; allowed: "),
     ):
         assert words in refused(arguments, made)
@@ -230,6 +230,12 @@ def test_a_damaged_file(kind, made, tmp_path, rng):
     assert 20 < refusals < 300
 
 
+@pytest.mark.parametrize("kind", ["webm", "webp", "gif"])
+def test_a_file_that_ends_too_early(kind, made, tmp_path):
+    (tmp_path / "cut").write_bytes((made / f"a.{kind}").read_bytes()[:60])
+    assert refused(["info", "cut"], tmp_path).startswith("povgen: 'cut': damaged: it ends too early; allowed: ")
+
+
 def test_files_without_a_record(tmp_path):
     Image.new("RGB", (32, 32)).save(tmp_path / "plain.png")
     Image.new("RGB", (32, 32)).save(tmp_path / "plain.gif")
@@ -276,3 +282,32 @@ def test_options_in_place_of_what_the_record_says(tmp_path):
     scene = Scene.from_file(tmp_path / "b.exr")
     assert scene.glass == "F2" and scene.index == Chess(glass="F2", wavelength=500).index
     assert scene.window[0].index == Chess(glass="BK7", wavelength=500).index
+
+
+def test_one_eye_in_place_of_two(tmp_path):
+    """The record's distance between the eyes is not the user's."""
+    save(Chess(sheet="none"), tmp_path / "a.png", stereo="pair", eye_distance=0.3, **SMALL)
+    again = ["frame", "--from", "a.png", "-o", "b.png"]
+    assert povgen([*again, "--stereo", "none"], tmp_path) == (0, "wrote b.png\n", "")
+    assert pixels(tmp_path / "b.png").shape == (36, 48, 3)
+    assert "eye_distance = 0.4: one eye" in refused([*again, "--stereo", "none", "--eye-distance", "0.4"], tmp_path)
+
+
+def test_the_bits_of_what_is_made_again(tmp_path):
+    save(Chess(sheet="none"), tmp_path / "a.png", bits=16, **SMALL)
+    for name, bits in (("b.png", 16), ("b.exr", 32), ("B.EXR", 32)):
+        assert povgen(["frame", "--from", "a.png", "-o", name], tmp_path) == (0, f"wrote {name}\n", "")
+        assert info(tmp_path / name).rendering.bits == bits
+    assert povgen(["frame", "--from", "b.exr", "-o", "c.png"], tmp_path)[0] == 0
+    assert info(tmp_path / "c.png").rendering.bits == 8
+    assert "bits = 16: an EXR file has 32" in refused(["frame", "--from=a.png", "--bits=16", "-o=c.exr"], tmp_path)
+
+
+def test_a_file_in_the_home_folder(tmp_path, monkeypatch):
+    """A shell leaves ~ as it is after --from=."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    save(Chess(sheet="none"), "~/a.png", **SMALL)
+    assert info("~/a.png") == info(tmp_path / "a.png")
+    again = ["frame", "--from=~/a.png", "-o"]
+    assert povgen([*again, "b.png"], tmp_path)[0] == 0
+    assert "povgen reads this file" in refused([*again, "a.png"], tmp_path)

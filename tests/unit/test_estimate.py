@@ -43,6 +43,7 @@ def test_a_dry_run_renders_nothing(tmp_path):
     for arguments, said in (
         (["movie", "vary-alpha", "--frames", "4", "--size", "64x48"], "4 frames of 64x48 pixels, about "),
         (["frame", "chess"], "a picture of 480x360 pixels, about "),
+        (["movie", "vary-alpha", "--frames", "4", "--shard", "5/7"], "0 frames of 480x360 pixels, about 0 CPU seconds"),
     ):
         status, out, err = povgen([*arguments, "--dry-run"], tmp_path)
         assert status == 0 and out.startswith(said) and not err and not list(tmp_path.iterdir())

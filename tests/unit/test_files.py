@@ -55,11 +55,19 @@ def test_a_full_disk(values, full, monkeypatch, tmp_path):
     assert files.is_full(tmp_path) == full
 
 
-@pytest.mark.parametrize(("left", "said"), [(9, "No space left on device"), (0, "no inodes left, ")])
-def test_no_room_in_a_work_folder(left, said, monkeypatch, tmp_path):
+@pytest.mark.parametrize(
+    ("left", "number", "said"),
+    [
+        (9, errno.ENOSPC, "No space left on device"),
+        (0, errno.ENOSPC, "no inodes left, "),
+        (9, errno.EDQUOT, "Disk quota exceeded"),
+        (0, errno.EFBIG, "File too large"),
+    ],
+)
+def test_no_room_in_a_work_folder(left, number, said, monkeypatch, tmp_path):
     disk(monkeypatch, f_favail=left)
     with pytest.raises(OSError) as raised, files.work_folder(tmp_path):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise OSError(number, os.strerror(number))
     assert message_of(raised.value).startswith(f"{tmp_path}: {said}")
 
 

@@ -11,10 +11,11 @@ from PIL import Image, ImageDraw
 
 from povgen import Chess, Spheres
 from povgen.optics import equations
+from povgen.rendering.views import views
 from povgen.scene import camera
 from povgen.scene.models import VIEW
 from povgen.settings import Rendering
-from povgen.video import captions, overlay
+from povgen.video import captions, encode, overlay, still
 from povgen.video.text import STRIP, TEXT, _font, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
@@ -323,6 +324,25 @@ def test_a_key_explains_the_predicted_image_below_a_caption_too():
     explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]
     assert explained == [overlay.IMAGE_COLOUR]
     assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption="full"))
+
+
+@pytest.mark.parametrize(
+    ("scenes", "options"),
+    [
+        ([Chess(sheet="ideal", eye=(x, 0)) for x in (0, 3)], {"overlay": True}),
+        ([Chess(sheet="ideal", eye=(Chess().aperture / 2, 0))], {"overlay": True, "stereo": "pair"}),
+        ([Chess(sheet="ideal"), Spheres(sheet="none")], {"overlay": True, "caption": "full"}),
+        ([Chess(sheet="none"), Chess(sheet="ideal"), Chess(sheet="none")], {"caption": "full"}),
+    ],
+    ids=["eye", "two eyes", "scenes", "sheets"],
+)
+def test_all_frames_of_a_movie_are_equally_high(scenes, options, monkeypatch):
+    """Also if a point leaves the window, so that one text less would explain what is drawn."""
+    size = 300, 480
+    png = encode.png(np.full((size[1], size[0], 3), 120, np.uint8))
+    rendering = Rendering(size=size, **options)
+    monkeypatch.setattr(still, "render_all", lambda scenes, *_: ([png] * len(views(s, rendering)) for s in scenes))
+    assert len({made.shape for made in still.pictures(scenes, rendering, movie=True)}) == 1
 
 
 def test_greek_letters_and_subscripts():

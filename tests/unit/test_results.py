@@ -6,6 +6,7 @@ import pytest
 from povgen import Chess, InputError, PovrayError, Spheres, results
 from povgen.optics import equations, series
 from povgen.rendering import results as module
+from povgen.rendering.parallel import worker_count
 from povgen.scene import survey
 from povgen.scene.quantities import QUANTITIES
 
@@ -102,3 +103,9 @@ def test_no_scenes_make_an_empty_table():
     assert {name: column.shape for name, column in results([], *QUANTITIES, progress=False).items()} == {
         name: (0,) for name in QUANTITIES
     }
+
+
+def test_a_number_of_workers_can_be_numpys():
+    assert [worker_count(each) for each in (np.int64(2), 2, "2", None)] == [2, 2, 2, None]
+    with pytest.raises(InputError, match="workers = "):
+        worker_count(np.bool_(True))

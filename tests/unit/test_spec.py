@@ -240,7 +240,7 @@ def test_a_title_has_up_to_200_characters():
     values = {"scene": "chess", "sweep": [Sweep.parse("alpha=0:1")]}
     assert len(MovieSpec(title="é" * 200, **values).title) == 200
     for title in ("é" * 201, ""):
-        with pytest.raises(InputError, match="^title = .* up to 200 characters"):
+        with pytest.raises(InputError, match="^title = .*: is not allowed .* up to 200 characters"):
             MovieSpec(title=title, **values)
 
 

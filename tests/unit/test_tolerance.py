@@ -37,7 +37,8 @@ def test_nothing_is_tried_where_nothing_is_seen():
 
 
 @pytest.mark.parametrize(
-    "text", ["1", "px", "-1px", "0px", "1px,2px", "1 mm", "nanpx", "1e3px", "", "1px,", "1px;rm", "٣px"]
+    "text",
+    ["1", "px", "-1px", "0px", "1px,2px", "1 mm", "nanpx", "1e3px", "", "1px,", "1px;rm", "٣px", 1, None, b"1px"],
 )
 def test_tolerances_that_are_none(text):
     with pytest.raises(InputError, match="1px,0.2flip"):

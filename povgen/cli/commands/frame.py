@@ -50,10 +50,11 @@ def command(
     from povgen.video.still import SUFFIXES, as_file, rendering_for
 
     if (scene is None) == (source is None):
-        raise InputError(f"scene = {scene!r}: allowed: chess or spheres, or else --from FILE")
+        reason = ": missing" if scene is None else f" = {scene!r}: not with --from, which shows the file's scene"
+        raise InputError(f"scene{reason}; allowed: chess or spheres, or else --from FILE")
     first = None
     if source is not None:
-        record, (first, *others), values = again(source, values, quiet)
+        record, (first, *others), values = again(source, output, values, quiet)
         if record.frame_rate is not None:
             raise InputError(f"from = {str(source)!r}: a movie of {len(others) + 1} frames; allowed: a picture")
 

@@ -184,7 +184,7 @@ def _loaded(
     for name, value in {"spec": spec, "sweep": sweeps, **of_spec}.items():
         if value is not None:
             raise InputError(f"{name} = {value!r}: not with --from, which makes the same frames; allowed: one of them")
-    record, scenes, values = again(source, values, quiet)
+    record, scenes, values = again(source, None, values, quiet)
     if record.frame_rate is None:
         raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
     rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate

@@ -35,12 +35,13 @@ def command(
     from povgen.files import checked_output
     from povgen.measure import tolerance
     from povgen.rendering.parallel import worker_count
+    from povgen.scene.models import input_files
     from povgen.sheets.prisms import ERRORS
 
     made, count = scene_of(scene, values), worker_count(workers)
     spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
     if output:
-        output = checked_output(output, [".png"])
+        output = checked_output(output, [".png"], inputs=input_files([made]))
         from povgen.measure.charts import save_tolerance  # says what is missing before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
     console = Console(width=None if sys.stdout.isatty() else 120)
