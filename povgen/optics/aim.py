@@ -456,6 +456,7 @@ def _cross(a: Complexes, b: Complexes) -> Floats:
     return np.asarray(a.real * b.imag - a.imag * b.real)
 
 
+@np.errstate(all="ignore")  # infinite and NaN steps are not taken
 def newton(
     s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes], enough: Floats
 ) -> tuple[Complexes, Floats]:

@@ -77,6 +77,12 @@ def test_how_rays_end():
     assert [*oblique.end] == [End.FRAME, End.BLOCKED]
 
 
+@pytest.mark.filterwarnings("error")
+def test_light_for_which_a_law_has_no_inverse_is_blocked_without_a_warning():
+    scene = Chess(sheet="law", law="0, 0, 1")
+    assert [*scene.trace(Bundle((0, 0, 3), [[0.1, 0, -1], [0, 0, -1]])).end] == [End.BLOCKED, End.THROUGH]
+
+
 @pytest.mark.parametrize("alpha", [0, 40, 66, 180, -100])
 def test_where_a_pencil_converges(alpha):
     """At the distance Re W, and at |Im W| times the spread of the slopes: see optics/series.py."""
