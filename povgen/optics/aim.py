@@ -111,6 +111,25 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
     return found.scaled(shape.pitch)
 
 
+def slope_error(shape: Prism | Profile, slope: complex) -> float:
+    """Return the RMS error of `small_angles` for the slope behind a sheet: of light with this slope before it.
+
+    Slopes are along the ridges + i across. The light fills a period, and takes the designed path. NaN if none takes it;
+    0 for prisms.
+    """
+    if isinstance(shape, Prism):
+        return 0.0
+    does, profile = small_angles(shape), shape.scaled(1.0)
+    place = (np.arange(FAN_SIDE) + 0.5) / FAN_SIDE - 0.5 - profile.half * slope.imag
+    origin = np.column_stack((0 * place, place, np.full(FAN_SIDE, -profile.half)))
+    rays = trace(origin, [[slope.real, slope.imag, 1]], (Sheet(0.0, 0.0, profile),), _WIDTH, len(profile.path) + 1)
+    if not rays.designed.any():
+        return np.nan
+    x, y, z = rays.direction[rays.designed].T
+    expected = slope.real + 1j * (does.factor * slope.imag + does.deviation)
+    return float(np.sqrt(np.mean(abs((x + 1j * y) / z - expected) ** 2)))
+
+
 @lru_cache(10_000)
 def shares(profile: Profile, slope: float) -> dict[int, float]:
     """Return for each order the share of the light with this slope across the ridges that takes the path with it.

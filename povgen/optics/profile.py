@@ -326,8 +326,8 @@ def _check_edge(edge: Edge, number: int) -> None:
     """Raise ValueError for an arc whose radius is too small or too large, and for an edge that leaves the period."""
     if edge.radius and not (1 - TOLERANCE) * edge.chord / 2 <= abs(edge.radius) <= LARGEST_RADIUS:
         raise ValueError(
-            f"edge {number}: radius = {edge.radius:g}; allowed: 0, or {edge.chord / 2:.4g} to {LARGEST_RADIUS:g} periods "
-            "in size"
+            f"edge {number}: radius = {edge.radius:g}; "
+            f"allowed: 0, or {edge.chord / 2:.4g} to {LARGEST_RADIUS:g} periods in size"
         )
     u = edge.points()[:, 0]
     if u.min() < -TOLERANCE or u.max() > 1 + TOLERANCE:

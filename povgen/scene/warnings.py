@@ -105,7 +105,7 @@ def _prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str
     found = []
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if scene.has_prisms:
-            what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and spherical aberration")
+            what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and aberrations")
             found.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
         else:  # up to MAX_CONDITION, the error is one pixel; so is that between the camera's cells
             M = float(scene.nu_and_M(z1)[1])
