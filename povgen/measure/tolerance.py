@@ -88,7 +88,10 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
         error = {name: scene.error.get(name, 0.0) + added.get(name, 0.0) for name in ERRORS}
         if random:  # each build has prisms of its own
             error |= random | {"seed": (spread.seed * 100_000 + number) % 1e9}
-        scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
+        try:
+            scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
+        except InputError as problem:
+            raise InputError(f"random build {number + 1}: {problem}") from None
     seen = _seen(scenes, workers, scheduler)
     change = _change(scene, seen.at(0), seen.at(slice(1, None)))
     return Change(*map(abs, change))

@@ -214,6 +214,7 @@ def test_random_builds_agree_with_the_sensitivities():
         (lambda: tolerance.sensitivities(Chess(sheet="ideal")), "sheet = 'ideal': allowed: 'detailed'"),
         (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation = ['turn=2']: should be less than"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
+        (lambda: tolerance.builds(FINE, tolerance.Spread(deviation={"index": 1})), "random build 1: error: index = "),
     ],
 )
 def test_what_is_refused(call, words):
