@@ -403,9 +403,10 @@ def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
     determinant = a * d - b * c
     singular = abs(determinant) <= 1e-14 * (abs(a * d) + abs(b * c))
-    safe = np.where(singular[..., None, None], np.eye(2), np.nan_to_num(maps))
+    known = np.isfinite(determinant)
+    safe = np.where((singular | ~known)[..., None, None], np.eye(2), maps)
     slopes = np.linalg.solve(safe, np.nan_to_num(right))[..., 0]
-    s = np.where(np.isnan(to) | np.isnan(determinant), np.nan, slopes[..., 0] + 1j * slopes[..., 1])
+    s = np.where(np.isnan(to) | ~known, np.nan, slopes[..., 0] + 1j * slopes[..., 1])
     if singular.any():
         inverse = np.linalg.pinv(maps[singular], rcond=1e-9)
         least = (inverse @ right[singular])[..., 0]
