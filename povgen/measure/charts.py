@@ -284,7 +284,6 @@ ERROR_WORDS = {
     "far_index": "far sheet's index",
     "base_angle": "near prisms' base angle",
     "far_base_angle": "far prisms' base angle",
-    "facets": "single facets' angle",
 }
 
 

@@ -14,18 +14,18 @@ from povgen.errors import InputError
 from povgen.rendering.results import results
 from povgen.scene.models import Scene
 from povgen.scene.windows import as_table
-from povgen.sheets.prisms import ERRORS, OF_LENSES, PrismPair
+from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
 # Of the differences below. They are large, because a sheet that moves sends other rays along the designed path, which
-# changes the fitted turn by some 0.01 degrees. Random errors of the facets are no step: they blur, in proportion to no
-# single number
+# changes the fitted turn by some 0.01 degrees. Random errors of single prisms are no step: they blur, in proportion to
+# no single number
 STEPS = {
     name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
-    if name not in ("facets", "seed", *OF_LENSES)
+    if name not in (*RANDOM, "seed", *OF_LENSES)
 }
-DEVIATIONS = (*STEPS, "facets")
+DEVIATIONS = (*STEPS, *RANDOM)
 PERCENTILES = (50, 90, 95, 99)
 ARCMINUTE = np.pi / 180 / 60
 QUANTITIES = ("seen_x", "seen_y", "seen_nu", "seen_M", "blur")
@@ -42,7 +42,7 @@ class Spread(Model):
     ] = Field(
         default={},
         description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 counts as one "
-        "above 0; that of facets is the same in every build, which draws its own facets",
+        "above 0; those of facets and pitches are the same in every build, which draws its own prisms",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
@@ -85,16 +85,19 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
 
     Raises InputError for other sheets than one pair of prisms.
     """
-    deviation = {name: value for name, value in spread.deviation.items() if name != "facets"}
-    facets = {name: value for name, value in spread.deviation.items() if name == "facets"}
+    deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
+    random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
     drawn = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
     scenes = [_checked(scene)]
     for number, errors in enumerate((drawn * list(deviation.values())).tolist()):
         added = dict(zip(deviation, errors, strict=True))
         error = {name: scene.error.get(name, 0.0) + added.get(name, 0.0) for name in ERRORS}
-        if facets:  # each build has facets of its own
-            error |= facets | {"seed": (spread.seed * 100_000 + number) % 1e9}
-        scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
+        if random:  # each build has prisms of its own
+            error |= random | {"seed": (spread.seed * 100_000 + number) % 1e9}
+        try:
+            scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
+        except InputError as problem:
+            raise InputError(f"random build {number + 1}: {problem}") from None
     seen = _seen(scenes, workers, scheduler)
     change = _change(scene, seen.at(0), seen.at(slice(1, None)))
     return Change(*map(abs, change))

@@ -26,10 +26,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.equations import Complexes, Floats
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import Booleans, Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
-from povgen.optics.trace import End, trace
+from povgen.optics.trace import End, Rays, trace
 
 Matrix = NDArray[np.float64]  # (..., 5, 5)
 Indices = NDArray[np.intp]
@@ -114,6 +114,24 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
     return found.scaled(shape.pitch)
 
 
+def slope_error(shape: Prism | Profile, slope: complex) -> float:
+    """Return the RMS error of `small_angles` for the slope behind a sheet: of light with this slope before it.
+
+    Slopes are along the ridges + i across. The light fills a period, and takes the designed path. NaN if none takes it;
+    0 for prisms.
+    """
+    if isinstance(shape, Prism):
+        return 0.0
+    does = small_angles(shape)
+    rays, taken = _traced(shape.scaled(1.0), _places(FAN_SIDE), np.full(FAN_SIDE, slope))
+    taken &= rays.orders[:, 0] == 0
+    if not taken.any():
+        return np.nan
+    x, y, z = rays.direction[taken].T
+    expected = slope.real + 1j * (does.factor * slope.imag + does.deviation)
+    return float(np.sqrt(np.mean(abs((x + 1j * y) / z - expected) ** 2)))
+
+
 @lru_cache(10_000)
 def shares(profile: Profile, slope: float) -> dict[int, float]:
     """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
@@ -121,12 +139,8 @@ def shares(profile: Profile, slope: float) -> dict[int, float]:
     The keys are the orders, as for `small_angles`. The light fills a period. It has this slope across the ridges, and
     none along them. Light on other paths is left out.
     """
-    count, z = 200, -profile.half * profile.pitch
-    place = ((np.arange(count) + 0.5) / count - 0.5) * profile.pitch + z * slope
-    origin = np.column_stack((np.zeros(count), place, np.full(count, z)))
-    rays = trace(origin, [[0, slope, 1]], (Sheet(0.0, 0.0, profile),), _WIDTH * profile.pitch, len(profile.path) + 1)
-    taken = (rays.end == End.THROUGH) & (rays.count == len(profile.path))
-    taken &= (rays.faces[:, : len(profile.path)] == profile.path).all(1)
+    count = 200
+    rays, taken = _traced(profile.scaled(1.0), _places(count), np.full(count, 1j * slope))
     orders, counts = np.unique(rays.orders[taken, 0], return_counts=True)
     return {int(order): number / count for order, number in zip(orders, counts, strict=True)}
 
@@ -233,14 +247,9 @@ def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> Small
     """Return the result of `small_angles` for one cell of a profile with the pitch 1. Cell 0 is in the middle."""
     # across the ridges many slopes, and along them one; at each slope, rays at many places within a period
     slope = np.repeat(np.linspace(middle - FAN, middle + FAN, FAN_SIDE), FAN_SIDE)
-    place = np.tile((np.arange(FAN_SIDE) + 0.5) / FAN_SIDE - 0.5 + cell, FAN_SIDE)
-    along = np.full(slope.shape, FAN / 4)
-    z = np.full(slope.shape, -profile.half)
-    origin = np.column_stack((z * along, place + z * slope, z))
-    direction = np.column_stack((along, slope, np.ones(slope.shape)))
-    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, len(profile.path) + 1)
-    taken = (rays.end == End.THROUGH) & (rays.count == len(profile.path)) & (rays.orders[:, 0] == order)
-    taken &= (rays.faces[:, : len(profile.path)] == profile.path).all(1) & ~rays.reflected
+    place, along = np.tile(_places(FAN_SIDE) + cell, FAN_SIDE), FAN / 4
+    rays, taken = _traced(profile, place, along + 1j * slope)
+    taken &= rays.orders[:, 0] == order
     if taken.sum() < 2 or np.ptp(slope[taken]) == 0:
         return SmallAngles(*[np.nan] * 7)
     behind = rays.direction[taken] / rays.direction[taken, 2:]
@@ -249,10 +258,29 @@ def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> Small
     (factor, deviation), *_ = np.linalg.lstsq(basis, behind[:, 1], rcond=None)
     moved = place_behind[:, 1] - place[taken]
     (shift, offset), *_ = np.linalg.lstsq(basis, moved, rcond=None)
-    slab = -(place_behind[:, 0] / along[taken]).mean()
+    slab = -(place_behind[:, 0] / along).mean()
     reach = abs(moved - basis @ (shift, offset)).max()
     blur = np.sqrt(np.mean((behind[:, 1] - basis @ (factor, deviation)) ** 2))
     return SmallAngles(*map(float, (slab, shift, offset, factor, deviation, reach, blur)))
+
+
+def _places(count: int) -> Floats:
+    """Return evenly spaced places in a period whose middle is 0."""
+    return (np.arange(count) + 0.5) / count - 0.5
+
+
+def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Booleans]:
+    """Trace rays through a sheet of a profile with the pitch 1. Return which meet its path's edges, in any cells.
+
+    `place` is across the ridges, in the middle plane. Slopes are along the ridges + i across.
+    """
+    z = np.full(place.shape, -profile.half)
+    origin = np.column_stack((z * slope.real, place + z * slope.imag, z))
+    direction = np.column_stack((slope.real, slope.imag, np.ones(place.shape)))
+    steps = len(profile.path)
+    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, steps + 1)
+    taken = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == profile.path).all(1)
+    return rays, taken
 
 
 def matrix(windows: Windows) -> Matrix | None:
@@ -380,9 +408,10 @@ def _solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
     determinant = a * d - b * c
     singular = abs(determinant) <= 1e-14 * (abs(a * d) + abs(b * c))
-    safe = np.where(singular[..., None, None], np.eye(2), np.nan_to_num(maps))
+    known = np.isfinite(determinant)
+    safe = np.where((singular | ~known)[..., None, None], np.eye(2), maps)
     slopes = np.linalg.solve(safe, np.nan_to_num(right))[..., 0]
-    s = np.where(np.isnan(to) | np.isnan(determinant), np.nan, slopes[..., 0] + 1j * slopes[..., 1])
+    s = np.where(np.isnan(to) | ~known, np.nan, slopes[..., 0] + 1j * slopes[..., 1])
     if singular.any():
         inverse = np.linalg.pinv(maps[singular], rcond=1e-9)
         least = (inverse @ right[singular])[..., 0]
@@ -461,6 +490,7 @@ def _cross(a: Complexes, b: Complexes) -> Floats:
     return np.asarray(a.real * b.imag - a.imag * b.real)
 
 
+@np.errstate(all="ignore")  # infinite and NaN steps are not taken
 def newton(
     s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes], enough: Floats
 ) -> tuple[Complexes, Floats]:

@@ -50,8 +50,9 @@ class Sheet:
     shape: Prism | Profile
     window: int = 0  # the window that the sheet is in; a window's sheets follow one another
     tilt: tuple[float, float] = (0.0, 0.0)
-    # standard deviation of the angle between base and each single facet, radians, and what draws it: `facet_angles`
-    facets: float = 0.0
+    # standard deviations, and what draws them: `single_prisms`
+    facets: float = 0.0  # of the angle between base and each single facet, radians
+    pitches: float = 0.0  # of the height of each single prism, divided by the height
     seed: tuple[int, int] = (0, 0)
 
     @property
@@ -66,8 +67,24 @@ class Sheet:
         return float(along @ (window / 2, window / 2, self.shape.length / 2))
 
 
+class _Cells:
+    """Cells of equal height in sheets. The first arguments are arrays with one for each ray."""
+
+    pitch: Any
+    first: Any
+
+    def cell_of(self, v: Floats) -> tuple[Floats, Floats]:
+        """Return the cells in which rays at these heights in a sheet are, and the heights above the cells' bottoms."""
+        cell = np.floor((v - self.first) / self.pitch)
+        return cell, v - self.first - cell * self.pitch
+
+    def bottom(self, cell: Floats) -> Floats:
+        """Return where cells begin: the height in the sheet."""
+        return np.asarray(cell * self.pitch + self.first)
+
+
 @dataclass(frozen=True)
-class Prisms:
+class Prisms(_Cells):
     """The shapes of the prisms: numbers if all sheets have the same, otherwise arrays with one of each sheet or ray."""
 
     pitch: Floats
@@ -157,31 +174,49 @@ class Prisms:
 
 @dataclass(frozen=True)
 class UnequalPrisms(Prisms):
-    """Prisms whose single facets differ from the planned angle."""
+    """Prisms whose single facets differ from the planned angle, and whose heights differ from the planned height."""
 
+    bottoms: (
+        Floats  # where each prism's cell begins, and the last one ends: the height in the sheet, (sheets, prisms + 1)
+    )
     angles: Floats  # of each prism's near and far facet to the base, radians: (sheets, prisms, 2)
     lowest: Indices  # the number of the first of these prisms in each sheet, (sheets,)
+    sheet: Indices | None = None  # of each ray
     own: tuple[tuple[Floats, Floats], tuple[Floats, Floats]] = ((np.empty(0), np.empty(0)),) * 2  # as `slants`
 
     @classmethod
     def of_sheets(cls, sheets: tuple[Sheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
         """Return the prisms of these sheets, in windows with this side."""
-        found = [
-            facet_angles(shape, window, sheet.facets, sheet.seed) for sheet, shape in zip(sheets, shapes, strict=True)
-        ]
-        most = max(len(angles) for _, angles in found)
-        angles = [np.pad(angles, ((0, most - len(angles)), (0, 0)), "edge") for _, angles in found]
+        found = [single_prisms(sheet, window) for sheet in sheets]
+        most = max(len(angles) for _, _, angles in found)
+        bottoms = [np.pad(bottoms, (0, most + 1 - len(bottoms)), "edge") for _, bottoms, _ in found]
+        angles = [np.pad(angles, ((0, most - len(angles)), (0, 0)), "edge") for _, _, angles in found]
         equal = Prisms.of(shapes, window)
         same = {field.name: getattr(equal, field.name) for field in fields(equal)}
-        return cls(**same, angles=np.array(angles), lowest=np.array([lowest for lowest, _ in found]))
+        return cls(**same, bottoms=np.array(bottoms), angles=np.array(angles), lowest=np.array([n for n, *_ in found]))
 
     def at(self, sheet: Indices, cell: Floats | None = None) -> Self:
-        equal = super().at(sheet)
+        found = replace(super().at(sheet), sheet=sheet)
         if cell is None:
-            return equal
-        angle = self.angles[sheet, np.clip(cell.astype(int) - self.lowest[sheet], 0, self.angles.shape[1] - 1)].T
-        near, far = zip(np.cos(angle), np.sin(angle), strict=True)
-        return replace(equal, own=(near, far))
+            return found
+        k = found._row(cell)
+        near, far = zip(np.cos(self.angles[sheet, k].T), np.sin(self.angles[sheet, k].T), strict=True)
+        pitch = self.bottoms[sheet, k + 1] - self.bottoms[sheet, k]
+        return replace(found, own=(near, far), pitch=pitch, height=pitch - (found.pitch - found.height))
+
+    def cell_of(self, v: Floats) -> tuple[Floats, Floats]:
+        cell = np.empty(len(v))
+        for number, (bottoms, lowest) in enumerate(zip(self.bottoms, self.lowest, strict=True)):
+            own = self.sheet == number
+            cell[own] = lowest + np.searchsorted(bottoms, v[own], "right") - 1
+        return cell, v - self.bottom(cell)
+
+    def bottom(self, cell: Floats) -> Floats:
+        return np.asarray(self.bottoms[self.sheet, self._row(cell)])
+
+    def _row(self, cell: Floats) -> Indices:
+        """Return where the arrays have the prisms of rays. Beyond the last prism no ray is followed."""
+        return np.clip(cell.astype(int) - self.lowest[self.sheet], 0, self.angles.shape[1] - 1)
 
     @property
     def slants(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
@@ -194,7 +229,7 @@ class UnequalPrisms(Prisms):
 
 
 @dataclass(frozen=True)
-class Profiles:
+class Profiles(_Cells):
     """Profiles, with the methods of `Prisms`. Numbers are as there: one, or an array with one of each sheet or ray."""
 
     shapes: list[Profile]
@@ -337,15 +372,26 @@ def _reach(
     return (sign * np.sqrt(root) - half) / square, root > 0
 
 
-def facet_angles(shape: Prism, window: float, deviation: float, seed: tuple[int, int]) -> tuple[int, Floats]:
-    """Return the number of the lowest prism in a sheet, and the angles of each prism's near and far facet to the base.
+def single_prisms(sheet: Sheet, window: float) -> tuple[int, Floats, Floats]:
+    """Return the prisms of a sheet, in a window with this side, one by one: they differ at random.
 
-    The angles, (prisms, 2), are in radians. They are normally distributed, and no one differs by more than
-    MOST_DEVIATION times `deviation` (radians). Prism 0 begins at the lower edge of the window, with this side, before
-    the sheet is turned.
+    The result is the number of the lowest prism, where each prism's base is and the next one's would be (the height in
+    the sheet before it is turned, (prisms + 1,)), and the angles of each prism's near and far facet to its base
+    (radians, (prisms, 2)). The prisms are stacked with the planned gaps between them. The base of prism count // 2, of
+    `count` prisms in the window, is where it is planned. Heights and angles are normally distributed. None differs by
+    more than MOST_DEVIATION times its standard deviation. `sheet.shape` is a `Prism`.
     """
+    shape = sheet.shape
+    assert isinstance(shape, Prism)
     count = round(window / shape.pitch)
-    beyond = ceil((sqrt(2) - 1) / 2 * count) + 2  # of a turned sheet, on either side
-    drawn = np.random.default_rng(seed).normal(size=(count + 2 * beyond, 2))
-    drawn = np.clip(drawn, -MOST_DEVIATION, MOST_DEVIATION)
-    return -beyond, np.radians(shape.base_angle) + deviation * drawn
+    # of a turned sheet, on either side; even if all prisms are as low as they can be
+    beyond = ceil((sqrt(2) / (1 - MOST_DEVIATION * sheet.pitches) - 1) / 2 * count) + 2
+
+    def drawn(seed: tuple[int, ...], *shape: int) -> Floats:
+        return np.clip(np.random.default_rng(seed).normal(size=shape), -MOST_DEVIATION, MOST_DEVIATION)
+
+    angles = np.radians(shape.base_angle) + sheet.facets * drawn(sheet.seed, count + 2 * beyond, 2)
+    pitches = shape.pitch + shape.height * sheet.pitches * drawn((*sheet.seed, 1), len(angles))
+    bottoms = np.concatenate(([0], np.cumsum(pitches)))
+    planned = (shape.gap / 2 + count // 2) * shape.pitch - window / 2
+    return -beyond, bottoms - bottoms[beyond + count // 2] + planned, angles

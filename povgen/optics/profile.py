@@ -20,6 +20,7 @@ from povgen.optics.prism import Prism
 MAX_EDGES = 32  # of a profile
 CHORDS = 64  # into which an arc is divided to find out whether outlines cross; even
 TOLERANCE = 1e-9  # of a corner's place
+LARGEST_RADIUS = 1e4  # periods: POV-Ray draws cylinders of 1e6 wrongly, and the ray trace those of 1e12
 ASIDE = 1e-5  # from an outline: there must be glass on one side, and air on the other
 
 Point = tuple[float, float]
@@ -120,6 +121,9 @@ class Profile:
             if not inside:
                 raise ValueError(f"{name} = {value:g}; allowed: {allowed}")
         several = [_edges(outline, number) for number, outline in enumerate(outlines, 1)]
+        continuing = sum(abs(outline.corners[0][0] - outline.corners[-1][0]) > 0.5 for outline in outlines)
+        if continuing % 2:
+            raise ValueError(f"{continuing} outlines that continue in the next period; allowed: an even number")
         if not 1 <= sum(map(len, several)) <= MAX_EDGES:
             raise ValueError(f"{sum(map(len, several))} edges; allowed: 1 to {MAX_EDGES}")
         edges = _with_glass(several)
@@ -319,10 +323,11 @@ def _edges(outline: Outline, number: int) -> list[Edge]:
 
 
 def _check_edge(edge: Edge, number: int) -> None:
-    """Raise ValueError for an arc whose radius is too small, and for an edge that leaves the period."""
-    if edge.radius and not abs(edge.radius) >= (1 - TOLERANCE) * edge.chord / 2:
+    """Raise ValueError for an arc whose radius is too small or too large, and for an edge that leaves the period."""
+    if edge.radius and not (1 - TOLERANCE) * edge.chord / 2 <= abs(edge.radius) <= LARGEST_RADIUS:
         raise ValueError(
-            f"edge {number}: radius = {edge.radius:g}; allowed: 0, or at least {edge.chord / 2:.4g} periods in size"
+            f"edge {number}: radius = {edge.radius:g}; "
+            f"allowed: 0, or {edge.chord / 2:.4g} to {LARGEST_RADIUS:g} periods in size"
         )
     u = edge.points()[:, 0]
     if u.min() < -TOLERANCE or u.max() > 1 + TOLERANCE:

@@ -25,6 +25,7 @@ Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye firs
 _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
+MOST_FACES = 100_000
 _PRECISION = 1e-11  # of slopes, relative to 1 + |slope|
 
 
@@ -97,6 +98,7 @@ class Bundle(_Lines):
         if not along[..., 2].all():
             raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
         self.position, along = np.broadcast_arrays(start, along)
+        along = along / abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
 
 
@@ -122,13 +124,13 @@ class Spot:
 
     @property
     def centre(self) -> complex:
-        """The mean of the points, x + iy, tiles."""
-        return complex(self.points.mean())
+        """The mean of the points, x + iy, tiles; NaN if there are none."""
+        return complex(self.points.mean()) if len(self.points) else complex(np.nan, np.nan)
 
     @property
     def rms(self) -> float:
-        """The RMS distance of the points from the centre, tiles."""
-        return _rms(self.points - self.centre)
+        """The RMS distance of the points from the centre, tiles; NaN if there are none."""
+        return _rms(self.points - self.centre) if len(self.points) else np.nan
 
 
 def pencil(
@@ -147,7 +149,8 @@ def pencil(
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
     if not (0 < radius <= LARGEST and abs(middle) <= LARGEST):
         raise ValueError(f"middle = {middle}, radius = {radius}: allowed: up to {LARGEST:g} tiles, radius above 0")
-    count, rng = checked_count("count", count, MOST), np.random.default_rng(seed)
+    rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
+    count = checked_count("count", count, MOST)
     z = last if start[2] > last else first
     for n in range(0, count, at_once):
         size, turn = rng.uniform(size=(2, min(at_once, count - n)))
@@ -155,15 +158,20 @@ def pencil(
         yield Bundle(start, np.column_stack((disc.real, disc.imag, np.full(len(disc), z))) - start)
 
 
-def checked_count(name: str, value: object, most: int) -> int:
-    """Return a number of rays or pixels. Raises ValueError if it is not a whole number from 1 to `most`."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 1 <= value <= most:
-        raise ValueError(f"{name} = {value!r}: allowed: a whole number from 1 to {most}")
+def checked_count(name: str, value: object, most: int, least: int = 1) -> int:
+    """Return a number, such as of rays. Raises ValueError if it is not a whole number from `least` to `most`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        raise ValueError(f"{name} = {value!r}: allowed: a whole number from {least} to {most}")
     return int(value)
 
 
 def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
-    """Return the spot diagram in the plane z of all these rays that are designed, or with `stray` of all that leave."""
+    """Return the spot diagram in the plane z of all these rays that are designed, or with `stray` of all that leave.
+
+    Raises ValueError if z is not a finite number.
+    """
+    if isinstance(z, bool) or not isinstance(z, (int, float, np.number)) or not np.isfinite(z):
+        raise ValueError(f"z = {z!r}: allowed: a finite number, tiles")
     points, count = [], 0
     for rays in traced:
         points.append(rays[rays.end == End.THROUGH if stray else rays.designed].at(z).ravel())
@@ -187,6 +195,9 @@ def trace_windows(
     sheets before them, which bend it too. Raises ValueError if a ray does not start outside the windows and towards
     them, if an ideal sheet stands behind prisms, and what `trace.trace` raises.
     """
+    if not isinstance(rays, Bundle):
+        raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
+    most = checked_count("max_faces", most, MOST_FACES)
     ideal = [(z, window) for z, window in windows if not window.layers_at(z, 0)]
     glass = windows[len(ideal) :]
     sheets = tuple(sheet for n, (z, window) in enumerate(glass) for sheet in window.layers_at(z, n))
@@ -219,7 +230,7 @@ def trace_windows(
         light = np.concatenate((light, back))
     way.through(light, ideal[::-1], End.BESIDE if glass else End.FRAME)
     found.designed &= found.end == End.THROUGH
-    return Traced(*(values.reshape(*rays.shape, *values.shape[1:]) for values in vars(found).values()))
+    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in vars(found).values()))
 
 
 def _check_start(rays: Rays, first: float, last: float) -> None:

@@ -105,7 +105,7 @@ def trace(
     several = [sheet.shape for sheet in sheets]
     if len(prisms) == len(shapes):
         doves = [shape for shape in several if isinstance(shape, Prism)]
-        unequal = any(sheet.facets for sheet in sheets)
+        unequal = any(sheet.facets or sheet.pitches for sheet in sheets)
         glass: Prisms | Profiles = (
             UnequalPrisms.of_sheets(sheets, doves, window) if unequal else Prisms.of(doves, window)
         )
@@ -220,8 +220,7 @@ class _Trace:
         v = c * y - s * x
         self.x[i], self.z[i] = c * x + s * y, surface
         self.dx[i], self.dy[i], self.dz[i] = c * dx + s * dy, c * dy - s * dx, dz
-        cell = self.cell[i] = np.floor((v - glass.first) / glass.pitch)
-        self.u[i] = v - glass.first - cell * glass.pitch
+        self.cell[i], self.u[i] = glass.cell_of(v)
         return self.without_ended(i, outside, End.FRAME)
 
     def arrival(self, i: Indices) -> tuple[Floats, Floats, Floats, Floats, Booleans]:
@@ -247,9 +246,8 @@ class _Trace:
         """Write positions and directions in the scene's coordinates."""
         c, s = self.c[i], self.s[i]
         x, dx, dy = self.x[i], self.dx[i], self.dy[i]
-        glass = self.glass.at(self.sheet[i])
-        y = self.u[i] + self.cell[i] * glass.pitch + glass.first
         here = self.sheet[i]
+        y = self.u[i] + self.glass.at(here).bottom(self.cell[i])
         position = np.column_stack((c * x - s * y, s * x + c * y, self.z[i]))
         direction = np.column_stack((c * dx - s * dy, s * dx + c * dy, self.dz[i]))
         if self.axes is not None:
@@ -322,7 +320,7 @@ class _Trace:
         if not self.borders:
             below = i[~reflected & (face == Face.BASE)]
             self.cell[below] -= 1
-            self.u[below] = self.glass.at(self.sheet[below]).pitch
+            self.u[below] = self.glass.at(self.sheet[below], self.cell[below]).pitch
         staying = np.concatenate((onward, self.without_unfinished(i[reflected])))
         return self.without_unfinished(i[~reflected]), staying
 
@@ -342,8 +340,7 @@ class _Trace:
         x = self.x[i] = self.x[i] + t * self.dx[i]
         u = self.u[i] = self.u[i] + t * self.dy[i]
         self.z[i] += t * self.dz[i]
-        glass = self.glass.at(self.sheet[i])
-        y = u + self.cell[i] * glass.pitch + glass.first
+        y = u + self.glass.at(self.sheet[i]).bottom(self.cell[i])
         c, s, half = self.c[i], self.s[i], self.half_window
         blocked = (abs(c * x - s * y) > half) | (abs(s * x + c * y) > half)
         return self.without_ended(i, blocked, End.FRAME), face[~blocked]

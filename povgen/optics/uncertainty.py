@@ -13,6 +13,7 @@ RADII = (0.05, 0.25)
 OWN = 1.0  # of the prisms in one sheet
 BANDS = 0.6  # of the dark bands (moire) that two sheets make together
 FALL = 0.15  # radians: at a field angle greater by this, much less light takes the designed path
+OTHER_RAY = 1.2  # errors of slopes are computed for the predicted ray, but the ray to the object has other slopes
 _STEP = 1e-6  # of the slopes of neighbouring rays
 
 
@@ -25,6 +26,7 @@ class Layer(NamedTuple):
     n: float  # refractive index of its glass
     does: aim.SmallAngles  # to light at small angles
     tangent: float  # of the angle between the ray and the normal, in front of the sheet's window
+    slope_error: float  # RMS, of this for the ray's slope
 
 
 def layers(P: complex, E: complex, windows: aim.Windows) -> list[Layer]:
@@ -32,13 +34,19 @@ def layers(P: complex, E: complex, windows: aim.Windows) -> list[Layer]:
     found = []
     z2 = windows[0][0]
     for (place, slope, *_), (_, window) in zip(_neighbours(P, E, windows), windows, strict=True):
-        ray, z = np.vstack((_derivative(place), _derivative(slope))), 0.0
+        ray = np.zeros((5, 3))  # two columns: how the ray changes with the slope at the eye; and the ray itself
+        ray[:4, :2] = np.vstack((_derivative(place), _derivative(slope)))
+        ray[:, 2] = place[0].real, place[0].imag, slope[0].real, slope[0].imag, 1
+        z = 0.0
         for sheet in window.layers_at(0.0, 0):
-            ray, z = aim.free(sheet.centre - z)[:4, :4] @ ray, sheet.centre
-            across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2] / (z2 * sheet.shape.pitch)
+            ray, z = aim.free(sheet.centre - z) @ ray, sheet.centre
+            across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2, :2] / (z2 * sheet.shape.pitch)
             does = aim.small_angles(sheet.shape)
-            found.append(Layer(complex(across[1], across[0]), sheet.shape.index, does, float(abs(slope[0]))))
-            ray = aim.layer(sheet)[:4, :4] @ ray
+            own_slope = complex(ray[2, 2], ray[3, 2]) * np.exp(-1j * sheet.angle)
+            off = np.fmax(does.blur, aim.slope_error(sheet.shape, own_slope))
+            k, index = complex(across[1], across[0]), sheet.shape.index
+            found.append(Layer(k, index, does, float(abs(slope[0])), float(off)))
+            ray = aim.layer(sheet) @ ray
     return found
 
 
@@ -56,8 +64,8 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ai
       glass is greater by the fraction (n + 1)/(2 n^2) slope^2.
     - At greater field angles, less light takes the designed path. So if displacements spread the light of an object,
       the centre of this light is nearer to E.
-    - Lenses with spherical aberration turn light on the designed path by different angles. The prediction is for the
-      mean. The error is less than the RMS displacement at the object that follows.
+    - Lenses with spherical aberration, and oblique facets, turn light on the designed path by other angles than the
+      prediction's, which hold for small slopes. The error is the displacement at the object that follows.
 
     OWN, BANDS and FALL are fitted to ray traces: docs/accuracy.md.
     """
@@ -82,9 +90,9 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ai
     for one, spread in zip(glass, spreads, strict=True):
         bands = [share(one.k + sign * other.k, BANDS) for other in glass if other is not one for sign in (1, -1)]
         shares.append(spread * max([share(one.k, OWN), *bands]))
-    beyond = sum(does.slab_shift * tangent**3 * (n + 1) / (2 * n**2) for _, n, does, tangent in glass)
-    blur = z1 * float(np.linalg.norm([each.does.blur for each in glass]))
-    return max(2 * max(shares), sum(shares)) + scale * (beyond + blur) + max(spreads) ** 2 / (FALL * z2)
+    beyond = sum(each.does.slab_shift * each.tangent**3 * (each.n + 1) / (2 * each.n**2) for each in glass)
+    turned = OTHER_RAY * z1 * sum(each.slope_error for each in glass)
+    return max(2 * max(shares), sum(shares)) + scale * (beyond + turned) + max(spreads) ** 2 / (FALL * z2)
 
 
 def _neighbours(P: complex, E: complex, windows: aim.Windows) -> list[tuple[Complexes, ...]]:

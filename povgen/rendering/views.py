@@ -11,6 +11,7 @@ from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.models import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
+from povgen.sheets.prisms import RANDOM
 
 
 def views(scene: Scene, rendering: Rendering) -> list[Scene]:
@@ -44,8 +45,9 @@ def check_gl(scene: Scene) -> None:
         raise InputError("fresnel = true: the renderer gl splits no rays; allowed: with --renderer povray")
     if any(isinstance(sheet, Lenticular) and not sheet.is_exact for sheet in scene.sheets):
         raise InputError("error: the renderer gl draws lenses of one pitch; allowed: with --renderer povray")
-    if any(getattr(sheet, "facets", 0) for each in scene.sheets for sheet in each.layers_at(0.0, 0)):
-        raise InputError("error: facets: the renderer gl draws equal prisms; allowed: with --renderer povray")
+    for name in RANDOM:
+        if any(getattr(sheet, name) for each in scene.layered for sheet in each.layers_at(0.0, 0)):
+            raise InputError(f"error: {name}: the renderer gl draws equal prisms; allowed: with --renderer povray")
     if type(scene) not in SCENES.values():
         allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
         raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")

@@ -8,7 +8,7 @@ from cmath import isfinite
 from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from itertools import combinations, pairwise
-from math import hypot, radians, remainder
+from math import hypot, inf, radians, remainder
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import (
@@ -134,6 +134,16 @@ def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float 
     if "index" in window.model_fields_set and given != index:
         raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
     return index
+
+
+def _distances(z1: "ArrayLike") -> "Floats":
+    """Return distances of objects as floats. Raises ValueError for one that is infinite or below 0."""
+    from povgen.optics import equations
+
+    checked = equations.real("z1", z1, 0)
+    if (checked == inf).any():
+        raise ValueError("z1 = inf; allowed: finite numbers, tiles")
+    return checked
 
 
 class Scene(ParametersOfSheets):
@@ -286,8 +296,10 @@ class Scene(ParametersOfSheets):
         """Return the windows as in `optics.aim`. `alpha`, in degrees, replaces that of the first window."""
         if alpha is None:
             return self.elements
+        import numpy
+
         first, *others = self.sheets
-        turned = type(first)({**first.values, "alpha": alpha}, first.aperture)
+        turned = type(first)({**first.values, "alpha": numpy.asarray(alpha, float)[()]}, first.aperture)
         return self._elements((turned, *others))
 
     @property
@@ -334,6 +346,7 @@ class Scene(ParametersOfSheets):
                 reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
         return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
 
+    @input_errors()
     def apparent_position(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> "Complexes":
@@ -341,12 +354,13 @@ class Scene(ParametersOfSheets):
 
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
         light. `near` is for sheets without a ray-transfer matrix: the distance, in tiles, at which light may pass the
-        point. Arrays broadcast.
+        point. Arrays broadcast. NaN gives NaN. Raises InputError for a z1 that is infinite or below 0.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import aim, equations
 
+        z1 = _distances(z1)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
             turn = numpy.radians(self.alpha if alpha is None else alpha)
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
@@ -396,18 +410,21 @@ class Scene(ParametersOfSheets):
         near = [ghost for ghost in found if max(abs(ghost.position.real), abs(ghost.position.imag)) < half]
         return [ghost for ghost in near if ghost.share >= least]
 
+    @input_errors()
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `aim.nu_and_M`.
         Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
         180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a window does not rotate
-        light: then it can distort an object. z1 is in tiles; arrays broadcast.
+        light: then it can distort an object. z1 is in tiles; arrays broadcast. Raises InputError for a z1
+        that is infinite or below 0.
         """
         import numpy
 
         from povgen.optics import aim, equations
 
+        z1 = _distances(z1)
         if not self.rotates and not self.is_empty:
             return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)

@@ -142,7 +142,7 @@ def to_pov(
             trace_level=max_trace_level(scene, found),
             free=_is_exact(scene),  # sheets with errors of building are computed in Python, not in POV-Ray's text
             built=built,
-            facets=first.facets if isinstance(first, PrismPair) else [],
+            single=first.single if isinstance(first, PrismPair) else [],
             part="",
             least_light=limits.LEAST_LIGHT,
         )
@@ -161,7 +161,7 @@ def to_sheets(scene: Scene) -> str:
         raise InputError("error: not with part = 'sheets'; allowed: no errors of building")
     glass, level = _shapes(scene), max_trace_level(scene)
     values = {"glass": glass, "profiles": _profiles(scene), "trace_level": level, "least_light": limits.LEAST_LIGHT}
-    absent: dict[str, object] = {"laws": [], "cells": None, "sheet_macro": None, "built": (), "facets": []}
+    absent: dict[str, object] = {"laws": [], "cells": None, "sheet_macro": None, "built": (), "single": []}
     template = _environment().get_template("part.pov.j2")
     return template.render(values, **absent, scene=scene, free=True, part="sheets")
 

@@ -104,7 +104,7 @@ def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tup
     errors = []
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if scene.has_prisms:
-            what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and spherical aberration")
+            what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and aberrations")
             errors.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
         else:  # at M = MAX_CONDITION the error is a pixel; between the points of the camera's mesh it is grid_error
             M = float(scene.nu_and_M(z1)[1])

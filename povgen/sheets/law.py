@@ -16,7 +16,7 @@ new direction has z > 0. Light itself runs the other way along the same path.
 
 import ast
 import keyword
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -72,13 +72,11 @@ class Law:
         import numpy as np
 
         d = np.asarray(direction, float)
-        names: dict[str, Any] = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()} | {**values}
         with np.errstate(all="ignore"):  # light that does not pass is NaN
             x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
             at = np.asarray(place, complex)
-            names |= {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag, "__builtins__": {}}
-            # eval is safe: the grammar has only these names and calls, and no attributes
-            bent = np.stack(np.broadcast_arrays(*eval(self._code, names), x + 0 * at.real)[:3], -1)
+            ray = {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag}
+            bent = np.stack(np.broadcast_arrays(*_evaluated(self._code, {**values, **ray}), x + 0 * at.real)[:3], -1)
             bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
             return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
 
@@ -90,8 +88,7 @@ class Law:
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)
-        body = ast.Expression(ast.Tuple([_copy(part) for part in self._parts], ast.Load()))
-        return compile(ast.fix_missing_locations(body), "<law>", "eval")
+        return _compiled(self._parts)
 
     @cached_property
     def _extracted(self) -> tuple[list[ast.expr], list[ast.expr]]:
@@ -111,10 +108,8 @@ class Law:
         """Return the numbers of the `constants`. `values` has each parameter's number by its name."""
         import numpy as np
 
-        names: dict[str, Any] = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}
-        names |= {name: np.float64(value) for name, value in values.items()} | {"__builtins__": {}}
         with np.errstate(all="ignore"):
-            return [float(eval(text, names)) for text in self.constants()]  # safe, as in `bend`
+            return [float(number) for number in _evaluated(_compiled(self._extracted[0]), values)]
 
     def with_constants(self, name: Callable[[str], str] = str) -> list[str]:
         """Return the three expressions with the names c0, c1, ... in place of the `constants`."""
@@ -206,6 +201,28 @@ class _Rename(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.Name(self.name(node.id), node.ctx)
+
+
+class _Numpy(ast.NodeTransformer):
+    """Make all numbers numpy's, for which 1/0 is infinite, as in the other languages. abs does not change them."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Call:
+        return ast.Call(ast.Name("abs", ast.Load()), [node], [])
+
+
+def _compiled(parts: Iterable[ast.expr]) -> Any:  # noqa: ANN401  (a code object)
+    """Return the code of a tuple of expressions."""
+    body = _Numpy().visit(ast.Tuple([_copy(part) for part in parts], ast.Load()))
+    return compile(ast.fix_missing_locations(ast.Expression(body)), "<law>", "eval")
+
+
+def _evaluated(code: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    """Return the numbers of expressions, a tuple, for the numbers of all names in them."""
+    import numpy as np
+
+    names = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}
+    names |= {name: np.asarray(value, float)[()] for name, value in values.items()} | {"__builtins__": {}}
+    return eval(code, names)  # safe: the grammar has only these names and calls, and no attributes
 
 
 def _copy(node: Any) -> Any:  # noqa: ANN401

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import pi, radians, tan
-from typing import TYPE_CHECKING, NamedTuple
+from math import radians, tan
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from povgen.limits import MAX_PRISMS
 from povgen.optics.prism import MOST_DEVIATION, Prism
@@ -80,7 +80,8 @@ ERRORS = {
     "pitch": CHANGE,  # of the near sheet's lenses on the object's side: too great by this part
     "far_pitch": CHANGE,
     "facets": Range(0, 1, "degrees"),  # standard deviation of the angle of each single facet
-    "seed": Range(0, 1e9),  # of the random numbers for the facets
+    "pitches": Range(0, 0.05),  # standard deviation of the height of each single prism, as a part of it
+    "seed": Range(0, 1e9),  # of the random numbers for facets and pitches
 }
 ERROR = Parameter(
     "error",
@@ -92,6 +93,7 @@ ERROR = Parameter(
 
 
 OF_LENSES = ("pitch", "far_pitch")  # the other errors are of prisms
+RANDOM = ("facets", "pitches")  # of each single prism
 
 
 def check_ranges(errors: Mapping[str, float], allowed: Sequence[str], of: str) -> None:
@@ -149,30 +151,35 @@ class PrismPair(Prisms):
         if self.is_exact:
             return near, far
         wrong = self._built
-        turn, x, y, far_x, far_y, facets = (
-            radians(wrong[name]) for name in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "far_tilt_y", "facets")
+        turn, x, y, far_x, far_y = (
+            radians(wrong[name]) for name in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "far_tilt_y")
         )
         shape = self._shape_of(wrong["index"], wrong["base_angle"])
         near = replace(near, angle=near.angle + turn, tilt=(x, y), shape=shape)
         far = replace(far, tilt=(far_x, far_y), shape=self._shape_of(wrong["far_index"], wrong["far_base_angle"]))
-        if facets:
-            seed = int(wrong["seed"])
-            near, far = (replace(each, facets=facets, seed=(seed, k)) for k, each in enumerate((near, far)))
+        random: dict[str, Any] = {"facets": radians(wrong["facets"]), "pitches": wrong["pitches"]}
+        near, far = (replace(each, **random, seed=(int(wrong["seed"]), k)) for k, each in enumerate((near, far)))
         least = near.reach(self.aperture) + far.reach(self.aperture)  # a tilted sheet must not meet the other
         aside = (max(far.centre - near.centre, least) + wrong["separation"]) / 2
         return replace(near, centre=z - aside), replace(far, centre=z + aside)
 
     @property
-    def facets(self) -> list[tuple[int, list[list[float]]]]:
-        """For each sheet, the near one first, what `faces.facet_angles` returns, in degrees; none if all are equal."""
+    def single(self) -> list[list[tuple[float, ...]]]:
+        """The prisms of each sheet, the near sheet first, from the lowest prism up; empty if all prisms are equal.
+
+        Of each prism: the height of its base in the sheet and its own height, tiles, and the angles of its near and its
+        far facet to the base, degrees.
+        """
+        import numpy as np
+
         from povgen.optics import faces
 
-        found = [
-            faces.facet_angles(each.shape, self.aperture, each.facets, each.seed)
-            for each in self.layers_at(0.0, 0)
-            if each.facets and isinstance(each.shape, Prism)
-        ]
-        return [(lowest, (angles * (180 / pi)).tolist()) for lowest, angles in found]
+        found = []
+        for sheet in self.layers_at(0.0, 0) if any(self._built[name] for name in RANDOM) else ():
+            _, bottoms, angles = faces.single_prisms(sheet, self.aperture)
+            heights = np.diff(bottoms) - self.shape.gap * self.pitch
+            found.append([*zip(bottoms, heights, *np.degrees(angles).T, strict=False)])
+        return found
 
     @property
     def depth(self) -> float:
@@ -190,7 +197,8 @@ class PrismPair(Prisms):
         for sheet in ("", "far_"):
             shape = self._shape_of(wrong[f"{sheet}index"], wrong[f"{sheet}base_angle"])
             least = shape.base_angle - MOST_DEVIATION * wrong["facets"]
-            if 2 * shape.height / tan(radians(least)) >= shape.length:
+            height = shape.height * (1 + MOST_DEVIATION * wrong["pitches"])
+            if 2 * height / tan(radians(least)) >= shape.length:
                 raise ValueError("error: slanted facets would cross; allowed: smaller errors, or a greater aspect")
 
 

@@ -175,6 +175,13 @@ def test_prisms_show_the_piece_at_the_ideal_place(alpha):
     assert abs(head(brown(real)) - head(brown(ideal))) < 0.05
 
 
+def test_prisms_of_slightly_different_heights_show_the_piece_at_the_same_place():
+    """With all that a scene declares, names of which the sheets must not use."""
+    plan, built = (Chess(prisms=100, alpha=40, error=error) for error in ({}, {"pitches": 0.02}))
+    places = [place(image, brown(image)) for image in map(picture, (plan, built))]
+    assert abs(places[0] - places[1]) < 2 * TILES
+
+
 @pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.75), ("detailed", 2)])
 @pytest.mark.parametrize("alpha", [-135, -45, 30, 66, 90, 150, 180])
 def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha, sky):

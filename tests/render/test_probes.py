@@ -107,6 +107,8 @@ def test_prisms_of_any_shape_agree_with_the_ray_trace():
         {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3, "turn": 1}},
         {"prisms": 30, "error": {"facets": 1, "seed": 5, "tilt_x": 1}},
         {"prisms": 31, "aspect": 1.3, "error": {"facets": 0.5, "far_base_angle": 4}},
+        {"prisms": 30, "error": {"pitches": 0.05, "seed": 2}},
+        {"prisms": 41, "aspect": 0.7, "error": {"pitches": 0.03, "facets": 0.3, "tilt_y": 1}},
     ]
     scenes = [Directions(**shape) for shape in shapes]
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):

@@ -5,7 +5,7 @@
 
 import re
 import sys
-from itertools import islice
+from itertools import islice, product
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from povgen.measure import probes
 from povgen.optics import equations
 from povgen.optics.uncertainty import RADII
 from povgen.scene import camera, cells, survey, warnings
+from povgen.scene.quantities import seen
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 
@@ -161,6 +162,21 @@ def test_a_wide_field_is_warned_of():
     """At 44 degrees the shift along the ridges is no longer proportional to the slope."""
     scene = Spheres(alpha=69.3, z1=3.85, z2=5.24, prisms=177, view=2.86, eye=(-2.27, -3.19), line=(3.79, 0.74))
     assert 3 < measured_error(scene) < warned_error(scene) < 5
+
+
+def test_slopes_far_from_those_of_the_prediction_are_warned_of(rng):
+    """The prediction is fitted to small slopes. Facets and lenses turn oblique light by other angles."""
+    larger = 0
+    for profile, arrangement in [*product(("wedges", "confocal", "lenticulars"), ("pair", "single"))] * 6:
+        eye, alpha = (rng.uniform(-2, 2), rng.uniform(-1, 2)), rng.uniform(-180, 180)
+        values = {"eye": eye, "alpha": alpha, "z1": rng.uniform(2, 20), "z2": rng.uniform(4, 15)}
+        scene = Chess(sheet="profile", profile=profile, arrangement=arrangement, periods=300, **values)
+        (L, z1), (radius,) = scene.objects[0], scene.radii
+        error = abs(seen(scene).position - scene.apparent_position(L, z1)) / scene.view * 960
+        if error > MAX_ERROR:  # not NaN
+            larger += 1
+            assert error < warnings.possible_error(scene, L, z1, radius), scene
+    assert larger > 5
 
 
 def test_corrections_that_cancel_are_warned_of():

@@ -53,7 +53,8 @@ def fan(n, slope=0.25, seed=1):
         (LENS.replace("path = [1, 2]", "path = [1]"), r"path = \[1\]; allowed: the numbers of two or more edges"),
         (LENS.replace("[1, 0]]", "[1, 0.1]]"), r"begins at \[0, 0\] and ends at \[1, 0.1\]; allowed: the same"),
         (LENS.replace("[1, 0]]", "[0.7, 0]]"), r"outline 1: begins at \[0, 0\] and ends at \[0.7, 0\]"),
-        (LENS.replace("radii = [1]", "radii = [0.4]"), "edge 1: radius = 0.4; allowed: 0, or at least 0.5"),
+        (LENS.replace("radii = [1]", "radii = [0.4]"), "edge 1: radius = 0.4; allowed: 0, or 0.5 to 10000 periods"),
+        (LENS.replace("radii = [1]", "radii = [2e4]"), "edge 1: radius = 20000; allowed: 0, or 0.5 to 10000 periods"),
         (LENS.replace("radii = [1]", "radii = [1, 2]"), "outline 1: radii = "),
         (LENS.replace("[0, 0], [1, 0]", "[0, 0]"), "outline 1: corners = "),
         (LENS.replace("[[1, 2], [0, 2]]\nradii = [2]", "[[1, 0.3], [0, 0.3]]\nradii = [-0.5]"), "edges 1 and 2 cross"),
@@ -61,7 +62,7 @@ def fan(n, slope=0.25, seed=1):
         (PRISM.replace("[0.9, 0]", "[1.2, 0]"), "edge 1: u from 0.1 to 1.2 periods; allowed: 0 to 1"),
         (PRISM.replace("[0.5, 1]", "[0.9, 0]"), r"outline 1, edge 2: begins and ends at \[0.9, 0\]"),
         (PRISM.replace("[0.5, 1]", "[0.5, 0]"), "outline 1: glass or air on both sides"),
-        (LENS.split("[[outline]]  #")[0], "path: edge 2|outline 1: glass or air on both sides"),
+        (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
     ],
 )  # fmt: skip
 def test_a_wrong_profile_is_refused(text, message):

@@ -65,6 +65,21 @@ def test_ideal_sheets_bend_by_their_laws_and_prisms_as_in_the_trace():
     np.testing.assert_allclose(found.direction[passes][back], once_more, atol=1e-9)
 
 
+@pytest.mark.filterwarnings("error")
+def test_one_ray_and_no_rays():
+    for scene in (Chess(), Chess(sheet="ideal")):
+        one = scene.trace(Bundle((0.1, 0.02, -5), (0, 0.1, 1)))
+        assert one.shape == () and one.designed == scene.trace(Bundle([(0.1, 0.02, -5)], (0, 0.1, 1))).designed[0]
+    none = Chess().spot((0, 0, 3), 3, count=1, middle=1.49 + 1.49j, radius=1e-9)  # it meets the frame
+    assert none.share == 0 and np.isnan(none.rms) and np.isnan(none.centre)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-300, 1e300])
+def test_directions_may_have_any_length(size):
+    np.testing.assert_allclose(Bundle((0, 0, 0), np.array([3, 0, 4]) * size).direction, [0.6, 0, 0.8])
+
+
 def test_how_rays_end():
     scene = Chess(sheet="refraction", ratio=0.3, window="sheet=none,z=8", z2=4)
     targets = np.array([0.1, 0.6, 1.4, 2.0])  # straight on; beside window 2; totally reflected; beside window 1
@@ -75,6 +90,12 @@ def test_how_rays_end():
     assert (share.designed, share.beside, share.blocked, share.frame) == (0.25,) * 4
     oblique = scene.trace(Bundle((-6.4, 0, -4), [[1.52 + 6.4, 0, 4], [1.3 + 6.4, 0, 4]]))  # meets the frame's inside
     assert [*oblique.end] == [End.FRAME, End.BLOCKED]
+
+
+@pytest.mark.filterwarnings("error")
+def test_light_for_which_a_law_has_no_inverse_is_blocked_without_a_warning():
+    scene = Chess(sheet="law", law="0, 0, 1")
+    assert [*scene.trace(Bundle((0, 0, 3), [[0.1, 0, -1], [0, 0, -1]])).end] == [End.BLOCKED, End.THROUGH]
 
 
 @pytest.mark.parametrize("alpha", [0, 40, 66, 180, -100])
@@ -132,7 +153,7 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
         (lambda s: s.trace(Bundle((0, 0, -1), (0, 0, -1))), "ray 0 from"),
         (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
-        (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "most = 0"),
+        (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "max_faces = 0"),
         (lambda s: Bundle((0, 0, -6), (0, 0)), "direction: an array of the shape (2,); allowed: (..., 3)"),
         (lambda s: Bundle((0, 0, -6), (1, 0, 0)), "direction: dz = 0"),
         (lambda s: Bundle((0, 0, np.nan), (1, 0, 1)), "position: not finite"),
@@ -145,6 +166,27 @@ def test_wrong_values_are_refused(call, words):
     assert words in str(raised.value) and "\n" not in str(raised.value)
 
 
-def test_what_a_user_gives_a_scene_is_an_input_error():
-    with pytest.raises(InputError, match="between the windows"):
-        Chess().spot((0, 0, 0), 3)
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda scene: scene.spot((0, 0, 0), 3), "between the windows"),
+        (lambda scene: scene.spot((0, 0, 3), np.inf), "z = inf: allowed: a finite number"),
+        (lambda scene: scene.pencil((0, 0, 3), seed=1.5), "seed = 1.5: allowed: a whole number from 0"),
+        (lambda scene: scene.trace(scene.rays((2, 2)), 1.5), "max_faces = 1.5: allowed: a whole number"),
+        (lambda scene: scene.trace(np.zeros((3, 3))), "rays: ndarray; allowed: a Bundle"),
+        (lambda scene: scene.apparent_position(0, np.inf), "z1 = inf; allowed: finite"),
+        (lambda scene: scene.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
+        (lambda scene: scene.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
+    ],
+)
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "refraction"])
+def test_what_a_user_gives_a_scene_is_an_input_error(call, words, sheet):
+    with pytest.raises(InputError, match=words):
+        call(Chess(sheet=sheet))
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "lens", "refraction"])
+def test_an_unknown_distance_gives_an_unknown_position(sheet):
+    P = Chess(sheet=sheet).apparent_position(0.1, [np.nan, 2])
+    assert np.isnan(P[0]) and np.isfinite(P[1])

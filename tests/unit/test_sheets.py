@@ -191,6 +191,13 @@ def test_a_law_of_ones_own_in_a_scene():
         Chess(sheet="law", parameter=["k"])
 
 
+def test_a_division_by_0_is_infinite_as_in_the_other_languages():
+    law = Law("min(1/0, 2)*x, min(1/(k - k), 2)*y, z", ["k"])
+    assert law.bend([1, 1, 1], 0, {"k": 3}) == pytest.approx(np.array([2, 2, 1]) / 3)
+    assert law.constant_numbers({"k": 3}) == [2]
+    assert np.isnan(Law("1/0*x, y, z").bend([1, 1, 1], 0, {})).all()
+
+
 # ---- What is derived
 
 

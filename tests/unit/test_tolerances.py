@@ -9,7 +9,7 @@ from povgen import Chess, InputError
 from povgen.liveview.values import values
 from povgen.measure import tolerance
 from povgen.optics import aim
-from povgen.optics.faces import Sheet, facet_angles
+from povgen.optics.faces import Sheet, single_prisms
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.optics.trace import trace
@@ -68,8 +68,9 @@ def test_facets_that_differ_turn_light_as_snells_law_says():
     """Of light along z: refraction at the near facet, reflection at the base, refraction at the far facet."""
     shape, half = Prism(0.1, index=1.6, base_angle=40), radians(0.2)
     sheet = Sheet(0.0, 0.0, shape, facets=half, seed=(4, 1))
-    lowest, angles = facet_angles(shape, 3.0, sheet.facets, sheet.seed)
+    lowest, bottoms, angles = single_prisms(sheet, 3.0)
     assert lowest <= 0 and lowest + len(angles) >= 30 and abs(angles - radians(40)).max() <= 4 * half
+    np.testing.assert_allclose(bottoms, -1.5 + 0.0005 + 0.1 * (lowest + np.arange(len(bottoms))), atol=1e-12)
     assert angles.std() == pytest.approx(half, rel=0.2) and abs(np.corrcoef(angles.T)[0, 1]) < 0.4
     for number in range(30):  # the light of one prism after the other
         y = -1.5 + (number + np.linspace(0.1, 0.9, 50)) * shape.pitch
@@ -84,13 +85,39 @@ def test_facets_that_differ_turn_light_as_snells_law_says():
         assert rays.designed.sum() > 20
 
 
-def test_prisms_without_differences_are_equal_prisms():
+@pytest.mark.parametrize(("count", "aspect"), [(30, 1), (31, 0.8)])
+def test_prisms_of_other_heights_reflect_the_place_of_light_at_their_own_base(count, aspect):
+    """Light along z leaves along z, and on average at the height at which it arrives: docs/tolerances.md."""
+    shape = Prism(3 / count, aspect=aspect)
+    sheet = Sheet(0.0, 0.0, shape, pitches=0.05, seed=(4, 1))
+    lowest, bottoms, _ = single_prisms(sheet, 3.0)
+    heights = np.diff(bottoms) - shape.gap * shape.pitch
+    assert np.std(heights) == pytest.approx(0.05 * shape.height, rel=0.2)
+    assert bottoms[0] < -1.5 * np.sqrt(2) and bottoms[-1] > 1.5 * np.sqrt(2)  # even if the sheet is turned
+    middle = bottoms[count // 2 - lowest]
+    assert middle == pytest.approx(-1.5 + (count // 2 + shape.gap / 2) * shape.pitch)
+    y = np.random.default_rng(1).uniform(-1.4, 1.4, 5000)
+    rays = trace(np.column_stack((0 * y, y, 0 * y - 5)), [[0, 0, 1]], (sheet,), 3.0)
+    own = np.searchsorted(bottoms, y, "right") - 1
+    u = y - bottoms[own]
+    wanted = (u < np.minimum(heights[own], shape.aspect * shape.height)) & (
+        u > shape.aspect * shape.height - heights[own]
+    )
+    assert (rays.designed == wanted).all() and wanted.mean() > 0.7
+    np.testing.assert_allclose(rays.direction[wanted, 1], 0, atol=1e-12)
+    leaves = bottoms[own] + shape.aspect * shape.height - u
+    np.testing.assert_allclose(rays.position[wanted, 1], leaves[wanted], atol=1e-12)
+    assert abs((leaves - y)[wanted].mean()) < 0.02 * shape.height
+
+
+@pytest.mark.parametrize("random", ["facets", "pitches"])
+def test_prisms_without_differences_are_equal_prisms(random):
     rays = FINE.replace(prisms=40).rays((60, 60))
-    equal, unequal = (FINE.replace(prisms=40, error={"facets": x, "seed": 3}).trace(rays) for x in (0, 1e-12))
+    equal, unequal = (FINE.replace(prisms=40, error={random: x, "seed": 3}).trace(rays) for x in (0, 1e-12))
     assert (equal.faces == unequal.faces).mean() > 0.9999
     np.testing.assert_allclose(equal.direction[equal.designed], unequal.direction[equal.designed], atol=1e-10)
-    with pytest.raises(InputError, match="error: facets: the renderer gl draws equal prisms"):
-        check_gl(FINE.replace(error={"facets": 0.1}))
+    with pytest.raises(InputError, match=f"error: {random}: the renderer gl draws equal prisms"):
+        check_gl(FINE.replace(error={random: 0.01}))
 
 
 @pytest.mark.parametrize("mismatch", [1e-4, -1e-3])
@@ -181,6 +208,8 @@ def test_random_builds_agree_with_the_sensitivities():
         (lambda: Chess(error="facets=nan"), "error"),
         (lambda: Chess(aspect=0.48, error="base_angle=-8"), "error: slanted facets would cross"),
         (lambda: Chess(aspect=0.48, error="facets=1"), "error: slanted facets would cross"),
+        (lambda: Chess(aspect=0.5, error="pitches=0.04"), "error: slanted facets would cross"),
+        (lambda: Chess(error="pitches=0.06"), "error: pitches = 0.06; allowed: 0 to 0.05"),
         (lambda: Chess(index=1.1, error="far_index=-0.1"), "index = 1; allowed: above 1"),
         (lambda: Chess(error="turn=1", window="z=2"), "only for a single window"),
         (lambda: Chess(error="pitch=0.01"), "error: pitch = 0.01; allowed for prisms: turn, tilt_x"),
@@ -194,6 +223,7 @@ def test_random_builds_agree_with_the_sensitivities():
         (lambda: tolerance.sensitivities(Chess(sheet="ideal")), "sheet = 'ideal': allowed: 'detailed'"),
         (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation = ['turn=2']: should be less than"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
+        (lambda: tolerance.builds(FINE, tolerance.Spread(deviation={"index": 1})), "random build 1: error: index = "),
     ],
 )
 def test_what_is_refused(call, words):
