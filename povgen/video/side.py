@@ -104,22 +104,25 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
     image = image.reduce(FINER)
     draw = ImageDraw.Draw(image)
-    labels = [(-scene.z2, "eye")]
-    if scene.window:
-        labels += [(z, f"window {n}") for n, z in enumerate(scene.places, 1)]
-    elif scene.places:
-        labels.append((scene.places[0], "sheets"))
-    labels += (
-        [(z, "object") for _, z, _ in shown[:1]] if len(shown) == 1 else [(shown[-1][1], "objects")] if shown else []
-    )
-    labels += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
-    if len(shown) < len(scene.objects):
-        labels.append((last, f"{len(scene.objects) - len(shown)} farther"))
-    elif scene.rotates and not there:
-        labels.append((-scene.z2 / 2, "no image"))
-    labels = [(left + scale * z, text) for z, text in labels]
+    labels = [(left + scale * z, text) for z, text in _names(scene, [z for _, z, _ in shown], there, last)]
     _labels(draw, labels, middle + scale * reach + 0.9 * size, size, width)
     return np.asarray(image)
+
+
+def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last: float) -> list[tuple[float, str]]:
+    """Return the texts below the side view, each with the z to which it belongs: of the eye, windows, objects, image.
+
+    `objects` and `there` are z of what is shown. `last` is the greatest z.
+    """
+    names = [(-scene.z2, "eye")]
+    names += [(z, f"window {n}" if scene.window else "sheets") for n, z in enumerate(scene.places, 1)]
+    names += [(z, "object" if len(objects) == 1 else "objects") for z in objects[-1:]]
+    names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
+    if len(objects) < len(scene.objects):
+        names.append((last, f"{len(scene.objects) - len(objects)} farther"))
+    elif scene.rotates and not there:
+        names.append((-scene.z2 / 2, "no image"))
+    return names
 
 
 def _rays(scene: Scene) -> list[list[tuple[float, float]]]:

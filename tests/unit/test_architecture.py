@@ -102,6 +102,7 @@ def test_there_is_no_circle_of_imports():
         (
             "PIL",
             {
+                "measure.plotting",
                 "rendering.gl",
                 "scene.pictures",
                 "video.overlay",
