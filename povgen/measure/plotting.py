@@ -26,7 +26,6 @@ try:
     from matplotlib.text import Text
     from matplotlib.ticker import LogLocator
     from matplotlib.transforms import Bbox
-    from PIL import Image
 except ImportError:
     raise InputError(
         f"charts and figures are drawn with matplotlib, which is not installed: {remedies.extra('charts')}"
@@ -138,17 +137,10 @@ def save_lines(path: Path, *panels: Axes) -> None:
     save(table.getvalue().encode(), path)
 
 
-def save_drawing(figure: Figure, *paths: Path, colours: int | None = None) -> None:
-    """Write a figure to files. Each file name ends with its format: .png or .svg.
-
-    A PNG file with so many `colours`, up to 256, which are dithered, is a third as large if the figure shows pictures.
-    """
+def save_drawing(figure: Figure, *paths: Path) -> None:
+    """Write a figure to files. Each file name ends with its format: .png or .svg."""
     for path in paths:
         image = BytesIO()
         undated = {"Date": None} if path.suffix == ".svg" else None
         figure.savefig(image, format=path.suffix[1:], metadata=undated)
-        if colours and path.suffix == ".png":
-            plain = Image.open(image).convert("RGB")
-            image = BytesIO()
-            plain.quantize(palette=plain.quantize(colours, kmeans=2)).save(image, "png", optimize=True)
         save(image.getvalue(), path)

@@ -59,7 +59,7 @@ def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
     with style(**PRINT):
         drawn = FIGURES[number](rendering)
         pictures = [folder / f"figure{number}{suffix}" for suffix in ([".png", ".svg"] if drawn.lines else [".png"])]
-        save_drawing(drawn.figure, *pictures, colours=None if drawn.lines else 256)
+        save_drawing(drawn.figure, *pictures)
     caption = folder / f"figure{number}.md"
     save(to_caption(number, drawn.data).encode(), caption)
     return [*pictures, caption]

@@ -102,7 +102,6 @@ def test_there_is_no_circle_of_imports():
         (
             "PIL",
             {
-                "measure.plotting",
                 "rendering.gl",
                 "scene.pictures",
                 "video.overlay",

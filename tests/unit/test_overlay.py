@@ -404,7 +404,10 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [f"index ratio 0.7, light turned by {x}°" for x in (0, 90)],
         ),
         ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
-        ([Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)], ["f₁/f₂ = 0.5", "f₁/f₂ = 2.0"]),
+        (
+            [Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)],
+            ["focal lengths f₁/f₂ = 0.5", "focal lengths f₁/f₂ = 2.0"],
+        ),
         ([Chess(sheet="lenticular", f_number=x) for x in (3, 4.8)], ["f/3.0 lenses", "f/4.8 lenses"]),
         ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
         ([Chess(window=f"z=2,alpha={x}", z1=3) for x in (66, 66.4)], ["α₂ = 66.00°", "α₂ = 66.40°"]),
