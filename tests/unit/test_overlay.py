@@ -467,3 +467,17 @@ def test_a_large_picture_needs_little_memory_more():
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     assert 20 < float(done.stdout) < 50
+
+
+def test_a_symbol_follows_the_text_before_it():
+    """Letters are as wide as the pixels of this size make them, so the gap is the same after a long text."""
+    placed = []
+
+    class Drawing:
+        def text(self, place, part, *, font, **look):
+            placed.append((place[0], part, font.getlength(part)))
+
+    overlay.write(Drawing(), 5, 10, "spheres on a line, the far ones at E", 19.7)
+    (start, words, wide), (symbol, name, _) = placed
+    assert (words, name) == ("spheres on a line, the far ones at ", "E")
+    assert symbol == start + wide
