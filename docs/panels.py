@@ -13,13 +13,14 @@ from povgen.settings import Rendering
 from povgen.teach import agreement
 from povgen.video import encode
 from povgen.video.captions import Caption
-from povgen.video.overlay import annotated
-from povgen.video.text import STRIP, write
+from povgen.video.overlay import Item, annotated, key, strip
+from povgen.video.text import DARK, STRIP, text_width, write
 
 SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
 VIEW = 3.5  # tiles
 TIMES = 5  # how many times larger the magnified part is
 GAP = 8  # between two panels, pixels
+LETTERS = 22  # height of the text on a picture, pixels
 Picture = NDArray[np.uint8]
 
 
@@ -29,7 +30,7 @@ class Panel(NamedTuple):
     scene: Scene
     text: str
     line: tuple[complex, complex] | None = None
-    names: dict[str, tuple[complex, complex]] = {}  # where each is written, and where its line ends
+    names: dict[str, tuple[complex, complex]] = {}  # the middle of each, and where the line from it ends
     magnify: bool = False
     overlay: bool = False
     size: tuple[int, int] = SIZE
@@ -39,38 +40,40 @@ CHESS = Chess(view=VIEW)
 FAR = CHESS.replace(alpha=90, z1=15)
 LINE = Spheres(alpha=120, view=VIEW)
 ACROSS = (-1.4 + 0j, 1.4 + 0j)  # at the height of the eye
+MIRROR = {"mirror line": (0.9 + 0.25j, 0.9 + 0.03j)}
 BUILT = Chess(alpha=66, z1=10, z2=10, view=3.4)
 FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
+IDEAL = CHESS.replace(sheet="ideal")
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
-    sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.6), view=1.8
+    sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.66), view=1.8
 )
 
 
 def measured() -> str:
     """Return by how much the piece is turned through prisms: measured, and as predicted for prisms of this size."""
     (found,) = agreement.pieces([CHESS])
-    return f"measured: turned by {found.nu:.1f}°, predicted {CHESS.nu_and_M(CHESS.z1)[0]:.1f}°"
+    return f"100 prisms: turned by {found.nu:.1f}°, predicted {CHESS.nu_and_M(CHESS.z1)[0]:.1f}°"
 
 
 PANELS: dict[str, list[Panel]] = {
     "prisms": [
-        Panel(Chess(prisms=12, z1=2.5), "12 prisms"),
+        Panel(Chess(prisms=12, z1=2.5), "α = 66°: 12 prisms in each sheet"),
         Panel(FINE, "100 prisms", magnify=True),
-        Panel(FINE.replace(sheet="ideal"), "infinitely many"),
+        Panel(FINE.replace(sheet="ideal"), "infinitely many: the ideal sheet"),
     ],
     "prediction": [
         Panel(PREDICTED, "measured"),  # the text is that of `measured`
-        Panel(PREDICTED.replace(sheet="ideal"), "ideal sheet"),
+        Panel(PREDICTED.replace(sheet="ideal"), f"ideal sheet: predicted {IDEAL.nu_and_M(IDEAL.z1)[0]:.1f}°"),
     ],
     "single": [
-        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS),
+        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS, MIRROR),
         Panel(
             CHESS.replace(sheet="single"),
             "one sheet: what is far is upside down",
             ACROSS,
-            {"mirror line": (1 + 0.25j, 1 + 0.03j)},
+            MIRROR,
         ),
     ],
     "black-tops": [
@@ -83,27 +86,24 @@ PANELS: dict[str, list[Panel]] = {
             FAR.replace(sheet="ideal"),
             "α = 90°: the horizon is upright",
             (-1.4j, 1.4j),
-            {"horizon": (0.45 - 1.1j, 0.03 - 1.1j)},
+            {"horizon": (0.55 - 1.1j, 0.03 - 1.1j)},
         ),
     ],
     "spheres": [
-        Panel(LINE.replace(sheet="none"), "spheres on a line, the far ones at E", overlay=True),
+        Panel(LINE.replace(sheet="none"), "without sheets: spheres on a line", overlay=True),
         Panel(LINE.replace(sheet="ideal"), "α = 120°: they appear on a circle", overlay=True),
     ],
     "refraction": [
-        Panel(CHESS.replace(sheet="none"), "without a sheet"),
-        Panel(
-            CHESS.replace(sheet="refraction", ratio=0.7, alpha=40),
-            "index ratio 0.7, α = 40°: straight lines bend",
-        ),
+        Panel(IDEAL.replace(alpha=40), "light turned by 40°"),
+        Panel(CHESS.replace(sheet="refraction", ratio=0.7, alpha=40), "refracted too (index ratio 0.7): smaller"),
     ],
     "pieces": [
         Panel(
-            PIECES, "", names={name: (6 / 14 * x - 0.74j, 6 / 14 * x - 0.74j) for name, x in PLACES.items()}, size=WIDE
+            PIECES, "", names={name: (6 / 14 * x - 0.71j, 6 / 14 * x - 0.71j) for name, x in PLACES.items()}, size=WIDE
         )
     ],
     "lenticular": [
-        Panel(BUILT.replace(prisms=150), "Dove prisms"),
+        Panel(BUILT.replace(prisms=150), "α = 66°, Dove prisms: sharp"),
         Panel(BUILT.replace(sheet="lenticular", lenses=150), "lenses f/3: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
@@ -135,13 +135,31 @@ def panel(shown: Panel) -> Picture:
         draw.line(ends, fill="white", width=6)
         draw.line(ends, fill=(213, 94, 0), width=3)
     for name, (place, end) in shown.names.items():
-        (x, y), tip = pixels(place), pixels(end)
-        draw.line([(x, y), tip], fill="white", width=3)
-        write(draw, x - 5.5 * len(name), y, name, 22, edge=2)
+        _name(draw, name, pixels(place), pixels(end))
     text = measured() if shown.text == "measured" else shown.text
-    rendering = Rendering(size=shown.size, caption="short", overlay=shown.overlay)
     texts = [text] if text else []
-    return annotated(np.asarray(image), scene, rendering, Caption(texts, texts))
+    made = annotated(np.asarray(image), scene, _rendering(shown), Caption(texts, texts))
+    return made[len(_key(shown, width)) :]
+
+
+def _rendering(shown: Panel) -> Rendering:
+    return Rendering(size=shown.size, caption="short", overlay=shown.overlay)
+
+
+def _key(shown: Panel, width: int) -> Picture:
+    """Return the strip with the key of a panel's overlay, for a picture of this width."""
+    return strip([Item(text, text, colour) for text, colour in key(shown.scene, _rendering(shown))], width, SIZE[1])
+
+
+def _name(draw: ImageDraw.ImageDraw, name: str, middle: tuple[float, float], end: tuple[float, float]) -> None:
+    """Write a name on a picture, with a line from its upper or lower edge, or from its side, to a place, in pixels."""
+    (x, y), half = middle, LETTERS * text_width(name) / 2
+    reach = np.array((half + 5, 0.6 * LETTERS))
+    start = np.clip(np.subtract(end, middle), -reach, reach) + middle
+    if middle != end:
+        for colour, width in (("white", 5), (DARK, 2)):
+            draw.line([tuple(start), end], fill=colour, width=width)
+    write(draw, x - half, y, name, LETTERS, edge=2)
 
 
 def _magnified(image: Image.Image, large: Image.Image) -> None:
@@ -155,8 +173,7 @@ def _magnified(image: Image.Image, large: Image.Image) -> None:
     box = [TIMES * x for x in (left, top, left + side, top + side)]
     image.paste(large.crop(box), (10, bottom - TIMES * side))
     draw.rectangle([8, bottom - TIMES * side - 2, right + 1, bottom + 1], outline="white", width=2)
-    write(draw, 60, 70, "stray light", 22, edge=2)
-    draw.line([(100, 88), (90, 170)], fill="white", width=3)
+    _name(draw, "stray light", (112, 70), (90, 170))
 
 
 def main() -> None:
@@ -165,10 +182,12 @@ def main() -> None:
     parser.add_argument("name", choices=PANELS)
     parser.add_argument("-o", dest="output", type=Path, required=True)
     given = parser.parse_args()
-    pictures = [panel(each) for each in PANELS[given.name]]
+    panels = PANELS[given.name]
+    pictures = [panel(each) for each in panels]
     gap = np.full((len(pictures[0]), GAP, 3), STRIP, np.uint8)
     parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
-    given.output.write_bytes(encode.png(np.concatenate(parts, axis=1)))
+    joined = np.concatenate(parts, axis=1)
+    given.output.write_bytes(encode.png(np.concatenate((_key(panels[0], joined.shape[1]), joined))))
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
         for limit in measured.limits:
             done(limit)
     columns, rows = 2, -(-len(finished) // 2)
-    with drawn(8 * columns, 4.6 * rows, folder / "stability.png") as figure:
+    with drawn(6.4 * columns, 4.2 * rows, folder / "stability.png") as figure:
         axes = figure.subplots(rows, columns, squeeze=False).ravel()
         for measured, ax in zip(sorted(finished, key=lambda measured: measured.title), axes, strict=False):
             _draw_map(ax, measured)
@@ -317,11 +317,13 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
                 ax, most = rows[1, column], percentile(getattr(builds, field), 95)
                 ordered = np.sort(np.nan_to_num(getattr(builds, field), nan=np.inf))
                 ax.plot(ordered, 100 * np.arange(1, len(ordered) + 1) / len(ordered), color=PRISMS, linewidth=2)
-                ax.set(xlabel=f"{field} at most, {unit}", ylabel="of the builds, %", ylim=(0, 102), xlim=(0, None))
+                ax.set(
+                    xlabel=f"{field} at most, {unit}", ylabel="share of the builds, %", ylim=(0, 102), xlim=(0, None)
+                )
                 if np.isfinite(most):
                     ax.plot([0, most, most], [95, 95, 0], ":", color=GREY)
                     ax.plot(most, 95, "o", color=PRISMS, markersize=9)
-                ax.set_title(f"95 % of random builds: at most {most:.2g} {unit}")
+                ax.set_title(f"95 % of builds: at most {most:.2g} {unit}")
                 table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in getattr(builds, field)]
     _save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 

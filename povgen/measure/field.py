@@ -93,7 +93,7 @@ def draw_rays(ax: Axes) -> None:
         ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "->", "color": IDEAL})
     ax.plot(0, 0, "o", color="black", markersize=9)
     ax.text(0, -1.58, f"black: the point, {Z1:g} tiles behind the sheet", ha="center", va="bottom")
-    ax.set(xlim=(-1.6, 1.6), ylim=(-1.6, 1.6), aspect="equal", xlabel="x (tiles)", ylabel="y (tiles)")
+    ax.set(xlim=(-1.6, 1.6), ylim=(-1.6, 1.6), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
     ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
 
 
@@ -107,7 +107,14 @@ def draw_wave_front(ax: Any) -> None:  # noqa: ANN401  (matplotlib's axes in spa
     ax.text2D(0.5, 0.9, f"black: a gap of {w[0, -1] - w[-1, -1]:.2f} tiles", transform=ax.transAxes, ha="center")
     ax.view_init(elev=22, azim=-60)
     ticks = [-0.5, 0, 0.5]
-    ax.set(xlabel="x", ylabel="y", zlabel="before the sheet, tiles", xticks=ticks, yticks=ticks, zlim=(0, 1.1))
+    ax.set(
+        xlabel="x, tiles",
+        ylabel="y, tiles",
+        zlabel="before the sheet, tiles",
+        xticks=ticks,
+        yticks=ticks,
+        zlim=(0, 1.1),
+    )
     ax.set_title("So the ends of a surface perpendicular to it do not meet", fontsize=11)
 
 
@@ -130,11 +137,11 @@ def draw_pieces(ax: Axes) -> None:
 def draw_curl(ax: Axes) -> None:
     """Draw the curl on the axis against alpha, by its formula, and as measured in the ray trace."""
     alphas = np.arange(0, 181)
-    distances = {0.0: "#111111", 1.0: "#666666", 4.0: "#aaaaaa"}
+    distances = {0.0: "#111111", 1.0: "#666666", 4.0: "#8f8f8f"}
     for z2, grey in distances.items():
         curl = equations.curl(Z1, z2, np.radians(alphas))
         ax.plot(alphas, curl, color=grey, linewidth=2, label=f"z₂ = {z2:g} tiles")
-        ax.text(alphas[curl.argmax()], curl.max() + 0.02, f"z₂ = {z2:g} tiles", color=grey, ha="center")
+        ax.text(alphas[curl.argmax()], curl.max() + 0.04, f"z₂ = {z2:g} tiles", color=grey, ha="center")
     for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
         for alpha in range(15, 180, 30):
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)

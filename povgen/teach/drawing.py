@@ -25,9 +25,12 @@ def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # 
     ax.text(x, y, text, **{"ha": "center", "va": "center", **look})
 
 
-def letter(ax: Axes, number: int) -> None:
-    """Write (a), (b), ... at the left above a panel."""
-    ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=4)
+def entitle(ax: Axes, number: int, title: str = "") -> None:
+    """Write (a), (b), ... at the left above a panel, and a title of one or more lines beside it."""
+    high = 4 + 13 * title.count("\n")  # of the first line, points; the last one's is 4
+    ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=high)
+    look = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "baseline", "fontsize": 9}
+    ax.annotate(title, (0, 1), (20, 4), **look)  # type: ignore[arg-type]
 
 
 def point_at(ax: Axes, place: Place, text: str, text_place: Place, colour: str = "black") -> None:

@@ -26,9 +26,9 @@ from povgen.teach.drawing import (
     arc,
     arrow,
     coordinate_axes,
+    entitle,
     faces,
     label,
-    letter,
     path,
     plane,
     point_at,
@@ -88,8 +88,10 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
     for end, text, up in ((ray.path[-1], "real path", -0.3), (ray.mirrored, "mirrored", 0.25)):
         write(ax, projected(end) + (0.15, up), text, ha="left", fontsize=8)
     write(ax, projected(ray.straight) + (0.15, 0), "without\nthe sheet", ha="left", fontsize=8)
-    _section(figure.add_axes((0.63, 0.0, 0.36, 1)), prism, ray)
-    _letters(figure, (0.01, 0.92), (0.63, 0.92))
+    corner = projected((-half, ray.crossing[1], 2.6))
+    write(ax, corner + (-0.1, 0.15), "mirror plane", ha="right", color=GREY, fontsize=8)
+    _section(figure.add_axes((0.67, 0.0, 0.32, 1)), prism, ray)
+    _letters(figure, (0.01, 0.92), (0.67, 0.92))
     return Drawn(figure, {"ray": ray}, lines=True)
 
 
@@ -108,7 +110,7 @@ def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
         ax.plot(*place, "o", color="black", markersize=4, zorder=3)
         write(ax, place + aside, number, fontweight="bold", fontsize=9)
     middle = (before[0] + after[0]) / 2
-    text = "1, 3  refraction at the facets\n2  total internal reflection\n    at the base"
+    text = "1, 3: refraction at the facets\n2: total reflection at the base\n$h$: height of a prism"
     write(ax, (middle, low - 0.5), text, va="top", ha="center", ma="left", fontsize=8, linespacing=1.5)
     side = after[0] + 0.05
     ax.annotate(
@@ -138,7 +140,7 @@ def mirroring(rendering: Rendering) -> Drawn:
         ax.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
         ax.spines[:].set_visible(False)
     for n, (ax, up) in enumerate(zip(panels, (1j, 1j, 1j * np.exp(-1j * alpha)), strict=True)):
-        letter(ax, n)
+        entitle(ax, n)
         arrow(ax, xy(0.99 * up), xy(1.42 * up), RAY, 2)  # up, in the picture
     for ax, axis in zip(panels[1:], made.axes, strict=True):
         ax.plot(*xy(np.array([-1.3, 1]) * axis), "--", color="black", linewidth=1.3)
@@ -151,19 +153,17 @@ def mirroring(rendering: Rendering) -> Drawn:
 def vary_alpha(rendering: Rendering) -> Drawn:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
     scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
-    titles = [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes]
+    measured = agreement.pieces(scenes)
+    titles = [
+        f"{_at_angle(piece)}\nturned by {piece.nu:z.1f}°, predicted {piece.nu_predicted:z.1f}°" for piece in measured
+    ]
     figure, panels = _montage(scenes, rendering, titles, ideal=True)
     point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
-    point_at(panels[2], (0.42, -0.47), "predicted image", (0.85, -0.85), "#b000a0")
-    measured = agreement.pieces(scenes)
-    for ax, scene, piece in zip(panels, scenes, measured, strict=True):
+    point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), "#b000a0")
+    for ax, scene in zip(panels, scenes, strict=True):
         outline = predicted_outlines(scene, 0.005)
         for size, colour in ((2.4, "white"), (1.2, "#e100c4")):
             ax.plot(*xy(outline), ".", markersize=size, markeredgewidth=0, color=colour)
-        turned = rf"$\nu$ = {piece.nu:z.1f}°, predicted {piece.nu_predicted:z.1f}°"
-        write(
-            ax, (0, 1.34), turned, fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.9}
-        )
     return Drawn(figure, {"pieces": measured})
 
 
@@ -171,9 +171,9 @@ def vary_z1(rendering: Rendering) -> Drawn:
     """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)]
     measured = agreement.pieces(scenes)
-    titles = [f"$z_1 = {piece.z1:g}$: turned by {piece.nu:.0f}°" for piece in measured]
+    titles = [f"$z_1$ = {piece.z1:g} tiles: turned by {piece.nu:.0f}°" for piece in measured]
     figure, panels = _montage(scenes, rendering, titles)
-    inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.19
+    inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.24
     _draw_frames([inset], [scenes[-1].replace(view=4 * half)], rendering, half)
     inset.axis("on")
     inset.set(xticks=[], yticks=[])
@@ -197,7 +197,8 @@ def geometry(rendering: Rendering) -> Drawn:
 def spheres(rendering: Rendering) -> Drawn:
     """Draw figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 135)]
-    figure, panels = _montage(scenes, rendering, [rf"$\alpha = {scene.alpha:g}\degree$" for scene in scenes], 1.3)
+    figure, panels = _montage(scenes, rendering, [_at_angle(scene) for scene in scenes], 1.3)
+    point_at(panels[0], (-0.65, 1), "stray light", (0, 1.1))
     for ax, scene in zip(panels, scenes, strict=True):
         for line in overlay.loci(scene)[0][0]:
             for width, colour in ((2, "white"), (0.8, CONSTANT_ALPHA)):
@@ -212,6 +213,10 @@ def spheres(rendering: Rendering) -> Drawn:
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
     point_at(panels[4], xy(curve), "path as $z_1$ changes", (0.6, -1.15), CONSTANT_ALPHA)
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
+
+
+def _at_angle(each: Scene | agreement.PieceAgreement) -> str:
+    return rf"$\alpha$ = {each.alpha:g}°"
 
 
 FIGURES: dict[int, Callable[[Rendering], Drawn]] = {
@@ -238,10 +243,10 @@ def _montage(
     Each frame ends `reach` tiles from its middle. If `ideal`, each row has the same frames through the ideal sheet
     beneath it.
     """
-    figure = Figure(figsize=(WIDTH, 9.45 if ideal else 5.05))
+    figure = Figure(figsize=(WIDTH, 9.75 if ideal else 5.05))
     # the low row leaves room for titles
-    heights = [1, 1, 0.12, 1, 1] if ideal else [1, 1]
-    layout = {"left": 0.04 if ideal else 0.005, "right": 0.995, "top": 0.972 if ideal else 0.945, "bottom": 0.003}
+    heights = [1, 1, 0.19, 1, 1] if ideal else [1, 1]
+    layout = {"left": 0.045 if ideal else 0.005, "right": 0.995, "top": 0.955 if ideal else 0.945, "bottom": 0.003}
     spaces = {"hspace": 0.03 if ideal else 0.13, "wspace": 0.03, "height_ratios": heights}
     grid = figure.add_gridspec(len(heights), 3, **layout, **spaces)
     panels = np.array(
@@ -250,13 +255,12 @@ def _montage(
     shown = panels[::2] if ideal else panels
     _draw_frames(list(shown.ravel()), scenes, rendering, reach)
     for n, (ax, title) in enumerate(zip(shown.ravel(), titles, strict=True)):
-        ax.set_title(title, loc="center", pad=4)
-        letter(ax, n)
+        entitle(ax, n, title)
     if ideal:
         plain = [scene.replace(sheet="ideal") for scene in scenes]
         _draw_frames(list(panels[1::2].ravel()), plain, rendering, reach)
         for row, text in zip(panels, ("prisms", "ideal sheet") * 2, strict=True):
-            row[0].text(-0.035, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center")
+            row[0].text(-0.065, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center")
     return figure, list(shown.ravel())
 
 
@@ -290,12 +294,12 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
     dots = [projected(at(L, z1)), projected(at(P, 0)), projected(at(E, -z2))]
     ax.plot(*np.transpose(dots), "o", color="black", markersize=4)
     for point, text, dx, dy in (
-        (at(L, z1), "$L$", -0.1, 0),
+        (at(L, z1), "object $L$", -0.33, 0),
         (at(P, 0), "$P$", 0.02, -0.13),
-        (at(E, -z2), "$E$", 0.12, 0),
+        (at(E, -z2), "eye $E$", 0.02, -0.16),
         (at(L, z1 / 2), "$z_1$", 0, 0.1),
         (at(E, -z2 / 2), "$z_2$", 0, 0.1),
-        (at((L + P) / 2, 0), "$p_1$", -0.02, 0.13),
+        (at((L + P) / 2, 0), "$p_1$", 0.09, 0.1),
         (at((E + P) / 2, 0), "$p_2$", 0.09, -0.06),
         (at(-0.1 + 0.6j, 0), "sheet", 0, 0),
     ):
@@ -318,8 +322,8 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
     arc(ax, P, 0.2, float(np.angle(P)), float(np.angle(1 - P)), r"$\alpha$", 0.07)
     arc(ax, 1, 0.3, pi, pi + float(equations.nu(r, alpha)), r"$\nu$", 0.07)
     for point, text, offset in (
-        (0, "$L = 0$", -0.1 + 0.09j),
-        (1, "$E = 1$", 0.03 + 0.09j),
+        (0, "$L$ = 0", -0.1 + 0.09j),
+        (1, "$E$ = 1", 0.03 + 0.09j),
         (P, "$P$", -0.05 - 0.08j),
     ):
         ax.plot(*xy(point), "o", color="black", markersize=4)
@@ -332,15 +336,15 @@ def _circles(ax: Axes) -> None:
     """Draw where P lies for constant r and for constant alpha, by eq. 7."""
     plane(ax, (-1.15, 2.15), (-1.6, 1.6))
     turn = np.linspace(-pi, pi, 721)
-    for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r = 1$"), (2, "2"), (4, "4")):
+    for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r$ = 1"), (2, "2"), (4, "4")):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
-        label(ax, equations.P(r, radians(-143 if r == 1 else -155)), text, CONSTANT_R)
+        label(ax, equations.P(r, radians(-140 if r == 1 else -155)), text, CONSTANT_R)
     ratio = np.geomspace(1e-3, 1e3, 721)
     for alpha in (-135, -120, -90, -60, -30, 0, 30, 60, 90, 120, 135):
         ax.plot(*xy(equations.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
         if abs(alpha) > 30:
-            text = rf"$\alpha = {alpha}\degree$" if alpha == 135 else rf"${alpha}\degree$"
+            text = rf"$\alpha$ = {alpha}°" if alpha == 135 else f"{alpha}°".replace("-", "−")
             label(ax, equations.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
     for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)

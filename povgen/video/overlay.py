@@ -51,8 +51,8 @@ def annotated(
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
     said = key(scene, rendering) if said is None else said
-    above = _strip([Item(text, text, colour) for text, colour in said], width, height)
-    below = _strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
+    above = strip([Item(text, text, colour) for text, colour in said], width, height)
+    below = strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
     made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
     made[: len(above)], made[len(above) + height :] = above, below
     shown = made[len(above) : len(above) + height]
@@ -106,7 +106,7 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
     return list(dict.fromkeys(item for view in shown for item in key(view, rendering)))
 
 
-def _strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
+def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
     The text has the same height, relative to the picture, in all pictures, or is so much `larger`. It is lower only if

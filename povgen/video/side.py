@@ -12,7 +12,8 @@ from povgen.optics.series import image_distance
 from povgen.scene.models import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
-HEIGHT = 0.3  # of the side view, as a fraction of the picture's height
+HEIGHT = 0.34  # of the side view, as a fraction of the picture's height
+FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
 LINE, RAY = (150, 155, 165), (200, 205, 215)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
@@ -78,40 +79,50 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     first, last, reach = shows or extent([scene])
     rows = 2 * round(HEIGHT * height / 2)
     size = 0.8 * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
-    scale = min((width - 7 * size) / (last - first), (rows - 3.6 * size) / (2 * reach))
+    scale = min((width - 7 * size) / (last - first), (rows - 3 * size) / (2 * reach))
     left = (width - scale * (last - first)) / 2 - scale * first
     middle = (rows - 1.6 * size) / 2
 
     def at(z: float, y: float) -> tuple[float, float]:
-        return left + scale * z, middle - scale * y
+        return FINER * (left + scale * z), FINER * (middle - scale * y)
 
-    image = Image.new("RGB", (width, rows), STRIP)
+    image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
     draw = ImageDraw.Draw(image)
-    thick = max(1, round(height / 240))
-    draw.line([at(first, scene.E.imag), at(last, scene.E.imag)], fill=LINE, width=max(1, thick // 2))
-    for z in scene.places:
-        draw.line([at(z, -scene.aperture / 2), at(z, scene.aperture / 2)], fill=SHEET, width=2 * thick)
+    thick = FINER * max(1, round(height / 240))
+    draw.line([at(first, scene.E.imag), at(last, scene.E.imag)], fill=LINE, width=thick // 2)
     if len(shown) == 1 and there:
         for points in _rays(scene):
-            draw.line([at(z, y) for z, y in points], fill=RAY, width=max(1, thick * 2 // 3))
+            draw.line([at(z, y) for z, y in points], fill=RAY, width=thick, joint="curve")
+    for z in scene.places:
+        draw.line([at(z, -scene.aperture / 2), at(z, scene.aperture / 2)], fill=SHEET, width=2 * thick)
     radii = scene.radii
     for (y, z, seen), radius in zip(shown, radii, strict=False):
-        _object(draw, at(z, y), scale, radius, isinstance(scene, Chess), OBJECT, thick)
+        _object(draw, at(z, y), FINER * scale, radius, isinstance(scene, Chess), OBJECT, thick)
         if abs(seen) <= most:
-            _object(draw, at(seen, y), scale, radius, isinstance(scene, Chess), IMAGE, thick)
+            _object(draw, at(seen, y), FINER * scale, radius, isinstance(scene, Chess), IMAGE, thick)
     x, y = at(-scene.z2, scene.E.imag)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
-    labels = [(-scene.z2, "eye"), *((z, "sheets") for z in scene.places[:1])]
-    labels += (
-        [(z, "object") for _, z, _ in shown[:1]] if len(shown) == 1 else [(shown[-1][1], "objects")] if shown else []
-    )
-    labels += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
-    if len(shown) < len(scene.objects):
-        labels.append((last, f"{len(scene.objects) - len(shown)} farther"))
-    elif scene.rotates and not there:
-        labels.append((-scene.z2 / 2, "no image"))
-    _labels(draw, [(at(z, 0)[0], text) for z, text in labels], middle + scale * reach + 0.9 * size, size, width)
+    image = image.reduce(FINER)
+    draw = ImageDraw.Draw(image)
+    labels = [(left + scale * z, text) for z, text in _names(scene, [z for _, z, _ in shown], there, last)]
+    _labels(draw, labels, middle + scale * reach + 0.9 * size, size, width)
     return np.asarray(image)
+
+
+def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last: float) -> list[tuple[float, str]]:
+    """Return the texts below the side view, each with the z to which it belongs: of the eye, windows, objects, image.
+
+    `objects` and `there` are z of what is shown. `last` is the greatest z.
+    """
+    names = [(-scene.z2, "eye")]
+    names += [(z, f"window {n}" if scene.window else "sheets") for n, z in enumerate(scene.places, 1)]
+    names += [(z, "object" if len(objects) == 1 else "objects") for z in objects[-1:]]
+    names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
+    if len(objects) < len(scene.objects):
+        names.append((last, f"{len(scene.objects) - len(objects)} farther"))
+    elif scene.rotates and not there:
+        names.append((-scene.z2 / 2, "no image"))
+    return names
 
 
 def _rays(scene: Scene) -> list[list[tuple[float, float]]]:

@@ -41,7 +41,7 @@ def write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: f
         colours = {"fill": DARK, "stroke_width": edge, "stroke_fill": "white"}
     for part, font in _runs(text):
         draw.text((x, middle + 0.36 * size), part, font=_font(size, font), anchor="ls", **colours)
-        x += size * text_width(part) if font == "text" else _font(size, font).getlength(part)
+        x += _font(size, font).getlength(part)  # the grid of pixels makes letters wider or narrower at each size
 
 
 def _font(size: float, name: str = "text") -> ImageFont.FreeTypeFont:

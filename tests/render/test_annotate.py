@@ -60,7 +60,7 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     plain = render(scene, size=size, antialias="off")
     monkeypatch.setattr(povray.Runner, "run", None)  # no need to render again
     both = render(scene, size=size, antialias="off", caption="full", overlay=True)
-    top = len(overlay._strip([overlay.Item("P", "P", overlay.P_COLOUR)] * 3, *size)) * 2  # the key has two lines
+    top = len(overlay.strip([overlay.Item("P", "P", overlay.P_COLOUR)] * 3, *size)) * 2  # the key has two lines
     assert len(both) > len(plain) + top
     within = both[top : top + size[1]]
     assert (within != plain).any() and (within == plain).all(-1).mean() > 0.5

@@ -424,7 +424,10 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [f"index ratio 0.7, light turned by {x}°" for x in (0, 90)],
         ),
         ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
-        ([Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)], ["f₁/f₂ = 0.5", "f₁/f₂ = 2.0"]),
+        (
+            [Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)],
+            ["focal lengths f₁/f₂ = 0.5", "focal lengths f₁/f₂ = 2.0"],
+        ),
         ([Chess(sheet="lenticular", f_number=x) for x in (3, 4.8)], ["f/3.0 lenses", "f/4.8 lenses"]),
         ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
         ([Chess(window=f"z=2,alpha={x}", z1=3) for x in (66, 66.4)], ["α₂ = 66.00°", "α₂ = 66.40°"]),
@@ -484,3 +487,17 @@ def test_a_large_picture_needs_little_memory_more():
         print((peak() - before) / 1024)"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     assert 20 < float(done.stdout) < 50
+
+
+def test_a_symbol_follows_the_text_before_it():
+    """Letters are as wide as the pixels of this size make them, so the gap is the same after a long text."""
+    placed = []
+
+    class Drawing:
+        def text(self, place, part, *, font, **look):
+            placed.append((place[0], part, font.getlength(part)))
+
+    overlay.write(Drawing(), 5, 10, "spheres on a line, the far ones at E", 19.7)
+    (start, words, wide), (symbol, name, _) = placed
+    assert (words, name) == ("spheres on a line, the far ones at ", "E")
+    assert symbol == start + wide

@@ -74,6 +74,7 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Chess(alpha=66), {"eye", "sheets", "object", "no image"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image"}),
+        (Chess(**TWO), {"eye", "window 1", "window 2", "object", "real image"}),
         (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther"}),
         (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther"}),
     ):
