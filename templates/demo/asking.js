@@ -1,7 +1,7 @@
 // The panel of the questions: a class predicts, and the page then shows the answer.
 
 import { SWITCHES } from "./address.js";
-import { $, pick } from "./data.js";
+import { $, pick, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { compared, ghostOf, isMatched, matching, numbersOf } from "./ghost.js";
@@ -123,6 +123,7 @@ export function drawQuestion() {
   const said = document.createElement("p");
   said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
+  write("drawn-answer", revealed.has(n) && session.drawn && !session.gliding ? compared(session.drawn) : "");
   $("previous").disabled = n === offered().at(0);
   $("next").disabled = n === offered().at(-1);
 }
@@ -175,8 +176,7 @@ function answerText(question) {
   const number = printed(String(Number(right.toPrecision(4))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
-  const drawn = session.drawn ? ` ${compared(session.drawn)}` : "";
-  return [strong(said[0].toUpperCase() + said.slice(1)), ` ${why(question)}${drawn}`];
+  return [strong(said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
 }
 
 $("question-form").addEventListener("submit", (event) => {

@@ -4,6 +4,7 @@
 import { LiveView } from "../live/view.js";
 import { $, data } from "./data.js";
 import { refresh } from "./frame.js";
+import { percent, say } from "./language.js";
 import { ofKind } from "./phrases.js";
 import { change, session, state } from "./state.js";
 
@@ -24,8 +25,10 @@ export function drawCompare(now) {
   } else other.set(scene);
   $("stage").style.setProperty("--curtain", session.curtain);
   $("curtain").value = 100 * session.curtain;
-  $("name-left").textContent = ofKind(now.sheet, "choice", data.kinds[now.sheet]);
-  $("name-right").textContent = ofKind(state.compare, "choice");
+  const left = ofKind(now.sheet, "choice", data.kinds[now.sheet]), right = ofKind(state.compare, "choice");
+  $("name-left").textContent = left;
+  $("name-right").textContent = right;
+  $("curtain").setAttribute("aria-valuetext", say("compare.shares", { left, right, part: percent(session.curtain), rest: percent(1 - session.curtain) }));
 }
 
 // Show a picture in the place of the mountains, as LiveView.setSky does.

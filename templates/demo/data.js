@@ -7,3 +7,8 @@ export const data = JSON.parse($("data").textContent);
 export const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
 export const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
 
+
+// Write a text where it has changed: of a live region, a screen reader speaks all that is written.
+export function write(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}

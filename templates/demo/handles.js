@@ -6,8 +6,8 @@ import { orientation } from "./diagram.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { apparentPosition, appearance, moment, objectStep, outside } from "./moment.js";
-import { placeText } from "./numbers.js";
 import { onStage, stage, tilePixels } from "./overlay.js";
+import { placeSaid } from "./phrases.js";
 import { player, povray } from "./player.js";
 import { change, session, state } from "./state.js";
 
@@ -128,7 +128,7 @@ export function placeHandles(now) {
     const [x, y] = inside(at, box);
     $(id).style.transform = `translate(${x}px, ${y}px)`;
     const sentence = `controls.${id.replace("-picture", "").replace("-", "_")}`;
-    $(id).setAttribute("aria-label", say(sentence, { place: placeText(state[$(id).dataset.moves]) }));
+    $(id).setAttribute("aria-label", say(sentence, { place: placeSaid(state[$(id).dataset.moves]) }));
   };
   put("eye-picture", onStage(now.E), stage);
   put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);

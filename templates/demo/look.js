@@ -16,8 +16,10 @@ $("dark").addEventListener("click", () => look(root.dataset.look !== "dark"));
 
 // For a projector: the picture, the sentence and one slider, in large type, and a pointer.
 export function present(on) {
+  const focused = document.activeElement === $("leave");
   document.body.classList.toggle("present", on);
   $("leave").hidden = !on;
+  if (focused && !on) $("share-open").focus();  // the button is gone
   refresh();
 }
 $("present").addEventListener("click", () => {

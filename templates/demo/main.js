@@ -21,7 +21,7 @@ import { view, writeFailure } from "./picture.js";
 import { player, povray, reducedMotion } from "./player.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
-import { describe, heard } from "./text.js";
+import { describe, heard, seen } from "./text.js";
 import { tour } from "./tour.js";
 
 let written = "";  // the language of the page's sentences
@@ -51,7 +51,7 @@ function drawPage() {
   player.draw();
   tour.draw();
   povray.draw();
-  if (tour.isStill()) speak(now);
+  if (tour.step >= 0) speak(now);
   later("speak", 900, () => speak(now));
   later("address", 400, keepAddress);
 }
@@ -67,10 +67,12 @@ function later(name, time, action) {
 let silent = true;  // until something has changed since the page was opened
 let told = [];   // what has been spoken last
 function speak(now) {
-  const text = describe(now);
-  $("view").setAttribute("aria-label", text);
-  silent &&= toHash() === opened;
-  const sentences = heard(now), news = sentences.filter((sentence) => sentence && !told.includes(sentence));
+  const touring = tour.step >= 0;
+  if (!touring || tour.isStill()) $("view").setAttribute("aria-label", describe(now));
+  silent &&= toHash() === opened && !touring;
+  // the guided start waits for who goes from step to step: only then is there time to say what is seen, too
+  const sentences = !touring ? heard(now) : [...tour.says(), ...(tour.paused ? [seen(now)] : [])];
+  const news = sentences.filter((sentence) => sentence && !told.includes(sentence));
   if (!silent && news.length) $("spoken").textContent = news.join(" ");
   told = sentences;
 }

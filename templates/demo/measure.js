@@ -3,14 +3,14 @@
 
 import { radians } from "../live/geometry.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
-import { $, clamped } from "./data.js";
+import { $, clamped, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { localised, say, separator } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
-import { angle, fixed, placeText, readNumber, SYMBOL, tilesText } from "./numbers.js";
+import { angle, fixed, readNumber, SYMBOL, tilesText } from "./numbers.js";
 import { outlineOf } from "./outline.js";
 import { onStage, tilePixels } from "./overlay.js";
-import { bare } from "./phrases.js";
+import { bare, placeSaid } from "./phrases.js";
 import { arc, curve, dot, heading, line, step, words } from "./shapes.js";
 import { session, state } from "./state.js";
 
@@ -55,11 +55,11 @@ export function drawMeasure(now) {
   for (const [name, place] of Object.entries(points)) {
     const [x, y] = onStage(place);
     $(`point-${name}`).style.transform = `translate(${x}px, ${y}px)`;
-    $(`point-${name}`).setAttribute("aria-label", say("measure.point", { name, place: placeText(place) }));
+    $(`point-${name}`).setAttribute("aria-label", say("measure.point", { name, place: placeSaid(place) }));
   }
   const tall = height();
-  $("readings").textContent = say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
-    + (tall ? ` ${say("measure.height", { tiles: tilesText(tall), M: fixed(AC / tall, 2), times: fixed(AC / tall / bare(now), 2) })}` : "");
+  write("readings", say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
+    + (tall ? ` ${say("measure.height", { tiles: tilesText(tall), M: fixed(AC / tall, 2), times: fixed(AC / tall / bare(now), 2) })}` : ""));
   drawPlots(now);
 }
 
@@ -219,5 +219,5 @@ function drawPlot(plot, name, x, now) {
     ...(name === "nu" ? [-end, 0, end] : [0, 1, 2, 3]).map((value) => words("scale", [15, to(least, value)[1]], fixed(value, 0))),
     words("scale", [left + 12, 8], name === "nu" ? "ν" : "M"), curve("curve", inside), ...marks,
   );
-  plot.setAttribute("aria-label", say("measure.plot", { name: name === "nu" ? "ν" : "M", x: SYMBOL[x], number: marks.length, value: now.two && rows.length ? (name === "nu" ? angle(now.nu) : fixed(now.M, 2)) : "–" }));
+  plot.setAttribute("aria-label", say(rows.length ? "measure.plot" : "measure.plot_empty", { name: name === "nu" ? "ν" : "M", x: SYMBOL[x], number: marks.length, value: now.two ? (name === "nu" ? angle(now.nu) : fixed(now.M, 2)) : "–" }));
 }

@@ -21,6 +21,13 @@ export const bare = ({ z1, z2, d = 0 }) => z2 / (z2 + d + z1);
 export const thing = () => (state.scene === "spheres" ? forms("sphere") : pieceForms(state.piece));
 export const thingAt = (z1) => (state.scene === "spheres" ? forms("sphere_at", { z1: brief(z1) }) : thing());
 
+// Where a point is, for those who do not see it.
+export function placeSaid([x, y]) {
+  const ways = [[x, "right", "left"], [y, "up", "down"]].filter(([x]) => Math.abs(x) >= 0.005)
+    .map(([x, more, less]) => say(`place.${x > 0 ? more : less}`, { tiles: tilesText(Math.abs(x)) }));
+  return ways.length ? say("place.from", { list: listed(ways) }) : say("place.middle");
+}
+
 // `of`: the forms of the name of what appears turned. In some languages its gender counts.
 export function turnedBy(nu, of) {
   const degrees = (Math.abs(nu) / radians(1)).toFixed(1);

@@ -1,7 +1,7 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
 import { chosenBeyond, replace, usesAlpha } from "./beyond.js";
-import { $, clamped, data } from "./data.js";
+import { $, clamped, data, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { brief, quantity, SYMBOL } from "./numbers.js";
@@ -119,8 +119,7 @@ export const player = {
     $("scrub").value = 1000 * this.part();
     $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
     $("scrub").setAttribute("aria-valuetext", quantity(parameter, state[parameter]));
-    const shown = `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`;
-    if ($("scrub-value").textContent !== shown) $("scrub-value").textContent = shown;
+    write("scrub-value", `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`);
   },
 };
 

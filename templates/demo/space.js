@@ -33,7 +33,6 @@ export function drawSpace(now) {
   space.replaceChildren(...drawing.parts(view, rem));
   if (drawing.squeeze < 1 && height >= LOW) space.append(words("scale", [width / 2, height - Math.max(0.8 * rem, 12)], say("light.shorter", { times: brief(1 / drawing.squeeze) })));
   $("light-says").textContent = [drawing.says, ...(now.glass && state.light !== "prism" ? [lightShares(now)] : [])].join(" ");
-  space.setAttribute("aria-label", drawing.says);
   for (const button of $("cameras").children) button.setAttribute("aria-pressed", String(session.camera) === String(CAMERAS[button.value]));
   place();
 }

@@ -5,11 +5,11 @@ import { kinds, usesAlpha } from "./beyond.js";
 import { seenThrough } from "./beyondText.js";
 import { finite } from "./complex.js";
 import { contents } from "./contents.js";
-import { data } from "./data.js";
-import { entry, listed, say } from "./language.js";
+import { $, data } from "./data.js";
+import { entry, forms, listed, say } from "./language.js";
 import { NEAR_POLE, outside, unsure } from "./moment.js";
-import { angle, brief, briefly, placeText, prismsText, quantity, size, SYMBOL, tilesText, timesText } from "./numbers.js";
-import { absent, bare, doubt, lightWarnings, ofKind, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
+import { angle, brief, briefly, prismsText, quantity, SYMBOL, tilesText, timesText } from "./numbers.js";
+import { absent, bare, doubt, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
 import { session, state } from "./state.js";
 
@@ -23,11 +23,14 @@ export function explanation(now) {
 
 // What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken alone.
 export function heard(now) {
-  const limits = limitsMet(now);
-  return limits.length ? limits : [explanation(now), say("describe.points", { L: placeText(now.L), E: placeText(now.E) })];
+  const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
+  return limits.length ? limits : [explanation(now), pointsSaid(now), ...light];
 }
 
-function seen(now) {
+const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
+
+// Of all that is seen, the object.
+export function seen(now) {
   if (now.beyond) return seenThrough(now);
   const { sheet, M, nu, height, z1, z2 } = now;
   const times = (size) => timesText(size / bare(now));
@@ -79,9 +82,15 @@ export function describe(now) {
   const [first, second] = kinds().map((sheet) => ofKind(sheet, "model", { prisms }));
   const through = kinds().every((sheet) => sheet === "none") ? "free" : now.d ? "two" : "one";
   const seenAs = say(`describe.${through}`, { thing: thing(), first, second, tiles: now.d && tilesText(now.d) });
-  const values = listed([...parametersOf(now).flat(), `z₁ = ${size(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`]);
-  const points = say("describe.points", { L: placeText(now.L), E: placeText(now.E) });
-  return `${seenAs} ${values}. ${points} ${explanation(now)}`;
+  const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`]);
+  return [`${seenAs} ${values}.`, pointsSaid(now), ...reason(now), explanation(now)].join(" ");
+}
+
+// Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.
+function reason(now) {
+  const found = isAsked() || (session.measuring && state.question < 0 && !session.measured);
+  if (found || !now.two || !now.alpha || now.nearPole || state.scene !== "chess" || !contents(now).has("thing")) return [];
+  return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
 
 // The values of the parameters of each window's sheet. Of the second window's, only α is its own.

@@ -36,13 +36,12 @@ export const tour = {
     this.before ??= { ...state };
     Object.assign(this, { asked, paused: reducedMotion.matches });
     this.go(0);
-    $("spoken").textContent = say("tour.begun");
   },
 
   go(n) {
     if (n >= STEPS.length) return this.leave();
     const running = this.step >= 0;
-    [this.step, this.passed] = [n, 0];
+    [this.step, this.passed] = [n, this.paused ? STEPS[n].seconds : 0];  // who goes from step to step sees where each one ends
     [session.camera, session.zoom] = [[0.55, 0.3], 1];
     this.show();
     if (!running) this.run(performance.now());
@@ -51,7 +50,7 @@ export const tour = {
   // Show the present step: what moves is at rest in the first and the last fifth.
   show() {
     const { shows, moves = {}, through, seconds } = STEPS[this.step];
-    const part = this.paused && reducedMotion.matches ? 1 : Math.min(1, Math.max(0, (this.passed / seconds - 0.2) / 0.6));
+    const part = Math.min(1, Math.max(0, (this.passed / seconds - 0.2) / 0.6));
     const between = (name, from, to) => (name === "alpha" ? from + (to - from) * part : from * (to / from) ** part);
     const moved = Object.entries(moves).map(([name, [from, to]]) => [name, between(name, from, to)]);
     const values = { ...KNIGHT, level: state.level, ...shows, ...Object.fromEntries(moved) };
@@ -76,6 +75,9 @@ export const tour = {
     return this.step >= 0 && (this.paused || this.passed > 0.8 * STEPS[this.step].seconds);
   },
 
+  // What a screen reader speaks of this step.
+  says: () => [say("tour.begun"), entry("tour.steps")[tour.step]],
+
   seconds: () => STEPS.reduce((sum, { seconds }) => sum + seconds, 0),
 
   // Go back to what the page showed before; or stay, where someone has taken over.
@@ -98,8 +100,7 @@ export const tour = {
     $("sentence").hidden = on;
     $("tour-start").hidden = on;
     if (!on) return;
-    const text = entry("tour.steps")[this.step];
-    if ($("tour-text").textContent !== text) $("tour-text").textContent = text;  // a screen reader speaks it once
+    $("tour-text").textContent = entry("tour.steps")[this.step];
     $("tour-count").textContent = say("tour.count", { n: this.step + 1, count: STEPS.length });
     $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;

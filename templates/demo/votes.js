@@ -20,7 +20,7 @@ export function drawVotes(question, choices) {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
     });
-    const bars = rounds.map(() => element("i")), share = element("output");
+    const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
     track.append(...bars);
     row.append(element("span", { textContent: choice }), field, track, share);
     return { row, bars, share };

@@ -100,6 +100,21 @@ def show(page, **values):
     page.evaluate("(values) => { change(values); draw(); }", values)
 
 
+def heard(page, *live):
+    """Listen to live regions. Return a function that returns all texts that have been written there since."""
+    page.evaluate(
+        """(live) => {
+          window.written = [];
+          for (const id of live) {
+            const observer = new MutationObserver(() => written.push($(id).textContent));
+            observer.observe($(id), { childList: true, characterData: true, subtree: true });
+          }
+        }""",
+        live,
+    )
+    return lambda: page.evaluate("written")
+
+
 def numbers(page):
     """Return the numbers that the page shows."""
     page.evaluate("draw()")

@@ -1,11 +1,13 @@
 """Keys, accessibility and layout of the teaching page."""
 
+import re
+
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from conftest import AXE
 from playwright.sync_api import expect
 
-from demo.conftest import show
+from demo.conftest import heard, show
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 SIZES = {"laptop": (1280, 720), "phone": (390, 844), "phone sideways": (844, 390), "projector": (1920, 1080)}
@@ -64,6 +66,63 @@ def test_the_focus_stays_where_something_opens_or_moves(page):
     expect(page.locator("#what-sheet")).to_be_focused()  # so it is spoken
     page.keyboard.press("Escape")
     expect(page.get_by_role("button", name="What is a sheet?")).to_be_focused()
+
+
+def test_the_focus_is_not_lost_at_the_end_of_a_presentation(page):
+    for end in ("Enter", "Escape"):
+        page.get_by_role("button", name="More").press("Enter")
+        page.get_by_role("button", name="Present").press("Enter")
+        expect(page.locator("#leave")).to_be_focused()
+        page.keyboard.press(end)
+        expect(page.get_by_role("button", name="More")).to_be_focused()
+
+
+def test_the_picture_is_described_in_words(page):
+    """Where things are, what is seen, and why the object turns less than what is far away."""
+    page.evaluate("openQuestion(1); draw()")
+    label = page.evaluate("describe(moment())")
+    assert "mountains" not in label and label.endswith("the description comes with the answer.")
+    page.evaluate("openQuestion(-1); draw()")
+    assert page.evaluate("describe(moment())") == (
+        "A knight seen through the ideal sheet. α = 66.0°, z₁ = 2 and z₂ = 6 tiles. "
+        "The object L is 0.85 tiles down from the window’s middle, the eye E opposite the window’s middle. "
+        "The mountains, which are far away, appear turned by 66.0° counter-clockwise. The sheets turn the direction of "
+        "each ray, but not the place where it crosses them: the nearer a thing is behind them, the less way its light "
+        "has to go aside, and the less the thing turns. "
+        "The knight appears turned by 15.0° counter-clockwise, and 1.13 times as large as without the sheets."
+    )
+    show(page, alpha=0)
+    assert "mountains" not in page.evaluate("describe(moment())")
+
+
+def test_the_light_and_the_curtain_are_spoken(page):
+    spoken = page.locator("#spoken")
+    page.locator("#light").select_option("pencil")
+    expect(spoken).to_have_text(re.compile("25 rays from L[.] "))
+    page.locator("#light").select_option("aim")
+    expect(spoken).to_have_text(re.compile("Through it the eye sees: .*[.]$"))
+    ring = page.locator("#aim-picture")
+    expect(ring).to_have_accessible_name(re.compile("^Ring, 0.5 tiles to the right and 0.5 tiles up from"))
+    before = spoken.text_content()
+    for _ in range(5):
+        ring.press("Shift+ArrowLeft")
+    expect(spoken).not_to_have_text(before)
+    page.locator("#compare").select_option("none")
+    page.locator("#curtain").press("ArrowLeft")
+    expect(page.locator("#curtain")).to_have_attribute("aria-valuetext", "ideal sheet: 49%, no sheet: 51%")
+
+
+def test_a_live_region_is_written_only_if_it_changes(page):
+    page.get_by_role("tab", name="Measure").click()
+    page.evaluate("draw()")
+    written = heard(page, "readings")
+    page.evaluate("draw(); draw()")
+    assert written() == []
+    page.locator("#point-C").press("ArrowRight")
+    page.evaluate("draw(); draw()")
+    assert len(written()) == 1
+    expect(page.locator("#plot-nu")).to_have_accessible_name("ν over α. No points are measured yet.")
+    page.get_by_role("tab", name="Explore").click()
 
 
 def test_axe_finds_no_fault(page):

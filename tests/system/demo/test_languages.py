@@ -132,7 +132,9 @@ def test_from_right_to_left_the_picture_and_numbers_stay(page):
         assert field < slider < symbol < stage
         assert centre(page, "#predicted") == pytest.approx(place, abs=0.01)
         assert page.evaluate("getComputedStyle($('number-Lx')).direction") == "ltr"
-        assert "\u200e-0.30, \u22120.85\u200e".replace("-", "\u2212") in page.evaluate("describe(moment())")
+        place = "\u22120.30, \u22120.85"
+        assert f"\u200e{place}\u200e" in page.evaluate("(place) => say('pole.at', { place })", place)
+        assert "\u200e0.3\u200e" in page.evaluate("describe(moment())")
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     finally:
         page.evaluate("choose('en'); draw()")

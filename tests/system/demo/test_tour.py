@@ -38,7 +38,9 @@ def test_it_waits_for_who_uses_the_keyboard(browser, demo_file):
     page = browser.new_page(reduced_motion="no-preference")
     page.goto(demo_file.as_uri())
     page.wait_for_function("povgen.tour.tour.step >= 0")
-    expect(page.locator("#spoken")).to_have_text("The guided start runs. Escape leaves it.")
+    expect(page.locator("#spoken")).to_have_text(
+        re.compile("^The guided start runs. Escape leaves it. A window stands on a floor.")
+    )
     page.keyboard.press("Tab")
     expect(page.get_by_role("button", name="Go on")).to_be_focused()
     expect(page.locator("#view")).to_have_attribute("aria-label", re.compile("^A knight seen without sheets"))
@@ -83,6 +85,22 @@ def test_what_the_steps_say_is_what_they_show(tour):
     expect(tour.locator("#light-says")).to_contain_text("They meet 2 tiles in front of the window")
 
 
+def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):
+    button, spoken = tour.get_by_role("button", name="Next"), tour.locator("#spoken")
+    for text, seen in (
+        ("This is one prism", "One sheet exchanges sky and floor."),
+        ("A hundred such prisms", ""),
+        ("A second sheet mirrors again", "The knight appears turned by 1[0-9.]+° counter-clockwise"),
+        ("Few large prisms", "The knight appears turned by 14.[0-9]° counter-clockwise"),
+        ("With prisms too small to see", "The knight appears turned by 19.1° counter-clockwise"),
+        ("Why[?]", "The knight appears turned by 4[0-9.]+° counter-clockwise"),
+        ("But what is near", "The knight appears not turned, and 2.00 times as large"),
+    ):
+        button.press("Enter")
+        tour.evaluate("draw()")
+        expect(spoken).to_have_text(re.compile(f"^{text}.*{seen}"))
+
+
 def test_who_moves_something_takes_over(tour):
     tour.locator("#number-z1").fill("3")
     assert tour.evaluate("[tour.step, state.z1]") == [-1, 3]
@@ -102,7 +120,7 @@ def test_with_reduced_motion_each_step_waits(tour):
     expect(tour.locator("#tour-pause")).to_be_hidden()
     tour.evaluate("tour.go(3); draw()")
     assert tour.evaluate("state.alpha") == 66  # at once
-    passed = tour.evaluate("new Promise((done) => requestAnimationFrame(() => done(tour.passed)))")
-    assert passed == 0
+    frame = "new Promise((done) => requestAnimationFrame(() => done(tour.passed)))"
+    assert tour.evaluate("tour.passed") == tour.evaluate(frame) > 0
     tour.get_by_role("button", name="Next").press("Enter")
     assert tour.evaluate("tour.step") == 4
