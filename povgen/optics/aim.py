@@ -36,10 +36,10 @@ Indices = NDArray[np.intp]
 # The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
-# The matrix of a profile is fitted to rays with FAN_SIDE slopes across the ridges, within FAN of a middle one, and at
-# FAN_SIDE places of a period for each slope.
+# The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values that differ by at most
+# FAN from a middle one. For each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_SLOPES = np.linspace(-0.6, 0.6, 31)  # among these is the one at which the greatest share of light makes a ghost
+_SLOPES = np.linspace(-0.6, 0.6, 31)  # across the ridges: `_usual_slope` chooses one of these for a `Ghost`
 _WIDTH = 61.0  # of the sheet through which rays are traced, periods; odd, so that a cell is in the middle
 _ROUNDS = 3  # a ghost's matrix depends on its slopes, and these on the matrix: so many iterations
 _PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
@@ -115,10 +115,10 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 
 
 def slope_error(shape: Prism | Profile, slope: complex) -> float:
-    """Return the RMS error of `small_angles` for the slope behind a sheet: of light with this slope before it.
+    """Return the RMS difference between the slopes of light behind a sheet and the slope by `small_angles`.
 
-    Slopes are along the ridges + i across. The light fills a period, and takes the designed path. NaN if none takes it;
-    0 for prisms.
+    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period, and
+    takes the designed path. NaN if none takes it; 0 for prisms.
     """
     if isinstance(shape, Prism):
         return 0.0
@@ -158,7 +158,7 @@ def field(profile: Profile) -> float:
 
 
 class Ghost(NamedTuple):
-    """An image by light that leaves the glass through other lenses than those opposite the lenses where it enters."""
+    """An image of a point, formed by light that leaves the glass through a lens not opposite the one it enters."""
 
     # for each sheet: by how many cells a ray from the eye leaves the glass above the cell where it enters
     orders: tuple[int, ...]
@@ -270,8 +270,9 @@ def _places(count: int) -> Floats:
 
 
 def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Booleans]:
-    """Trace rays through a sheet of a profile with the pitch 1. Return which meet its path's edges, in any cells.
+    """Trace rays through a sheet of a profile with the pitch 1. Return them, and whether each takes the profile's path.
 
+    On this path, a ray meets the edges `profile.path` in this order, and no others, in the same cell or in several.
     `place` is across the ridges, in the middle plane. Slopes are along the ridges + i across.
     """
     z = np.full(place.shape, -profile.half)

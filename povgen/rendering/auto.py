@@ -222,9 +222,9 @@ class _Trial:
         for (_, part), picture, converged in zip(self.mosaics, pictures, self.converged, strict=True):
             blocks = _flip(picture, converged, part.side)
             if candidate.sheet == "detailed":
-                # FLIP depends on a pixel's surroundings. Between the mosaic's other blocks it is too high (noise at the
-                # edges). Between copies of the block it is too low by the same amount (3 %, mean of 14 scenes). So the
-                # two values are averaged.
+                # FLIP depends on a pixel's surroundings. If a block is surrounded by the mosaic's other blocks, its
+                # FLIP is too high (noise at the edges). If it is surrounded by copies of itself, its FLIP is too low by
+                # the same amount (3 %, mean of 14 scenes). So the two values are averaged.
                 blocks = (blocks + _flip(picture, converged, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)

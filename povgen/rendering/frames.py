@@ -44,7 +44,7 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 def _read(path: Path, rendering: Rendering) -> bytes | None:
     """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    # the most that a valid frame has: 1 MiB, and twice the 3 bytes of a pixel, or 13 bytes for a pixel of light
+    # no valid frame is larger: 1 MiB, and for each pixel 6 bytes (twice its three), or 13 for linear light
     return cache.read(path, most=2**20 + (13 if rendering.is_light else 6) * width * height)
 
 
@@ -98,8 +98,8 @@ def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
 def _unpacked(packed: bytes, row: int, most: int) -> tuple[int, int]:
     """Return the number of unpacked bytes, and the greatest of the first bytes of the rows. A row has `row` bytes.
 
-    A damaged file may unpack to more than memory holds. So few bytes are unpacked at once, and in all not many more
-    than `most`.
+    A damaged file may unpack to more than memory holds. So it is unpacked in blocks, and unpacking ends soon after
+    `most` bytes.
     """
     unpacker, count, highest = zlib.decompressobj(), 0, 0
     while count <= most and (block := unpacker.decompress(packed, BLOCK)):

@@ -152,7 +152,7 @@ def to_pov(
 def to_sheets(scene: Scene) -> str:
     """Return the scene's sheets of prisms or lenses in POV-Ray's language, as a text to #include in another scene.
 
-    Raises InputError if a window has an ideal sheet, or none, and for errors of building.
+    Raises InputError if a window has an ideal sheet or no sheet, and if sheets are not built exactly (option `error`).
     """
     if checked_scene(scene).ideal:
         allowed = ", ".join(repr(name) for name, kind in SHEETS.items() if issubclass(kind, Layered))
@@ -171,7 +171,7 @@ def _is_exact(scene: Scene) -> bool:
 
 
 def _shapes(scene: Scene) -> list[Prisms]:
-    """Return the different sheets of prisms: of windows with the same layers, shape and tops, the last one's."""
+    """Return the different sheets of prisms: of those with equal layers, shape and tops, only the last one."""
     found = {
         (sheet.layers, sheet.shape, sheet.values["tops"]): sheet for sheet in scene.sheets if isinstance(sheet, Prisms)
     }
@@ -273,8 +273,8 @@ def to_report(
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:
     """Return the origin of a line of a text for POV-Ray: a user's file and the line in it, or a template and None.
 
-    `source` is the result of `to_pov` or `to_crossings` for these pieces. A user's file is that of a `PieceFile`. Lines
-    are counted from 1. The text of each template begins with a comment that names the template.
+    `source` is the result of `to_pov` or `to_crossings` for these pieces. A user's file is one that a
+    `PieceFile` was read from. Lines are counted from 1. The text of each template begins with a comment that names it.
     """
     for piece in pieces:
         if isinstance(piece, PieceFile):

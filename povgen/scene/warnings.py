@@ -106,7 +106,9 @@ def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tup
         if scene.has_prisms:
             what = f"the {_things(scene)}' size" + ("" if _things(scene) == "prisms" else " and aberrations")
             errors.append((possible_error(scene, L, z1, radius), MAX_ERROR, z1, what))
-        else:  # at M = MAX_CONDITION the error is a pixel; between the points of the camera's mesh it is grid_error
+        else:
+            # Two errors, in pixels. Up to M = MAX_CONDITION eq. 7 is right to one pixel. grid_error is that of the
+            # camera, which interpolates rays in the cells of its mesh.
             M = float(scene.nu_and_M(z1)[1])
             cells = camera_cells(scene)
             error = max(M / MAX_CONDITION, grid_error(scene, cells) if cells > 1 else 0)

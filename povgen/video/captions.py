@@ -20,8 +20,8 @@ from povgen.sheets.sheet import Said
 from povgen.video.text import text_width
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
-MOVING = 1.25  # the text of a movie's short caption is so much larger, because it is read while something moves
-LEAST_TURN = 2  # degrees: a movie's caption says by how much an object appears turned if this changes by more
+MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
+LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
 
 Reals = NDArray[np.float64]
 
