@@ -4,6 +4,7 @@ All is found by the exact ray trace, on the designed path (`scene.quantities.see
 `sheets.prisms.ERRORS`.
 """
 
+from contextlib import suppress
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -60,24 +61,30 @@ class Change(NamedTuple):
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
     """Return what a unit of each error changes: a degree, or a tile of `separation`.
 
-    Two errors are compared: greater and less by a step of `STEPS`, within the error's range. The difference is divided
-    by the errors' difference. `displaced` has no sign. Raises InputError for other sheets than one pair of prisms.
+    Two scenes are compared: with the error less and greater by a step of `STEPS`, or by a part of it if such a scene is
+    not allowed. The difference is divided by that of the errors. `displaced` has no sign. Raises InputError for other
+    sheets than one pair of prisms, and for an error that can be neither less nor greater.
     """
     _checked(scene)
-    ends = {name: _ends(name, scene.error.get(name, 0.0)) for name in STEPS}
-    scenes = [scene.replace(error={**scene.error, name: end}) for name, both in ends.items() for end in both]
-    seen = _seen(scenes, workers, scheduler)
+    ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
+    units = {name: high.error.get(name, 0.0) - low.error.get(name, 0.0) for name, (low, high) in ends.items()}
+    for name in STEPS:
+        if not units[name]:
+            raise InputError(f"error: {name}: the scene allows neither less nor more of it")
+    seen = _seen([end for both in ends.values() for end in both], workers, scheduler)
     found = {}
-    for number, (name, (least, most)) in enumerate(ends.items()):
+    for number, name in enumerate(STEPS):
         change = _change(scene, seen.at(2 * number), seen.at(2 * number + 1))
-        found[name] = Change(*(each / (most - least) for each in change))
+        found[name] = Change(*(each / units[name] for each in change))
     return found
 
 
-def _ends(name: str, planned: float) -> tuple[float, float]:
-    """Return the two values of an error that `sensitivities` compares."""
-    allowed = ERRORS[name]
-    return max(planned - STEPS[name], allowed.least), min(planned + STEPS[name], allowed.most)
+def _moved(scene: Scene, name: str, step: float) -> Scene:
+    """Return the scene with an error changed by a step, by 1/2 to 1/16 of it if the scene allows no more, or by 0."""
+    for part in (1, 1 / 2, 1 / 4, 1 / 8, 1 / 16):
+        with suppress(InputError):
+            return scene.replace(error={**scene.error, name: scene.error.get(name, 0.0) + part * step})
+    return scene
 
 
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:

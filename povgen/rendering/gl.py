@@ -2,7 +2,7 @@
 
 `gl_runner` starts this module as a process. A graphics driver that crashes then ends this process alone. It writes a
 line of JSON with the device's name. Then it reads a line for each picture and answers with an empty object, or with an
-`error`.
+`error`, and its `errno` if the system has one.
 """
 
 import base64
@@ -285,7 +285,7 @@ def main() -> None:
             picture = Path(asked["picture"])
             write_light(picture, bands) if is_light else write_png(picture, bands, size)
         except OSError as error:  # the disk is full; said where povgen waits, and this process goes on
-            say(error=error.strerror, errno=error.errno)
+            say(error=error.strerror or str(error), errno=error.errno)
         except Exception as error:
             say(error=f"{type(error).__name__}: {error}")
         else:

@@ -91,7 +91,7 @@ class Runner:
                     raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
                 continue
             self._idle.append(process)
-            if "errno" in answer:
+            if answer.get("errno"):
                 raise OSError(answer["errno"], answer["error"], str(folder))
             if "error" in answer:
                 raise PovrayError(f"renderer gl: {one_line(answer['error'])}")

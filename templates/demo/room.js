@@ -61,17 +61,19 @@ $("photo").addEventListener("change", async () => {
 });
 $("all-around").addEventListener("change", showPhoto);
 
+let asking = false;  // for the camera: a second press would start a camera that nothing stops
 $("camera").addEventListener("click", async () => {
   if (stream) return stopCamera();
+  if (asking) return;
   const video = $("camera-video");
-  $("camera").disabled = true;  // a second press would start a camera that nothing stops
+  asking = true;
   try {
     stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment" } });
   } catch {
     $("room-message").textContent = say("share.no_camera");
     return;
   } finally {
-    $("camera").disabled = false;
+    asking = false;
   }
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);

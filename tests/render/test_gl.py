@@ -26,6 +26,7 @@ from povgen.rendering.flip import flip
 from povgen.rendering.volumes import volumes
 from povgen.scene.models import pieces
 from povgen.settings import Rendering
+from povgen.video import encode
 
 SIZE = (160, 120)
 SMALL = Rendering(renderer="gl", size=(64, 48), antialias="2x")
@@ -362,6 +363,15 @@ def test_a_full_disk_is_named_by_its_folder(text, runner, tmp_path):
     assert message_of(raised.value) == f"{tmp_path}: No space left on device"
     (tmp_path / "frame.png").unlink()
     assert runner.run(text, SMALL, tmp_path).is_file() and len(runner._all) == 1
+
+
+def test_a_damaged_picture_is_an_error_in_one_line(text, runner, tmp_path, monkeypatch):
+    """Pillow's error is an OSError without errno."""
+    cut = encode.png(np.zeros((64, 64, 3), np.uint8))[:-20]
+    monkeypatch.setattr("povgen.rendering.gl_runner.pictures.used", lambda _: {"sky.png": cut})
+    asked = json.dumps(json.loads(text) | {"pictures": {"sky": "sky.png"}})
+    with pytest.raises(PovrayError, match=r"^renderer gl: [^\n]*$"):
+        runner.run(asked, SMALL, tmp_path)
 
 
 def test_a_wrong_shader_is_an_error_in_one_line(runner, tmp_path):

@@ -183,6 +183,15 @@ def test_sensitivities_of_errors_at_the_end_of_their_range():
     assert tolerance.sensitivities(wrong)["turn"].turned == pytest.approx(1, abs=0.05)
 
 
+def test_sensitivities_where_the_scene_allows_only_smaller_errors():
+    """A tilted sheet would reach the knight, or facets would cross."""
+    found = tolerance.sensitivities(Chess(alpha=90, z1=0.6))
+    assert all(np.isfinite(each.displaced) for each in found.values())
+    assert tolerance._moved(Chess(aspect=0.48), "base_angle", -1).error == {"base_angle": -0.5}
+    with pytest.raises(InputError, match="error: tilt_x: the scene allows neither less nor more of it"):
+        tolerance.sensitivities(Chess(prisms=20, z1=1.0818))
+
+
 def test_random_builds_of_a_scene_with_an_error():
     wrong = FINE.replace(error={"turn": 1})
     change = tolerance.builds(wrong, tolerance.Spread(deviation={"turn": 0.01}, builds=5))

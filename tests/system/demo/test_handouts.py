@@ -180,7 +180,9 @@ def test_before_the_first_picture_nothing_is_printed(page):
 
 
 def test_a_camera_that_is_asked_for_is_not_asked_for_again(page):
-    """The second one could not be stopped."""
+    """The second one could not be stopped. The button keeps the focus."""
+    page.evaluate("$('room').hidden = false")
+    page.locator("#camera").focus()
     page.evaluate(
         """() => {
           window.streams = [];
@@ -195,7 +197,8 @@ def test_a_camera_that_is_asked_for_is_not_asked_for_again(page):
         }"""
     )
     page.wait_for_function("$('camera').getAttribute('aria-pressed') === 'true'")
-    page.evaluate("$('no-room').click(); $('tool-canvas').remove()")
+    expect(page.locator("#camera")).to_be_focused()
+    page.evaluate("$('no-room').click(); $('tool-canvas').remove(); $('room').hidden = true")
     assert page.evaluate("streams.map((each) => each.active)") == [False]
 
 
