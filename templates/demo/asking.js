@@ -22,7 +22,7 @@ export function openQuestion(n) {
     session.lastQuestion = n;
     ask(n);
   } else {
-    change({ ...session.explored, question: -1 });
+    change({ ...session.explored, level: state.level, question: -1 });
   }
   drawQuestion();
   refresh();

@@ -238,7 +238,8 @@ export function showNumbers(now) {
   const real = some && now.glass;
   const byEquation = (value) => say("numbers.for_prisms", { prisms: prismsText(now.scene.prisms), value });
   const fine = now.Z ? { nu: -arg(now.Z), M: now.z2 / abs(now.Z) } : { nu: equations.nu(now.r, now.alpha), M: equations.M(now.r, now.alpha) };
-  $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : say("numbers.nu");
+  $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : state.level === "simple" || now.sheet === "single" ? "" : say("numbers.nu");  // the simple name says it
+  $("about-bare").hidden = now.sheet === "single";
   $("about-M").textContent = real ? byEquation(size(fine.M)) : say(now.Z ? "numbers.M_series" : "numbers.M");
   $("paper-diagram").textContent = say(now.Z ? "page.complex_depth" : "page.as_paper");
   $("of-prisms").hidden = !real;

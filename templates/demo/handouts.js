@@ -55,6 +55,7 @@ for (const id of ["share", "room"]) {
     button.setAttribute("aria-expanded", String(shown));
     $("copied").textContent = "";
     if (shown) drawCode();
+    else if (id === "share" && !$("room").hidden) $("room-open").click();  // it belongs to these tools
   };
   button.addEventListener("click", () => open($(id).hidden));
   $(id).addEventListener("keydown", ({ key }) => {

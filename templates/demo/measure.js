@@ -215,9 +215,9 @@ function drawPlot(plot, name, x, now) {
   plot.replaceChildren(
     line("axis", [left, bottom], [right, bottom]), line("axis", [left, bottom], [left, top]),
     ...(name === "nu" ? [line("axis", to(least, 0), to(most, 0))] : [line("axis", to(least, 1), to(most, 1))]),
-    words("scale", [left, all - 10], fixed(least, log ? 1 : 0)), words("scale", [right - 8, all - 10], fixed(most, 0)), words("scale", [(left + right) / 2, all - 9], SYMBOL[x]),
+    words("scale", [left, all - 10], fixed(least, log ? 1 : 0)), words("scale", [right - 8, all - 10], fixed(most, 0)), words("scale", [(left + right) / 2, all - 9], `${SYMBOL[x]} / ${x === "alpha" ? "°" : say("units.tiles")}`),
     ...(name === "nu" ? [-end, 0, end] : [0, 1, 2, 3]).map((value) => words("scale", [15, to(least, value)[1]], fixed(value, 0))),
-    words("scale", [left + 12, 8], name === "nu" ? "ν" : "M"), curve("curve", inside), ...marks,
+    words("scale", [left + 16, 8], name === "nu" ? "ν / °" : "M"), curve("curve", inside), ...marks,
   );
   plot.setAttribute("aria-label", say(rows.length ? "measure.plot" : "measure.plot_empty", { name: name === "nu" ? "ν" : "M", x: SYMBOL[x], number: marks.length, value: now.two ? (name === "nu" ? angle(now.nu) : fixed(now.M, 2)) : "–" }));
 }

@@ -251,7 +251,7 @@ function says(now, rays, image) {
   const paths = [];
   if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("lost") }));
   if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
-  if (state.light === "ray") return say(rays.length ? "light.ray" : "light.no_ray");
+  if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
   if (state.light === "field") return say("light.no_field");
   if (state.light === "aim") return say("light.aim", { what: seenBy(now, rays[0]) });
   if (state.light === "eye") return [say("light.eye", { number: rays.length }), ...paths].join(" ");

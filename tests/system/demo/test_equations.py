@@ -50,8 +50,8 @@ def test_the_pole_of_two_windows_is_said(page):
 def test_the_equations_of_two_windows_of_prisms_are_given_too(page):
     show(page, windows=2, sheet="detailed", prisms=40, alpha=120, alpha2=120, d=2, z2=8)
     expect(page.locator("#value-nu")).to_have_text("−1.6°")
-    expect(page.locator("#about-nu")).to_have_text("for 40 prisms; the equation gives 0.0°")
-    expect(page.locator("#about-M")).to_have_text("for 40 prisms; the equation gives 1.333")
+    expect(page.locator("#about-nu")).to_have_text("for 40 prisms; ideal sheet: 0.0°")
+    expect(page.locator("#about-M")).to_have_text("for 40 prisms; ideal sheet: 1.333")
     expect(page.locator("#of-prisms")).to_have_text(
         "Z, the image and the diagram are for ideal sheets.", use_inner_text=True
     )

@@ -97,6 +97,10 @@ def test_for_a_projector_one_slider_is_left(page):
     expect(page.get_by_role("button", name="Leave", exact=True)).to_be_focused()
     expect(page.locator("input[type=range]:visible")).to_have_count(1)
     large = page.evaluate("parseFloat(getComputedStyle($('sentence')).fontSize)")
+    # before the first movement nobody knows where the pointer is
+    page.evaluate("$('pointer').style.display = 'block'")
+    assert page.evaluate("$('pointer').getBoundingClientRect().right") <= 0
+    page.evaluate("$('pointer').style.display = ''")
     page.mouse.move(300, 300)
     expect(page.locator("#pointer")).to_be_visible()
     page.keyboard.press("Escape")
@@ -227,3 +231,12 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     page.get_by_role("button", name="Your room").click()
     page.get_by_role("button", name="More").click()
     assert np.abs(picture(page) - before).mean() < 1 and page.evaluate("otherView().sky") is None
+
+
+def test_the_room_closes_with_the_tools_that_opened_it(page):
+    page.get_by_role("button", name="More").click()
+    page.get_by_role("button", name="Your room").click()
+    expect(page.locator("#room")).to_be_visible()
+    page.get_by_role("button", name="More").click()
+    expect(page.locator("#room")).to_be_hidden()
+    expect(page.locator("#room-open")).to_have_attribute("aria-expanded", "false")

@@ -109,7 +109,16 @@ def test_few_large_prisms_push_eye_and_object_away(page):
         expect(page.locator("#sentence")).to_contain_text(reason)
     show(page, prisms=100)
     assert page.evaluate("[moment().z1, moment().z2]") == [2, 6]
-    expect(page.locator("#about-nu")).to_have_text("for 100 prisms; the equation gives 15.0°")
+    expect(page.locator("#about-nu")).to_have_text("for 100 prisms; ideal sheet: 15.0°")
+
+
+@pytest.mark.parametrize("level", ["simple", "expert"])
+def test_one_sheet_has_no_angle_and_two_sizes(page, level):
+    show(page, sheet="single", z1=2, z2=6, level=level)
+    expect(page.locator("#value-nu")).to_have_text("mirrored")
+    expect(page.locator("#about-nu")).to_be_empty()
+    expect(page.locator("#value-bare")).to_have_text("width × 1, height × 2")
+    expect(page.locator("#about-bare")).to_be_hidden()
 
 
 @pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", *sorted({*KINDS} - {"axis", "twist"})])

@@ -49,6 +49,13 @@ def test_an_image_is_where_the_rays_meet(page, values, words, dashed):
     expect(page.locator("#space .virtual")).to_have_count(dashed)
 
 
+def test_without_a_sheet_no_turned_ray_is_described(page):
+    show(page, light="ray", sheet="none")
+    expect(page.locator(SAYS)).to_have_text("The path of the light from the object L to your eye E.")
+    show(page, sheet="ideal")
+    expect(page.locator(SAYS)).to_contain_text("It crosses the window at P. Dashed")
+
+
 def test_stray_light_has_its_own_colour_and_can_be_hidden(page):
     show(page, light="pencil", sheet="detailed")
     good, stray = drawn(page, "designed"), drawn(page, "stray")

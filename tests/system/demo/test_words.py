@@ -245,6 +245,14 @@ def test_what_was_explored_comes_back_after_the_questions(page):
     assert page.evaluate("({ ...state })") == before
 
 
+def test_the_level_that_was_chosen_at_a_question_stays(page):
+    page.evaluate("openQuestion(0)")
+    page.get_by_role("checkbox", name="expert").uncheck()
+    page.get_by_role("tab", name="Measure").click()
+    expect(page.get_by_role("checkbox", name="expert")).not_to_be_checked()
+    assert page.evaluate("state.level") == "simple"
+
+
 def test_a_link_to_a_question_does_not_show_its_answer(page):
     page.evaluate("revealed.clear(); fromHash('#question=2&alpha=66')")
     assert page.evaluate("[state.question, state.alpha]") == [1, 0]
