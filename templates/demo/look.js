@@ -18,6 +18,7 @@ $("dark").addEventListener("click", () => look(root.dataset.look !== "dark"));
 export function present(on) {
   document.body.classList.toggle("present", on);
   $("leave").hidden = !on;
+  $("pointer").style.transform = "";  // out of sight until it moves
   refresh();
 }
 $("present").addEventListener("click", () => {
