@@ -20,6 +20,7 @@ export function present(on) {
   document.body.classList.toggle("present", on);
   $("leave").hidden = !on;
   if (focused && !on) $("share-open").focus();  // the button is gone
+  $("pointer").style.transform = "";  // out of sight until it moves
   refresh();
 }
 $("present").addEventListener("click", () => {

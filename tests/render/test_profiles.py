@@ -42,7 +42,7 @@ def test_a_profile_from_a_file_shows_what_its_own_sheet_shows(tmp_path):
     same = render(Chess(sheet="lenticular"), **options)
     assert np.mean(np.any(own != same, axis=-1)) < 0.01
     file.write_text(file.read_text().replace("radii = [2]", "radii = [0.5]", 1))
-    with pytest.raises(InputError, match="edge 1: radius = 0.25; allowed: 0, or at least 0.5 periods") as error:
+    with pytest.raises(InputError, match="edge 1: radius = 0.25; allowed: 0, or 0.5 to 10000 periods") as error:
         Chess(sheet="profile", profile=file)
     assert "\n" not in str(error.value)
 

@@ -82,6 +82,7 @@ def page(shared_page):
           player.preset = data.presets[0];
           state.question = -1;
           session.lastQuestion = 0;
+          session.curtain = 0.5;
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;

@@ -176,4 +176,3 @@ def test_a_curtain_shows_two_settings(page):
     assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
-    page.evaluate("session.curtain = 0.5")
