@@ -120,9 +120,9 @@ $("tour-pause").addEventListener("click", () => {
 });
 $("tour-leave").addEventListener("click", () => tour.leave());
 
-// Whoever moves something else takes over.
+// Whoever moves something else takes over. A panel begins with what the page showed before, and a language moves nothing.
 const taken = ({ target }) => {
-  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, footer")) tour.leave(true);
+  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer")) tour.leave(!target.closest?.("[role=tab]"));
 };
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
 for (const event of ["pointerdown", "click"]) document.addEventListener(event, (what) => what.target.closest?.("#stage, button, input, select") && taken(what), true);

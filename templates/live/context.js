@@ -170,11 +170,12 @@ export class Context {
 
   // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
   // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
-  addRay(name, size, count, { part = 1, rows = undefined } = {}) {
+  // Of the two targets, the first ray is added to that of number `first`.
+  addRay(name, size, count, { part = 1, rows = undefined, first = 1 } = {}) {
     const { gl } = this, { canvas } = gl;
     // a moving picture is in a target of the canvas's size, which need not be made anew when the picture's size changes
     const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;
-    const [from, to] = [count & 1, 1 - (count & 1)].map((k) => this.target(name + k, width, height));
+    const [from, to] = [1 - first, first].map((k) => k ^ (count & 1)).map((k) => this.target(name + k, width, height));
     gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
     const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
     this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber: count }, rows);

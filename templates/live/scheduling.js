@@ -62,9 +62,11 @@ export class Schedule {
       return;
     }
     const size = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(scale * pixels)));
+    const whole = size[0] === canvas.width && size[1] === canvas.height;
     this.stale = false;
-    this.context.show(this.context.addRay("sum", size, 0), size, 1);
-    if (size[0] === canvas.width && size[1] === canvas.height) this.count = 1;  // the first ray of the picture at rest
+    // a smaller picture is in the target that the first ray of the picture at rest spares: it can be shown until then
+    this.context.show(this.context.addRay("sum", size, 0, { first: Number(whole) }), size, 1);
+    if (whole) this.count = 1;  // the first ray of the picture at rest
     this.finish(size[0] * size[1], PACE.MOVING);
   }
 

@@ -149,6 +149,27 @@ def test_the_page_is_printed_with_its_picture(page):
     assert not page.locator("#print-picture").get_attribute("src")
 
 
+def test_what_moved_can_be_printed_until_the_picture_at_rest_is_complete(page):
+    shown = """() => {
+      const seen = () => {
+        const copy = Object.assign(document.createElement("canvas"), { width: 40, height: 30 });
+        const pen = copy.getContext("2d");
+        view.context.repaint();
+        pen.drawImage(view.canvas, 0, 0, 40, 30);
+        return pen.getImageData(0, 0, 40, 30).data.join();
+      };
+      [view.pending, view.stale, view.budget] = [null, true, 5000];  // a small picture, as of a slow computer
+      view.move();
+      const moved = seen();
+      [view.count, view.row] = [0, 0];
+      view.refine();
+      const { width } = view.canvas, both = [view.context.shown[1][0] < width, seen() === moved];
+      view.again();
+      return both;
+    }"""
+    assert page.evaluate(shown) == [True, True]
+
+
 def test_both_sides_of_the_curtain_are_printed_beside_no_text(page):
     show(page, compare="none")
     picture(page)

@@ -124,3 +124,18 @@ def test_with_reduced_motion_each_step_waits(tour):
     assert tour.evaluate("tour.passed") == tour.evaluate(frame) > 0
     tour.get_by_role("button", name="Next").press("Enter")
     assert tour.evaluate("tour.step") == 4
+
+
+def test_a_panel_begins_with_what_the_page_showed_before(tour):
+    assert tour.evaluate("state.sheet") == "none"
+    tour.get_by_role("tab", name="Measure").click()
+    assert tour.evaluate("[tour.step, state.sheet, state.alpha]") == [-1, "ideal", 30]
+    tour.get_by_role("tab", name="Explore").click()
+
+
+def test_another_language_goes_on_with_it(tour):
+    tour.locator("#language").select_option("de")
+    tour.evaluate("draw()")
+    expect(tour.locator("#tour-text")).to_contain_text("Ein Fenster steht auf einem Boden")
+    tour.locator("#language").select_option("en")
+    assert tour.evaluate("tour.step") == 0
