@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import expect
 
-from demo.conftest import DRAWN, bounds, opened, picture, pixels, show
+from demo.conftest import COARSE, DRAWN, bounds, opened, picture, pixels, show
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
@@ -150,6 +150,7 @@ def test_the_page_is_printed_with_its_picture(page):
 
 
 def test_what_moved_can_be_printed_until_the_picture_at_rest_is_complete(page):
+    picture(page, COARSE)  # from here on, the program is compiled
     shown = """() => {
       const seen = () => {
         const copy = Object.assign(document.createElement("canvas"), { width: 40, height: 30 });
@@ -158,7 +159,8 @@ def test_what_moved_can_be_printed_until_the_picture_at_rest_is_complete(page):
         pen.drawImage(view.canvas, 0, 0, 40, 30);
         return pen.getImageData(0, 0, 40, 30).data.join();
       };
-      [view.pending, view.stale, view.budget] = [null, true, 5000];  // a small picture, as of a slow computer
+      [view.pending, view.stale] = [null, true];
+      view.budget = view.canvas.width * view.canvas.height / 4;  // a small picture, as of a slow computer
       view.move();
       const moved = seen();
       [view.count, view.row] = [0, 0];
