@@ -133,6 +133,7 @@ BUILDS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("index and base angle", {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3}}),
     ("turn, tilts and separation", {"error": {"turn": 2, "tilt_x": 3, "far_tilt_y": 2, "separation": 0.1}}),
     ("single facets", {"prisms": 30, "error": {"facets": 1, "seed": 5}}),
+    ("heights of single prisms", {"prisms": 30, "error": {"pitches": 0.05, "seed": 5}}),
 )
 
 
