@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from povgen.measure.plotting import COLOURS, PRISMS, Axes, drawn, name_lines, plain_ticks, save_lines
-from povgen.optics import aim
+from povgen.optics import paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, lenticulars
@@ -85,7 +85,7 @@ def table() -> None:
     for name, shape in KINDS.items():
         found, direction = rays(shape)
         part = shares(found)
-        field = aim.field(shape) if isinstance(shape, Profile) else np.nan
+        field = paraxial.field(shape) if isinstance(shape, Profile) else np.nan
         values = (
             f"{100 * part.designed:.0f} %",
             f"{100 * part.stray:.0f} %",

@@ -18,7 +18,7 @@ from hypothesis import settings
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
 from povgen.liveview.page import KINDS
-from povgen.optics import aim
+from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
 from povgen.scene.models import SCENES
@@ -164,10 +164,10 @@ def landing(scene, P):
 
 
 def glass(z2, alpha, prism, behind=()):
-    """Return windows of prisms as in `optics.aim`: `behind` as in equations.depth, one shape or one for each."""
+    """Return windows of prisms as in `optics.apparent`: `behind` as in equations.depth, one shape or one for each."""
     turns, distances = [alpha, *(turn for _, turn in behind)], [z2, *(d for d, _ in behind)]
     shapes = [prism] * len(turns) if isinstance(prism, Prism) else prism
-    pairs = [SimpleNamespace(transfer=aim.transfer(pair(turn, p))) for turn, p in zip(turns, shapes, strict=True)]
+    pairs = [SimpleNamespace(transfer=paraxial.transfer(pair(turn, p))) for turn, p in zip(turns, shapes, strict=True)]
     return [*zip(distances, pairs, strict=True)]
 
 
@@ -224,7 +224,19 @@ def browser():
 
 # The modules of the page whose exports are global names in Node.
 EXPORTED = (
-    *("aim", "equations", "numbers", "text", "address", "state", "moment", "contents", "questions", "beyond", "qr"),
+    *(
+        "apparent",
+        "equations",
+        "numbers",
+        "text",
+        "address",
+        "state",
+        "moment",
+        "contents",
+        "questions",
+        "beyond",
+        "qr",
+    ),
     *("rays", "trace"),
 )
 

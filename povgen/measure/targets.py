@@ -8,7 +8,7 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
-from povgen.optics import aim, equations, series
+from povgen.optics import apparent, equations, series
 from povgen.scene import camera
 from povgen.scene.windows import Window
 from povgen.sheets import OTHER
@@ -73,7 +73,7 @@ def other_targets() -> dict[str, list[Positions]]:
         for values in kind.examples:
             for E in (0j, 0.3 - 0.2j):
                 scene = Positions(sheet=sheet, z1=2, z2=5, eye=E, extent=0.1, **values)
-                *_, P, slope = aim.follow((0.2 + 0.3j - E) / scene.z2, E, scene.elements)[-1]
+                *_, P, slope = apparent.follow((0.2 + 0.3j - E) / scene.z2, E, scene.elements)[-1]
                 found[sheet].append(scene.replace(L=P + 2 * slope))
     return found
 

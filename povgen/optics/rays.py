@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.aim import Element, newton
+from povgen.optics.apparent import Element, newton
 from povgen.optics.equations import Complexes
 from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.trace import CHUNK, End, Rays, trace

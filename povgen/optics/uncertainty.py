@@ -1,10 +1,10 @@
-"""By how far a prediction for prisms of finite size can be wrong. Signs are as in `aim`. Lengths are in tiles."""
+"""By how far a prediction for prisms of finite size can be wrong. Signs are as in `apparent`. Lengths are in tiles."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from povgen.optics import aim
+from povgen.optics import apparent, paraxial
 from povgen.optics.equations import Complexes, Floats
 
 # The errors hold for apparent radii in this range, tiles. A radius outside it counts as the nearer limit.
@@ -24,12 +24,12 @@ class Layer(NamedTuple):
     # So 1/|k| is the apparent pitch. The step i conj(k) leads straight across the prisms.
     k: complex
     n: float  # refractive index of its glass
-    does: aim.SmallAngles  # to light at small angles
+    does: paraxial.SmallAngles  # to light at small angles
     tangent: float  # of the angle between the ray and the normal, in front of the sheet's window
     slope_error: float  # RMS, of this for the ray's slope
 
 
-def layers(P: complex, E: complex, windows: aim.Windows) -> list[Layer]:
+def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
     """Return every sheet of prisms that the ray from the eye through P crosses. P lies in the first window's plane."""
     found = []
     z2 = windows[0][0]
@@ -39,18 +39,18 @@ def layers(P: complex, E: complex, windows: aim.Windows) -> list[Layer]:
         ray[:, 2] = place[0].real, place[0].imag, slope[0].real, slope[0].imag, 1
         z = 0.0
         for sheet in window.layers_at(0.0, 0):
-            ray, z = aim.free(sheet.centre - z) @ ray, sheet.centre
+            ray, z = paraxial.free(sheet.centre - z) @ ray, sheet.centre
             across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2, :2] / (z2 * sheet.shape.pitch)
-            does = aim.small_angles(sheet.shape)
+            does = paraxial.small_angles(sheet.shape)
             own_slope = complex(ray[2, 2], ray[3, 2]) * np.exp(-1j * sheet.angle)
-            off = np.fmax(does.blur, aim.slope_error(sheet.shape, own_slope))
+            off = np.fmax(does.blur, paraxial.slope_error(sheet.shape, own_slope))
             k, index = complex(across[1], across[0]), sheet.shape.index
             found.append(Layer(k, index, does, float(abs(slope[0])), float(off)))
-            ray = aim.layer(sheet) @ ray
+            ray = paraxial.layer(sheet) @ ray
     return found
 
 
-def possible_error(P: complex, E: complex, z1: float, radius: float, windows: aim.Windows) -> float:
+def possible_error(P: complex, E: complex, z1: float, radius: float, windows: apparent.Windows) -> float:
     """Return how far, at most, an object at z1 appears from P, its predicted position.
 
     `radius` is the object's. The result is infinite if the object appears at infinity. The error has four parts:
@@ -95,10 +95,10 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ai
     return max(2 * max(shares), sum(shares)) + scale * (beyond + turned) + max(spreads) ** 2 / (FALL * z2)
 
 
-def _neighbours(P: complex, E: complex, windows: aim.Windows) -> list[tuple[Complexes, ...]]:
+def _neighbours(P: complex, E: complex, windows: apparent.Windows) -> list[tuple[Complexes, ...]]:
     """Follow the ray through P and four rays whose slopes are a small step to the right, left, up and down."""
     steps = np.array([0, _STEP, -_STEP, 1j * _STEP, -1j * _STEP])
-    return aim.follow((P - E) / windows[0][0] + steps, E, windows)
+    return apparent.follow((P - E) / windows[0][0] + steps, E, windows)
 
 
 def _derivative(values: Complexes) -> Floats:

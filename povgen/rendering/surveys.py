@@ -9,13 +9,14 @@ import sys
 from hashlib import sha256
 
 from povgen import limits, sheets
-from povgen.optics import aim, equations, faces, polarisation, prism, profile, trace
+from povgen.optics import apparent, equations, faces, paraxial, polarisation, prism, profile, trace
 from povgen.rendering import cache
 from povgen.scene import survey
 from povgen.scene.models import Scene
 from povgen.sheets import law, sheet
 
-OPTICS = (aim, equations, faces, polarisation, prism, profile, trace)  # all modules of povgen.optics that a survey uses
+# all modules of povgen.optics that a survey uses
+OPTICS = (apparent, equations, faces, paraxial, polarisation, prism, profile, trace)
 SHEETS = (law, sheet, *(sys.modules[kind.__module__] for kind in sheets.SHEETS.values()))
 
 

@@ -43,7 +43,7 @@ if TYPE_CHECKING:  # numpy is slow to load
     from numpy.random import Generator
     from numpy.typing import ArrayLike
 
-    from povgen.optics import aim
+    from povgen.optics import apparent, paraxial
     from povgen.optics.equations import Booleans, Complexes, Floats
     from povgen.optics.rays import Bundle, Spot, Traced
 
@@ -285,15 +285,15 @@ class Scene(ParametersOfSheets):
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
     @property
-    def elements(self) -> "aim.Windows":
-        """The windows as in `optics.aim`."""
+    def elements(self) -> "apparent.Windows":
+        """The windows as in `optics.apparent`."""
         return self._elements(self.sheets)
 
-    def _elements(self, sheets: tuple[Sheet, ...]) -> "aim.Windows":
+    def _elements(self, sheets: tuple[Sheet, ...]) -> "apparent.Windows":
         return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), sheets, strict=True)]
 
-    def _with_alpha(self, alpha: "ArrayLike | None") -> "aim.Windows":
-        """Return the windows as in `optics.aim`. `alpha`, in degrees, replaces that of the first window."""
+    def _with_alpha(self, alpha: "ArrayLike | None") -> "apparent.Windows":
+        """Return the windows as in `optics.apparent`. `alpha`, in degrees, replaces that of the first window."""
         if alpha is None:
             return self.elements
         import numpy
@@ -350,7 +350,7 @@ class Scene(ParametersOfSheets):
     def apparent_position(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> "Complexes":
-        """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `aim.position` finds.
+        """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `apparent.position` finds.
 
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
         light. `near` is for sheets without a ray-transfer matrix: the distance, in tiles, at which light may pass the
@@ -358,13 +358,13 @@ class Scene(ParametersOfSheets):
         """
         import numpy  # slow to load, and few scenes need a prediction
 
-        from povgen.optics import aim, equations
+        from povgen.optics import apparent, equations
 
         z1 = _distances(z1)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
             turn = numpy.radians(self.alpha if alpha is None else alpha)
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
-        return aim.position(L, self.E, z1, self._with_alpha(alpha), near)
+        return apparent.position(L, self.E, z1, self._with_alpha(alpha), near)
 
     def visible(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
@@ -382,12 +382,12 @@ class Scene(ParametersOfSheets):
         """Return both: the apparent position of a point, and whether it is visible."""
         import numpy
 
-        from povgen.optics import aim
+        from povgen.optics import apparent
 
         position = self.apparent_position(L, z1, alpha, near)
         crossed: list[Complexes] = []
         with numpy.errstate(invalid="ignore"):
-            followed = aim.follow((position - self.E) / self.z2, self.E, self._with_alpha(alpha))
+            followed = apparent.follow((position - self.E) / self.z2, self.E, self._with_alpha(alpha))
             for k, (before, slope, behind, after) in enumerate(followed):
                 layers = self.sheets[k].layers_at(0.0, k)
                 for z in (self.depth / 2, layers[-1].centre if layers else 0.0):
@@ -395,18 +395,18 @@ class Scene(ParametersOfSheets):
         half = self.aperture / 2
         return position, numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
-    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[aim.Ghost]":
+    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[paraxial.Ghost]":
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
         L and z1 are in tiles. A ghost is left out if less than this share of the light at its position makes it, or if
         the window's frame hides it. Windows in series are not followed: then the list is empty.
         """
-        from povgen.optics import aim
+        from povgen.optics import paraxial
 
         if self.window or not self.layered:
             return []
         half = (1 + self.depth / 2 / self.z2) * self.aperture / 2
-        found = aim.ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
+        found = paraxial.ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
         near = [ghost for ghost in found if max(abs(ghost.position.real), abs(ghost.position.imag)) < half]
         return [ghost for ghost in near if ghost.share >= least]
 
@@ -414,7 +414,7 @@ class Scene(ParametersOfSheets):
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
-        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `aim.nu_and_M`.
+        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `apparent.nu_and_M`.
         Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
         180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a window does not rotate
         light: then it can distort an object. z1 is in tiles; arrays broadcast. Raises InputError for a z1
@@ -422,7 +422,7 @@ class Scene(ParametersOfSheets):
         """
         import numpy
 
-        from povgen.optics import aim, equations
+        from povgen.optics import apparent, equations
 
         z1 = _distances(z1)
         if not self.rotates and not self.is_empty:
@@ -432,7 +432,7 @@ class Scene(ParametersOfSheets):
             r = equations.r(z1, self.z2)
             nu, M = equations.nu(r, radians(self.alpha)), equations.M(r, radians(self.alpha))
         else:
-            nu, M = aim.nu_and_M(z1, self.elements)
+            nu, M = apparent.nu_and_M(z1, self.elements)
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @input_errors()

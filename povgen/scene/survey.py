@@ -96,7 +96,7 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
     """
     import numpy as np
 
-    from povgen.optics import aim
+    from povgen.optics import apparent
 
     windows, z2, E, aperture, side = given
     half = aperture / 2
@@ -106,10 +106,10 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
         z = window.z
 
     def crossings(P: "Complexes") -> "Complexes":
-        return np.stack([place for place, *_ in aim.follow((P - E) / z2, E, elements)])
+        return np.stack([place for place, *_ in apparent.follow((P - E) / z2, E, elements)])
 
     low, high = np.full(2, -half), np.full(2, half)
-    if aim.matrix(elements[:-1]) is not None:  # the crossings are linear functions of P
+    if apparent.matrix(elements[:-1]) is not None:  # the crossings are linear functions of P
         origin = crossings(np.array([E]))[:, 0]
         steps = crossings(E + np.array([1, 1j])) - origin[:, None]
         for at, (a, b) in zip(origin, steps, strict=True):

@@ -7,7 +7,7 @@ from povgen.sheets.sheet import Sheet
 
 if TYPE_CHECKING:
     from povgen.optics import faces
-    from povgen.optics.aim import Matrix
+    from povgen.optics.paraxial import Matrix
     from povgen.optics.prism import Prism
     from povgen.optics.profile import Profile
 
@@ -33,9 +33,9 @@ class Layered(Sheet):
 
     @cached_property
     def transfer(self) -> "Matrix":
-        from povgen.optics import aim
+        from povgen.optics import paraxial
 
-        return aim.transfer(self.layers_at(0.0, 0))
+        return paraxial.transfer(self.layers_at(0.0, 0))
 
     def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
         from povgen.optics import faces, trace

@@ -16,7 +16,7 @@ from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal, Parameter
 
 if TYPE_CHECKING:
-    from povgen.optics import aim, profile
+    from povgen.optics import paraxial, profile
 
 NAMES = ("dove", "confocal", "lenticulars", "wedges")  # functions of optics/profile.py
 MAX_BYTES = 2**14  # of a file
@@ -111,10 +111,10 @@ class ProfileSheets(Layered):
         return made.scaled(self.pitch)
 
     @cached_property
-    def _does(self) -> "aim.SmallAngles":
-        from povgen.optics import aim
+    def _does(self) -> "paraxial.SmallAngles":
+        from povgen.optics import paraxial
 
-        return aim.small_angles(self.shape)
+        return paraxial.small_angles(self.shape)
 
     @property
     def thin(self) -> Ideal:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike
 
     from povgen.optics import faces
-    from povgen.optics.aim import Matrix
+    from povgen.optics.paraxial import Matrix
 
 Kind = Literal["number", "whole number", "direction", "choice", "text", "table", "profile"]
 
@@ -104,7 +104,7 @@ class Sheet:
 
     @property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix (`optics.aim`), of glass in paraxial approximation; None if the sheet has none."""
+        """The ray-transfer matrix (`optics.apparent`), of glass for small angles; None if the sheet has none."""
         return None
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from povgen.optics import aim
+from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene.models import Chess, Scene
@@ -279,7 +279,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     z = 0, in tiles, at most `step` apart. It ends where a window frame begins to hide the object.
     """
     ends = scene.depth / 2, 1e4 * scene.z2
-    infinite = aim.infinite_z1(scene.elements)
+    infinite = apparent.infinite_z1(scene.elements)
 
     def constant_alpha(L: complex) -> Curve:
         return lambda z1: scene.seen(L, z1)
@@ -291,7 +291,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     if len(scene.objects) == 1 and not scene.window and scene.rotates:
         z1 = scene.distances[0]
         shape = scene.layered[0].shape if scene.layered else Prism(0.0)
-        far = np.degrees(aim.infinite_alpha(z1, scene.z2, shape).real)
+        far = np.degrees(apparent.infinite_alpha(z1, scene.z2, shape).real)
 
         def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
             return scene.seen(scene.L, z1, alpha)

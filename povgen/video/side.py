@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from povgen.optics import aim
+from povgen.optics import apparent
 from povgen.optics.series import image_distance
 from povgen.scene.models import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
@@ -139,7 +139,7 @@ def _rays(scene: Scene) -> list[list[tuple[float, float]]]:
             continue
         slope = (complex(seen.apparent_position(tip, z1)) - eye) / scene.z2
         corners = [(-scene.z2, eye.imag)]
-        for z, (before, _, _, _) in zip(scene.places, aim.follow(slope, eye, seen.elements), strict=True):
+        for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
             corners.append((z, float(before.imag)))
         found.append([*corners, (scene.places[-1] + z1, tip.imag)])
     return found

@@ -2,7 +2,7 @@
 
 import * as geometry from "../live/geometry.js";
 import { bending } from "../live/sheets.js";
-import { fieldOf, imageDepth } from "./aim.js";
+import { fieldOf, imageDepth } from "./apparent.js";
 import { kinds } from "./beyond.js";
 import { abs, arg, minus, quotient } from "./complex.js";
 import { contents } from "./contents.js";

@@ -1,6 +1,6 @@
 // What is in the window: what the lines of sight through it meet.
 
-import { landing, meets } from "./aim.js";
+import { landing, meets } from "./apparent.js";
 import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
 import { data } from "./data.js";
 import { apparentOutline, apparentPosition, isBesideSecond, outside } from "./moment.js";

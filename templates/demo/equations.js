@@ -1,7 +1,7 @@
 // The paper's equations.
 //
 // Angles are in radians and lengths in tiles; r is above 0 and finite. Signs and units are as in
-// povgen/optics/equations.py and povgen/optics/aim.py. The tests compare these functions with these modules.
+// povgen/optics/equations.py and povgen/optics/apparent.py. The tests compare these functions with these modules.
 
 import { abs, arg, conj, minus, plus, quotient, scaled, times, turn } from "./complex.js";
 
@@ -66,7 +66,7 @@ export function prisms(L, E, z1, z2, alpha, prism, behind = []) {
   return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
 }
 
-// The angle by which two sheets of prisms show an object rotated, and its magnification: aim.nu_and_M.
+// The angle by which two sheets of prisms show an object rotated, and its magnification: apparent.nu_and_M.
 export function turned(z1, z2, alpha, prism, behind = []) {
   const { A, B } = depths(z1, z2, alpha, prism, behind);
   const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
@@ -91,7 +91,7 @@ function sheet({ slab_shift, separation }) {
   return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
 }
 
-// The point where light from L crosses the plane z = 0 if there is a single sheet: `aim.single`.
+// The point where light from L crosses the plane z = 0 if there is a single sheet: `apparent.single`.
 export function mirrored(L, E, z1, z2, prism) {
   const [x, y] = minus(L, E);
   return plus(E, scaled(z2, [x / (z2 + z1 - prism.slab_shift), y ? y / (z2 - z1) : 0]));

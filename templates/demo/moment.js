@@ -3,7 +3,7 @@
 
 import * as geometry from "../live/geometry.js";
 import { hasPrisms, windows } from "../live/sheets.js";
-import { crossing, crossings, following, landing, meets, pole } from "./aim.js";
+import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
 import { inSeries, isGeneral } from "./beyond.js";
 import { abs, arg, determinant, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 import { clamped, data, pick } from "./data.js";
@@ -46,7 +46,7 @@ export function moment() {
   now.glass = !now.lenses && now.windows.some(hasPrisms);
   now.prisms = now.windows.map((window) => (now.glass && hasPrisms(window) ? geometry.prism(window.values) : NO_PRISMS));
   now.follow = following(now.windows, state.E, z2);
-  now.general = isGeneral();  // whether `aim.js` follows rays, because the equations are for windows that rotate light
+  now.general = isGeneral();  // whether `apparent.js` follows rays, because the equations are for windows that rotate light
   // the distance from the first window to the second, and its angle: as `behind` in equations.js
   now.behind = now.windows.slice(1).map(({ z, sheet, values }) => [z, sheet === "none" ? 0 : geometry.radians(values.alpha)]);
   now.d = now.behind[0]?.[0];

@@ -1,7 +1,7 @@
 // Parts of sentences.
 
 import { radians } from "../live/geometry.js";
-import { linear } from "./aim.js";
+import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
 import { contents, SHOWN } from "./contents.js";
 import { data } from "./data.js";

@@ -2,7 +2,7 @@
 
 import { prism, radians } from "../live/geometry.js";
 import { windows } from "../live/sheets.js";
-import { fieldOf, imageDepth } from "./aim.js";
+import { fieldOf, imageDepth } from "./apparent.js";
 import { BEYOND } from "./beyond.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";

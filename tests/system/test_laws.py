@@ -9,7 +9,7 @@ from conftest import Node
 from povgen import Chess, to_pov
 from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions, decoded
-from povgen.optics import aim
+from povgen.optics import apparent
 from povgen.scene import camera
 from povgen.sheets import IDEAL, OTHER
 
@@ -94,7 +94,7 @@ def test_numpy_and_the_graphics_processor(scene, view):
 def through(scene, direction):
     """Which rays pass all windows and their frames, their directions and places behind the last one."""
     slope = (direction[:, 0] + 1j * direction[:, 1]) / direction[:, 2]
-    followed = aim.follow(slope, scene.E, scene.elements)
+    followed = apparent.follow(slope, scene.E, scene.elements)
     half, passes = scene.aperture / 2 - 0.01, np.ones(len(slope), bool)
     for P, before, Q, after in followed:
         for point in (P - scene.depth / 2 * before, P, Q + scene.depth / 2 * after):
@@ -127,5 +127,5 @@ def test_prisms_behind_any_ideal_sheet(sheet):
     text = to_pov(scene)
     assert "Sheet(Windows[W][0]/2" in text and "#declare Simulated  = 1;" in text
     seen = complex(scene.apparent_position(scene.L, 3))
-    *_, P, slope = aim.follow((seen - scene.E) / scene.z2, scene.E, scene.elements)[-1]
+    *_, P, slope = apparent.follow((seen - scene.E) / scene.z2, scene.E, scene.elements)[-1]
     assert P + 3 * slope == pytest.approx(scene.L, abs=1e-6)

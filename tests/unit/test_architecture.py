@@ -150,7 +150,11 @@ def test_the_mathematics_needs_numpy_only():
 
 
 def test_the_ray_trace_and_the_mesh_share_no_code():
-    assert not imports(MODULES["scene.sdl"]) & {"povgen.optics.trace", "povgen.optics.aim"}
+    assert not imports(MODULES["scene.sdl"]) & {
+        "povgen.optics.trace",
+        "povgen.optics.apparent",
+        "povgen.optics.paraxial",
+    }
     mesh = (PACKAGE.parent / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))
 

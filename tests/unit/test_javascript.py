@@ -30,7 +30,7 @@ from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.page import ALL_KINDS, KEPT, KINDS
 from povgen.liveview.values import values as live_values
-from povgen.optics import aim, equations, series, trace
+from povgen.optics import apparent, equations, paraxial, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.scene import shader, warnings
@@ -192,14 +192,17 @@ def test_positions_are_those_of_python(page):
            .map(({ nu, M }) => [Number.isNaN(nu) ? null : nu, M])""",
         grid,
     )
-    nu, M = np.transpose([aim.nu_and_M(z, glass(*given)) for z, *given in zip(z1, z2, alpha, shapes, strict=True)])
+    nu, M = np.transpose([apparent.nu_and_M(z, glass(*given)) for z, *given in zip(z1, z2, alpha, shapes, strict=True)])
     given = np.array([given for given, _ in turned], float)
     assert (np.isnan(given) == np.isnan(nu)).all()
     compare(np.exp(1j * given)[~np.isnan(nu)], np.exp(1j * nu)[~np.isnan(nu)], M[~np.isnan(nu)])  # pi is -pi
     compare(
         page.evaluate("(grid) => grid.map((numbers) => equations.prisms(...numbers))", grid),
         np.array(
-            [aim.position(*given[:3], glass(*given[3:])) for given in zip(L, E, z1, z2, alpha, shapes, strict=True)]
+            [
+                apparent.position(*given[:3], glass(*given[3:]))
+                for given in zip(L, E, z1, z2, alpha, shapes, strict=True)
+            ]
         ),
         M,
     )
@@ -234,8 +237,8 @@ def test_equations_of_windows_in_series_are_those_of_python(page):
             compare([Z], np.array([equations.depth(z1, z2, alpha, behind)]))
             L, E = complex(*L), complex(*E)
             compare([P], np.array([equations.apparent_position(L, E, z1, z2, alpha, behind)]))
-            compare([thick], np.array([aim.position(L, E, z1, glass(z2, alpha, prism, behind))]))
-            nu, M = aim.nu_and_M(z1, glass(z2, alpha, prism, behind))
+            compare([thick], np.array([apparent.position(L, E, z1, glass(z2, alpha, prism, behind))]))
+            nu, M = apparent.nu_and_M(z1, glass(z2, alpha, prism, behind))
             assert [turned["nu"], turned["M"]] == pytest.approx([nu, M], rel=1e-12)
 
 
@@ -471,7 +474,7 @@ def test_questions_are_answered_by_the_equations(page):
     assert equations.M(6 / 2, -1) == equations.M(6 / 2, 1) and nu(2, -66) == pytest.approx(-nu(2, 66))
     assert equations.M(3 / 2, np.pi) > equations.M(6 / 2, np.pi)
     reach = [Prism(2.4 / prisms).reach for prisms in (20, 100)]
-    field = np.degrees(np.arctan([aim.field(confocal(f_number=f_number)) for f_number in (3, 6)]))
+    field = np.degrees(np.arctan([paraxial.field(confocal(f_number=f_number)) for f_number in (3, 6)]))
     assert field[1] < 0.6 * field[0]
     assert right.pop("match") == {"alpha": 120, "z1": 4}
     assert right == pytest.approx(
@@ -646,7 +649,7 @@ def test_lenses_are_predicted(page):
     page.evaluate("change", {"f_number": 1, "ratio": 0.5})
     assert page.evaluate("state.f_number") == 3  # a lens is at most a semicircle
     assert page.evaluate("fieldOf", {"f_number": 3, "ratio": 1, "index": 1.5}) == pytest.approx(
-        aim.field(confocal()), abs=0.005
+        paraxial.field(confocal()), abs=0.005
     )
 
 

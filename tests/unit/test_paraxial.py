@@ -8,7 +8,7 @@ from conftest import glass, mirrored_position
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import aim, equations
+from povgen.optics import apparent, equations, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
@@ -31,7 +31,7 @@ SHAPES = [
 @given(DISTANCE, DISTANCE, ANGLE)
 def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
     assume(equations.condition(z2 / z1, alpha) < 1e6)
-    A, B = aim.depths(z1, glass(z2, alpha, Prism(0.0)))
+    A, B = apparent.depths(z1, glass(z2, alpha, Prism(0.0)))
     assert B == 0 and z2 / A == pytest.approx(equations.one_minus_P(z2 / z1, alpha), rel=1e-9)
 
 
@@ -53,7 +53,7 @@ def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
     # on average over the prisms L - E = A s + B conj(s)
     s = ((P - E) / z2)[rays.designed]
     (A, B), *_ = np.linalg.lstsq(np.column_stack((s, s.conj())), D, rcond=None)
-    predicted = aim.depths(z1, glass(z2, alpha, prism))
+    predicted = apparent.depths(z1, glass(z2, alpha, prism))
     thin = abs(equations.depth(z1, z2, alpha) - A) + abs(B)
     assert abs(predicted[0] - A) + abs(predicted[1] - B) < 0.12 * thin
 
@@ -64,24 +64,24 @@ def test_an_object_at_infinite_z1_appears_at_infinity(alpha, behind):
     """Where |A| = |B|, or where there is no such z1, |A| is least."""
     alpha, prism = alpha - sum(turn for _, turn in behind), Prism(0.05)
     windows = glass(6, alpha, prism, behind)
-    found = aim.infinite_z1(windows)
-    A, B = aim.depths(found, windows)
+    found = apparent.infinite_z1(windows)
+    A, B = apparent.depths(found, windows)
     if not len(found):
-        A, B = aim.depths(np.linspace(0, 100, 1000), windows)
+        A, B = apparent.depths(np.linspace(0, 100, 1000), windows)
         assert alpha == 1 or behind
         assert (abs(A) > abs(B)).all()
     elif abs(abs(A) - abs(B)).max() < 1e-9:
         assert len({*found}) == len(found) > 0
     else:
-        beside = [aim.depths(found + step, windows)[0] for step in (-0.01, 0.01)]
+        beside = [apparent.depths(found + step, windows)[0] for step in (-0.01, 0.01)]
         assert (abs(A) > abs(B)).all() and (abs(A) < np.abs(beside)).all()
 
 
 @pytest.mark.parametrize("z1", [5.98, 6.0, 6.03, 3.0])
 def test_an_object_at_infinite_alpha_appears_at_infinity(z1):
     prism = Prism(0.05)
-    alpha = complex(aim.infinite_alpha(z1, 6, prism))
-    A, B = aim.depths(z1, glass(6, np.array([alpha.real, -alpha.real]), prism))
+    alpha = complex(apparent.infinite_alpha(z1, 6, prism))
+    A, B = apparent.depths(z1, glass(6, np.array([alpha.real, -alpha.real]), prism))
     assert (alpha.imag == 0) == (z1 > 5)
     assert abs(A) == pytest.approx(abs(B)) if z1 > 5 else (abs(A) > abs(B)).all()
 
@@ -97,8 +97,10 @@ def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
     D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
     along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
     L = E + complex(along, across)
-    sheet = SimpleNamespace(transfer=aim.transfer([Sheet(0.0, 0.0, prism)]))
-    assert aim.position(L, E, z1, [(z2, sheet)]) == pytest.approx(mirrored_position(L, E, z1, z2, prism), rel=1e-12)
+    sheet = SimpleNamespace(transfer=paraxial.transfer([Sheet(0.0, 0.0, prism)]))
+    assert apparent.position(L, E, z1, [(z2, sheet)]) == pytest.approx(
+        mirrored_position(L, E, z1, z2, prism), rel=1e-12
+    )
     seen = (mirrored_position(L, E, z1, z2, prism) - E) / z2
     assert seen.real == pytest.approx(1, abs=0.05 * prism.slab_shift / (z1 + z2))
     assert seen.imag == pytest.approx(1, abs=0.01)

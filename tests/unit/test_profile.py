@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess
-from povgen.optics import aim
+from povgen.optics import paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
@@ -181,7 +181,7 @@ def test_the_period_and_the_gap_are_scaled():
 
 
 def test_the_matrix_of_a_profile_is_that_of_prisms():
-    does, prism = aim.small_angles(dove(Prism(0.1))), Prism(0.1)
+    does, prism = paraxial.small_angles(dove(Prism(0.1))), Prism(0.1)
     assert does.factor == pytest.approx(-1, abs=1e-9) and abs(does.deviation) < 1e-9 and does.blur < 1e-9
     assert does.slab_shift == pytest.approx(prism.slab_shift, rel=0.01)
     assert does.reach == pytest.approx(prism.reach, rel=0.02) and abs(does.shift) < 0.05 * prism.reach
@@ -194,17 +194,19 @@ def test_the_matrix_of_lenses_is_that_of_paraxial_optics(order):
     Along the ridges they are a slab of the thickness 2 f, which shifts light by 2 f (1 - 1/n) times the slope.
     """
     f, pitch = 20.0, 0.02
-    does = aim.small_angles(confocal(f_number=f).scaled(pitch), order)
+    does = paraxial.small_angles(confocal(f_number=f).scaled(pitch), order)
     assert does.factor == pytest.approx(-1, abs=2e-3)
     assert does.deviation == pytest.approx(order * 1.5 / f, rel=0.01, abs=1e-9)
     assert does.slab_shift == pytest.approx(pitch * 2 * f * (1 - 1 / 1.5), rel=0.01)
     assert order or (abs(does.shift) < 0.15 * pitch and abs(does.offset) < 1e-9)
-    unequal = aim.small_angles(confocal(2.0, f).scaled(pitch))
+    unequal = paraxial.small_angles(confocal(2.0, f).scaled(pitch))
     assert unequal.factor == pytest.approx(-0.5, abs=2e-3)
 
 
 def test_a_ghost_that_does_not_exist_has_no_matrix():
-    assert np.isnan(aim.small_angles(Prism(0.1), 1).factor) and np.isnan(aim.small_angles(confocal(), 60).factor)
+    assert np.isnan(paraxial.small_angles(Prism(0.1), 1).factor) and np.isnan(
+        paraxial.small_angles(confocal(), 60).factor
+    )
 
 
 @pytest.mark.parametrize("values", [{"ratio": 0.8}, {"ratio": 1.0, "f_number": 8}, {"ratio": 1.6}])

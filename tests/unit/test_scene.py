@@ -5,7 +5,7 @@ import pytest
 from conftest import glass, mirrored_position
 
 from povgen import Chess, InputError, Rendering, Spheres
-from povgen.optics import aim
+from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene import camera
@@ -136,7 +136,7 @@ def test_predictions_follow_the_prisms(name, sheet):
     shape = {"index": 1.5, "base_angle": 45, "gap": 0.01, "aspect": 1, name: values[name]}
     prism, L = Prism(shape.pop("aperture", APERTURE) / 20, **shape), 0.3 + 0.3j
     if sheet == "detailed":
-        right = aim.position(L, scene.E, 2, glass(6, np.radians(66), prism))
+        right = apparent.position(L, scene.E, 2, glass(6, np.radians(66), prism))
     else:
         right = mirrored_position(L, scene.E, 2, 6, prism)
     assert scene.apparent_position(L, 2) == pytest.approx(right, rel=1e-13)

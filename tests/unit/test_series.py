@@ -6,7 +6,7 @@ from conftest import glass
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import aim, equations, series
+from povgen.optics import apparent, equations, series
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, pair, trace
 
@@ -174,7 +174,7 @@ def test_the_image_through_four_sheets(rng):
 @pytest.mark.parametrize("prisms", [50, 200])
 @pytest.mark.parametrize("series", [TWO, IMAGING, THREE])
 def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
-    """L - E = A s + B conj(s), fitted to rays of the exact trace at small angles, is what aim.depths() says."""
+    """L - E = A s + B conj(s), fitted to rays of the exact trace at small angles, is what apparent.depths() says."""
     z1, z2, E = 3.0, 8.0, 0.1 + 0.2j
     alpha, behind = series
     rays, slope, prism = traced(series, prisms, squares(100, 0.4, rng), E, z2)
@@ -182,10 +182,10 @@ def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
     D = meets(rays, sum(d for d, _ in behind) + z1)[on] - E
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope[on], slope[on].conj())), D, rcond=None)
     thin = equations.depth(z1, z2, alpha, behind)
-    predicted = aim.depths(z1, glass(z2, alpha, prism, behind))
+    predicted = apparent.depths(z1, glass(z2, alpha, prism, behind))
     error = abs(A - predicted[0]) + abs(B - predicted[1])
     assert error < 0.15 * (abs(A - thin) + abs(B))
-    seen = aim.position(A * 0.01 + B * 0.01 + E, E, z1, glass(z2, alpha, prism, behind))
+    seen = apparent.position(A * 0.01 + B * 0.01 + E, E, z1, glass(z2, alpha, prism, behind))
     assert seen == pytest.approx(E + 0.01 * z2, abs=0.01 * z2 * error / abs(A))
 
 
@@ -198,7 +198,7 @@ def test_the_paraxial_prediction_for_prisms_behind_an_ideal_window(rng):
     on = rays.designed
     D, slope = meets(rays, z1)[on], P[on] / z2
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope, slope.conj())), D, rcond=None)
-    predicted = aim.depths(z1, glass(z2, alpha, [Prism(0.0), prism], [(d, turn)]))
+    predicted = apparent.depths(z1, glass(z2, alpha, [Prism(0.0), prism], [(d, turn)]))
     error = abs(A - predicted[0]) + abs(B - predicted[1])
     assert error < 0.15 * (abs(A - equations.depth(z1, z2, alpha, [(d, turn)])) + abs(B))
 
@@ -208,9 +208,9 @@ def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
     Z = equations.depth(z1, z2, alpha, behind)
     assume(abs(Z) > 1e-3)
     windows = glass(z2, alpha, Prism(0.0), behind)
-    A, B = aim.depths(z1, windows)
+    A, B = apparent.depths(z1, windows)
     assert B == pytest.approx(0, abs=1e-12) and A == pytest.approx(Z, rel=1e-9)
-    nu, M = aim.nu_and_M(z1, windows)
+    nu, M = apparent.nu_and_M(z1, windows)
     assert M * np.exp(1j * nu) == pytest.approx(z2 / Z, rel=1e-9)
 
 

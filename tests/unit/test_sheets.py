@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from povgen import Chess, InputError
-from povgen.optics import aim, equations
+from povgen.optics import equations, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
@@ -246,8 +246,8 @@ def test_matrices_are_those_of_the_laws(name, rng):
 def test_matrices_of_prisms_without_size_are_those_of_thin_sheets():
     for alpha in (-130, 0.5, 66):
         np.testing.assert_allclose(
-            aim.transfer(pair(np.radians(alpha), Prism(0.0))), sheet("ideal", alpha=alpha).transfer, atol=1e-12
+            paraxial.transfer(pair(np.radians(alpha), Prism(0.0))), sheet("ideal", alpha=alpha).transfer, atol=1e-12
         )
     np.testing.assert_allclose(
-        aim.transfer([Sheet(0.0, 0.0, Prism(0.0))]), sheet("mirror", alpha=0).transfer, atol=1e-12
+        paraxial.transfer([Sheet(0.0, 0.0, Prism(0.0))]), sheet("mirror", alpha=0).transfer, atol=1e-12
     )

@@ -8,7 +8,7 @@ import pytest
 from povgen import Chess, InputError
 from povgen.liveview.values import values
 from povgen.measure import tolerance
-from povgen.optics import aim
+from povgen.optics import paraxial
 from povgen.optics.faces import Sheet, single_prisms
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
@@ -29,7 +29,7 @@ def test_a_tilted_sheet_turns_light_by_twice_the_tilt_about_its_ridges(tilt):
     assert rays.designed.mean() > 0.8
     slope = rays.direction[rays.designed][:, :2] / rays.direction[rays.designed][:, 2:]
     np.testing.assert_allclose(slope, [(0, -np.tan(2 * tilt[0]))] * len(slope), atol=3e-5)
-    across = aim.layer(Sheet(0.0, 0.0, Prism(0.01), tilt=tilt))
+    across = paraxial.layer(Sheet(0.0, 0.0, Prism(0.01), tilt=tilt))
     np.testing.assert_allclose(slope, [across[2:4, 4]] * len(slope), atol=3e-5)
 
 
@@ -134,7 +134,7 @@ def test_lenses_of_another_pitch_turn_light_in_proportion_to_the_distance(mismat
     wanted = 1.5 * mismatch * x / (ratio * 6 * pitch)
     np.testing.assert_allclose(slope, wanted, rtol=0.003, atol=1e-12)
     # the prediction is fitted to rays up to 0.1 rad, and so has some spherical aberration
-    np.testing.assert_allclose(aim.layer(Sheet(0.0, 0.0, shape))[3, 1] * x, wanted, rtol=0.1, atol=1e-12)
+    np.testing.assert_allclose(paraxial.layer(Sheet(0.0, 0.0, shape))[3, 1] * x, wanted, rtol=0.1, atol=1e-12)
 
 
 def test_the_picture_of_arrays_of_different_pitch_repeats():

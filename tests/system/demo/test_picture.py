@@ -8,7 +8,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import COARSE, WORK, centre, picture, pixels, show
 from povgen.liveview.page import KINDS
-from povgen.optics import aim
+from povgen.optics import apparent
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
@@ -97,11 +97,11 @@ def test_paths_are_parted_at_infinity(page):
         lines = [np.array([part.split() for part in line.split("L")], float) for line in text.split("M")[1:]]
         steps = np.geomspace(1e-7, 1, 30_000)
         alpha, z1 = np.pi, scene.z2 * np.exp(np.concatenate((-8 * steps, 8 * steps)))
-        poles = aim.infinite_z1(scene.elements)
+        poles = apparent.infinite_z1(scene.elements)
         z1 = np.concatenate((z1, *(pole + s * steps for pole in poles for s in (-1, 1))))
         if kind == "of-r":
             z1 = scene.z1
-            poles = np.append(aim.infinite_alpha(z1, scene.z2, scene.prism).real, np.pi)
+            poles = np.append(apparent.infinite_alpha(z1, scene.z2, scene.prism).real, np.pi)
             alpha = np.concatenate([s * pole + t * 3 * steps for pole in poles for s in (-1, 1) for t in (-1, 1)])
             alpha = np.append(alpha, np.linspace(-np.pi, np.pi, 30_000))
         true = scene.apparent_position(scene.L, z1, np.degrees(alpha))

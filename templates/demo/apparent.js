@@ -1,5 +1,5 @@
-// Where the eye sees a point through windows with sheets of any kinds: povgen/optics/aim.py. A ray from the eye E with the slope
-// s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in live/sheets.js.
+// Where the eye sees a point through windows with sheets of any kinds: povgen/optics/apparent.py. A ray from the eye E with the
+// slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in live/sheets.js.
 
 import * as geometry from "../live/geometry.js";
 import { bending, hasPrisms } from "../live/sheets.js";
@@ -29,7 +29,7 @@ function layers(windows) {
 }
 
 // A sheet of confocal lenses, for light that leaves through the lens opposite, on average over a lens and for small angles:
-// `layer` in povgen/optics/aim.py without spherical aberration.
+// `layer` in povgen/optics/paraxial.py without spherical aberration.
 function lenses({ z, values: { ratio, index } }, { angle, centre, length }) {
   const factor = -1 / ratio;
   return {

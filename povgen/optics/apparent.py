@@ -1,0 +1,264 @@
+"""Where the eye sees a point through any list of windows, on numpy arrays.
+
+Points are complex numbers x + iy: x points right and y up, as the eye sees them. z points away from the eye. Lengths
+are in any one unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window, a distance
+z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
+
+A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
+and slope before the window, to the same behind it. The windows' matrices and those of the distances between them are
+multiplied. `paraxial` has those of prisms and lenses. For other windows only `Element.slope` is known: the slope behind
+the window, for each ray. Newton's method, from many starts, then finds the ray to L.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.faces import Sheet
+from povgen.optics.paraxial import Matrix, free, small_angles, solved
+from povgen.optics.prism import Prism
+from povgen.optics.profile import Profile
+
+Indices = NDArray[np.intp]
+# The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
+_ANGLES = np.radians(np.linspace(-84, 84, 25))
+_STEPS = 60  # of Newton's method
+_PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
+
+
+class Element(Protocol):
+    """What a window does to a ray from the eye."""
+
+    @property
+    def aperture(self) -> float:
+        """The side of the square window."""
+
+    @property
+    def transfer(self) -> Matrix | None:
+        """The ray-transfer matrix, or None if there is none."""
+
+    def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
+        """Return the sheets of prisms or lenses of window number `window`, which stands at z, the near one first."""
+
+    def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
+        """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
+
+
+# The nearest to the eye comes first. Each has its distance from the window before it; the first, from the eye.
+Windows = Sequence[tuple[float, Element]]
+
+
+def matrix(windows: Windows) -> Matrix | None:
+    """Return the matrix from the eye to behind the last window, or None if a window has none."""
+    total = np.eye(5)
+    for distance, window in windows:
+        if window.transfer is None:
+            return None
+        total = window.transfer @ free(distance) @ total
+    return total
+
+
+def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Complexes, Complexes, Complexes, Complexes]]:
+    """Follow rays from the eye with this slope. Return place and slope before and behind each window."""
+    s, P = np.asarray(slope, complex), np.asarray(E, complex)
+    found = []
+    for distance, window in windows:
+        P = P + distance * s
+        before = P, s
+        if window.transfer is not None:
+            ray = np.stack(np.broadcast_arrays(P.real, P.imag, s.real, s.imag, 1.0))
+            X, Y, sx, sy, _ = np.moveaxis(np.einsum("...ij,j...->...i", window.transfer, ray), -1, 0)
+            P, s = X + 1j * Y, sx + 1j * sy
+        else:
+            s = window.slope(s, P)
+        found.append((*before, P, s))
+    return found
+
+
+def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
+    """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
+
+    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths. The result is the position with
+    the least max(|x|, |y|). A square window round 0 that shows any of these positions shows this one. The result is NaN
+    if there is no path, and infinite if L appears at infinity.
+
+    At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
+    middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.
+    """
+    place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
+    distance, total = windows[0][0], matrix(windows)
+    with np.errstate(all="ignore"):  # infinite and NaN results
+        if total is None:
+            s = _search(place.ravel(), E, after.ravel(), windows, near.ravel()).reshape(place.shape)
+        else:
+            x, y, sx, sy, _ = np.moveaxis(total @ (E.real, E.imag, 0, 0, 1), -1, 0)
+            to = place - (x + 1j * y) - after * (sx + 1j * sy)
+            s = solved(total[..., :2, 2:4], after[..., None, None] * total[..., 2:4, 2:4], to)
+        return (E + distance * s)[()]
+
+
+def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
+    """Return A and B: if the slope at the eye changes by a small step s, L moves by A s + B conj(s).
+
+    For windows that rotate light, and an eye at E, L - E = A s + B conj(s) for every ray. Without thickness B = 0, and
+    A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the eye's plane in a line, or
+    not at all. NaN if a window has no matrix.
+    """
+    z1, total = np.asarray(z1, float), matrix(windows)
+    if total is None:
+        return (nothing := np.full(z1.shape, np.nan)[()]), nothing
+    near, far = total[..., :2, 2:4], z1[..., None, None] * total[..., 2:4, 2:4]
+    size = (abs(near) + abs(far)).max((-2, -1), keepdims=True)
+    (a, b), (c, d) = np.moveaxis(np.where(abs(near + far) <= 1e-14 * size, 0, near + far), (-2, -1), (0, 1))
+    return ((a + d + 1j * (c - b)) / 2)[()], ((a - d + 1j * (c + b)) / 2)[()]
+
+
+def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
+    """Return the angle nu, radians, through which an object appears turned, and its magnification M.
+
+    With A and B of `depths`, a short step d on the object appears as a d + b conj(d) in the plane of the first window:
+    a = z2 conj(A)/(|A|^2 - |B|^2) and b = -z2 B/(|A|^2 - |B|^2). Then nu = arg(a). The magnification depends on the
+    direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For sheets without thickness that
+    rotate light, nu and M are eqs. 8 and 9, corrected (docs/errata.md). If |b| > |a|, the object appears mirrored:
+    nu is NaN, and M is |b|. If |A| = |B|, nu is NaN and M is infinite.
+    """
+    A, B = depths(z1, windows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        M = windows[0][0] * np.maximum(abs(A), abs(B)) / abs(abs(A) ** 2 - abs(B) ** 2)
+    M = np.where(abs(abs(A) - abs(B)) <= 1e-14 * (abs(A) + abs(B)), np.inf, M)
+    return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
+
+
+def infinite_z1(windows: Windows) -> Floats:
+    """Return the distances z1 > 0 at which objects appear at infinity; none if a window has no matrix.
+
+    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. Of complex solutions, the real part is a
+    result: there |A|^2 - |B|^2 is closest to 0.
+    """
+    total = matrix(windows)
+    if total is None:
+        return np.empty(0)
+    (a, b), (c, d) = total[:2, 2:4]
+    (p, q), (r, t) = total[2:4, 2:4]
+    roots = np.roots([p * t - q * r, a * t + d * p - b * r - c * q, a * d - b * c])
+    return roots.real[roots.real > 0]
+
+
+def infinite_alpha(z1: ArrayLike, z2: ArrayLike, shape: Prism | Profile) -> Complexes:
+    """Return the alpha from 0 to pi, radians, at which two sheets that mirror show an object at infinity (|A| = |B|).
+
+    It is complex if there is no real one. At -alpha, the object is at infinity too.
+    """
+    g, apart = small_angles(shape).slab_shift, shape.separation
+    near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
+    return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
+
+
+def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats) -> Complexes:
+    """Return the slopes at the eye, (n,), of rays to L (n,): see `position`."""
+
+    def miss(s: Complexes, target: Indices) -> Complexes:
+        *_, P, behind = follow(s, E, windows)[-1]
+        return P + z1[target] * behind - L[target]
+
+    nets = [_net(_ANGLES, _ANGLES)]
+    passing = np.isfinite(follow(nets[0], E, windows)[-1][-1])
+    if passing.any() and not passing.all():  # a finer net where light passes
+        rows, columns = (np.flatnonzero(passing.any(axis)) for axis in (1, 0))
+        step = _ANGLES[1] - _ANGLES[0]
+        nets.append(_net(*(np.linspace(_ANGLES[i[0]] - step, _ANGLES[i[-1]] + step, 25) for i in (columns, rows))))
+    places = np.linspace(-0.55, 0.55, 25) * windows[0][1].aperture  # a net of rays through the first window
+    nets.append((places + 1j * places[:, None] - E) / windows[0][0])
+    starts, targets = [], []
+    for net in nets:
+        *_, P, behind = follow(net, E, windows)[-1]
+        for s, target in _starts(net, P + z1[:, None, None] * behind - L[:, None, None]):
+            starts.append(s)
+            targets.append(target)
+    s, target = np.concatenate(starts), np.concatenate(targets)
+    enough = np.maximum(_PRECISION * (abs(L - E) + z1 + windows[0][0]), near)[target]
+    s, off = newton(s, target, miss, enough)
+    found = off <= enough
+    far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
+    # of all found paths the nearest to the window's middle
+    best = np.full(len(L), complex(np.nan, np.nan))
+    order = np.argsort(np.where(found, far, np.inf))[::-1]
+    order = order[found[order]]
+    best[target[order]] = s[order]
+    return best
+
+
+def _net(x: Floats, y: Floats) -> Complexes:
+    """Return slopes of rays. x and y are the angles of their projections, onto x-z and y-z, to the normal."""
+    return np.tan(np.clip(x, -1.55, 1.55)) + 1j * np.tan(np.clip(y, -1.55, 1.55))[:, None]
+
+
+def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indices]]:
+    """Yield slopes from which to search, and the numbers of their targets.
+
+    `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
+    """
+    # for targets in a triangle of three neighbouring rays, or a little outside: the slope, interpolated in the triangle
+    for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
+        a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
+        u, v = b - a, c - a
+        size = _cross(u, v)
+        p, q = _cross(v, a) / size, _cross(a, u) / size
+        inside = np.nonzero((p > -0.3) & (q > -0.3) & (p + q < 1.3))
+        s0, s1, s2 = (net[rows, columns][inside[1:]] for rows, columns in ((i, i), (j, i), (i, j)))
+        yield s0 + p[inside] * (s1 - s0) + q[inside] * (s2 - s0), inside[0]
+    # rays that pass the target more closely than their neighbours
+    off = np.nan_to_num(abs(image), nan=np.inf)
+    _, n, m = off.shape
+    framed = np.pad(off, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
+    rows = np.minimum(np.minimum(framed[:, :n], framed[:, 1 : n + 1]), framed[:, 2:])
+    least = np.minimum(np.minimum(rows[..., :m], rows[..., 1 : m + 1]), rows[..., 2:])  # of the ray and its neighbours
+    lowest = np.nonzero(np.isfinite(off) & (off == least))
+    yield net[lowest[1:]], lowest[0]
+
+
+def _cross(a: Complexes, b: Complexes) -> Floats:
+    """Return the cross products of vectors that complex numbers stand for."""
+    return np.asarray(a.real * b.imag - a.imag * b.real)
+
+
+@np.errstate(all="ignore")  # infinite and NaN steps are not taken
+def newton(
+    s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes], enough: Floats
+) -> tuple[Complexes, Floats]:
+    """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
+
+    Levenberg's and Marquardt's method: if no ray near the first one meets the target, the result is the ray that misses
+    it least. A ray is given up if its distance is more than `enough`, and ten steps have not halved it.
+    """
+    s, f = s.copy(), miss(s, target)
+    damping, earlier = np.full(len(s), 1e-3), abs(f)
+    active = np.flatnonzero(np.isfinite(f))
+    for number in range(1, _STEPS + 1):
+        if not len(active):
+            break
+        at, value, aim = s[active], f[active], target[active]
+        h = 1e-7 * (1 + abs(at))
+        a, b = (miss(at + h, aim) - value) / h, (miss(at + 1j * h, aim) - value) / h  # the columns of the Jacobian
+        aa, bb, ab = abs(a) ** 2, abs(b) ** 2, (a.conj() * b).real
+        ga, gb = (a.conj() * value).real, (b.conj() * value).real
+        more = damping[active]
+        p, r = aa * (1 + more), bb * (1 + more)
+        size = p * r - ab**2
+        step = -(r * ga - ab * gb) / size - 1j * (p * gb - ab * ga) / size
+        step = np.where(np.isfinite(step), step, 0)
+        new = miss(at + step, aim)
+        better = abs(new) < abs(value)
+        s[active], f[active] = np.where(better, at + step, at), np.where(better, new, value)
+        damping[active] = np.where(better, more * 0.1, np.maximum(more, 1e-8) * 8)
+        size = abs(step) / (1 + abs(at))
+        going = (size > np.where(better, 1e-15, 1e-10)) & (damping[active] < 1e8) & (f[active] != 0)
+        active = active[going]
+        if number % 10 == 0:
+            distance = abs(f[active])
+            closer = (distance < earlier[active] / 2) | (distance <= enough[active])
+            earlier[active], active = distance, active[closer]
+    return s, np.nan_to_num(abs(f), nan=np.inf)
