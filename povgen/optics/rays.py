@@ -9,6 +9,7 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -147,8 +148,9 @@ def pencil(
     first, last = windows[0][0], windows[-1][0]
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
-    if not (0 < radius <= LARGEST and abs(middle) <= LARGEST):
-        raise ValueError(f"middle = {middle}, radius = {radius}: allowed: up to {LARGEST:g} tiles, radius above 0")
+    numbers = isinstance(radius, Real) and isinstance(middle, Complex)
+    if not (numbers and 0 < radius <= LARGEST and abs(middle) <= LARGEST):
+        raise ValueError(f"middle = {middle!r}, radius = {radius!r}: allowed: up to {LARGEST:g} tiles, radius above 0")
     rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
     count = checked_count("count", count, MOST)
     z = last if start[2] > last else first
@@ -197,6 +199,8 @@ def trace_windows(
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
+    if not isinstance(partial, (np.random.Generator, type(None))):
+        raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
     ideal = [(z, window) for z, window in windows if not window.layers_at(z, 0)]
     glass = windows[len(ideal) :]

@@ -196,4 +196,4 @@ def _comment_end(text: str, start: int) -> int:
 
 def _error(text: str, at: int, fault: str) -> ValueError:
     line = text.count("\n", 0, at) + 1
-    return ValueError(f"should be a file of objects and declarations, but in line {line} is {fault}")
+    return ValueError(f"line {line}: {fault}; allowed: a file of objects and declarations")

@@ -23,8 +23,8 @@ def refused(text):
     ("text", "said"),
     [
         # the union's brace is closed, or would be when POV-Ray skips or repeats a part
-        ("} fog { distance 9 } union {", "line 2 is '}', but nothing is open"),
-        ("#if (0) { #end fog { distance 9 } union { #if (0) } #end", "line 2 is '#end', but '{' is open"),
+        ("} fog { distance 9 } union {", "line 2: '}', but nothing is open"),
+        ("#if (0) { #end fog { distance 9 } union { #if (0) } #end", "line 2: '#end', but '{' is open"),
         ("#if (1) } #else { #end", "'}', but '#if' is open"),
         ("{ #else }", "'#else', but '{' is open"),
         ("#switch (1) #case (0) { #case (1) } #end", "'#case', but '{' is open"),
@@ -40,9 +40,9 @@ def refused(text):
         ("/* /* */ { */ }", "'}', but nothing"),
         ("/*/ */ } */", "'}', but nothing"),
         ("{ // }\n", "'{' is not closed"),
-        ('{ "}" ', "line 2 is '{' is not closed"),
+        ('{ "}" ', "line 2: '{' is not closed"),
         ('"\n', "a string that does not end"),
-        ("/* /* */\n", "line 2 is a comment that does not end"),
+        ("/* /* */\n", "line 2: a comment that does not end"),
         ("1e5light_source { 0, 1 }", "'light_source'"),
         # texts that POV-Ray writes and reads
         ('#fopen F "a.inc" write #write (F, "}") #include "a.inc"', "'#fopen', which could change the rest"),
@@ -52,7 +52,7 @@ def refused(text):
         ('#include "shapes.inc" HF_Square(F, no, no, <9, 9>, no, "a.inc", 0, 1)', "'HF_Square', which could"),
         ('#include "shapes.inc" Parse_String("} fog { distance 9 } union {")', "'Parse_String', which could"),
         # what works in a union, and beyond it
-        ("light_source { 9, 1 }", "line 2 is 'light_source', which could change the rest of the scene"),
+        ("light_source { 9, 1 }", "line 2: 'light_source', which could change the rest of the scene"),
         ("light_group { sphere { 0, 1 } }", "'light_group'"),
         ("#default { finish { ambient 1 } }", "'#default'"),
         ("# \tdefault { finish { ambient 1 } }", "'#default'"),
@@ -76,7 +76,7 @@ def test_control_characters_are_refused(tmp_path):
     """`povgen pov` would print them, and POV-Ray's messages repeat parts of the text."""
     for character in "\0\x07\x1b\x7f\x9b":
         (tmp_path / "own.inc").write_text(PIECE + f"// {character}[31m\n")
-        with pytest.raises(InputError, match="in line 2 is the control character ") as error:
+        with pytest.raises(InputError, match="line 2: the control character ") as error:
             Chess(piece=tmp_path / "own.inc")
         assert str(error.value).isprintable()
 
