@@ -155,7 +155,7 @@ def choose(
     reason = f"; {ladders[0][0]} exceeds it" if len(kept) < len(ladders) else ""
     if tolerance.flip == inf:
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
-    with _Trial(scenes, rendering.size) as trial:
+    with _Trial(scenes, rendering) as trial:
         return _cheapest(kept, trial, tolerance.flip, reason)
 
 
@@ -199,11 +199,11 @@ def _gl_can_draw(scenes: Sequence[Scene]) -> bool:
 class _Trial:
     """The comparison of candidates with the converged picture, on small blocks of the windows of a few scenes."""
 
-    def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]) -> None:
+    def __init__(self, scenes: Sequence[Scene], rendering: Rendering) -> None:
         flip_evaluator()  # raises before anything is rendered
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
-        self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], size))]
-        self.size = size
+        self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], rendering.size))]
+        self.size, self.timeout = rendering.size, rendering.timeout
         self.converged = self._pictures("detailed", CONVERGED)
         self._drawing: gl_runner.Runner | None = None  # one for all candidates: a process takes long to start
 
@@ -237,7 +237,7 @@ class _Trial:
             # each block is reduced by itself: its neighbours in the mosaic are not those in the picture
             side, columns, rows = round(factor * part.side), len(part.blocks[0]), len(part.blocks)
             own = "off" if factor > 1 else antialias
-            rendering = _MosaicRendering(size=(side * columns, side * rows), antialias=own)
+            rendering = _MosaicRendering(size=(side * columns, side * rows), antialias=own, timeout=self.timeout)
             with temporary_folder() as folder:
                 picture = read_png(runner.run(source, rendering, folder))
             if factor == 1:
@@ -255,11 +255,11 @@ class _Trial:
     def _cut(self, sheet: str, antialias: str) -> list[Picture]:
         """Return the mosaics, cut out of whole pictures that the renderer gl draws."""
         self._drawing = self._drawing or gl_runner.Runner()
-        rendering = Rendering(renderer="gl", size=self.size, antialias=antialias)
+        rendering = Rendering(renderer="gl", size=self.size, antialias=antialias, timeout=self.timeout)
         mosaics = []
         for scene, part in self.mosaics:
             shown = scene.model_copy(update={"sheet": sheet})
-            source = gl_scene.to_text(shown, volumes(pieces(shown)), surveys.found(shown))
+            source = gl_scene.to_text(shown, volumes(pieces(shown), timeout=self.timeout), surveys.found(shown))
             with temporary_folder() as folder:
                 whole = read_png(self._drawing.run(source, rendering, folder))
             rows = [[whole[y : y + part.side, x : x + part.side] for x, y in row] for row in part.blocks]

@@ -10,7 +10,7 @@ from conftest import PROJECT, povgen, refused
 from PIL import Image
 
 from povgen import Chess, Rendering, Spheres, cheapest, render, to_pov
-from povgen.errors import InputError
+from povgen.errors import InputError, PovrayError
 from povgen.measure import speed
 from povgen.measure.probes import APERTURE, VIEW, Positions
 from povgen.measure.targets import located
@@ -158,6 +158,11 @@ def test_the_choice_in_python():
     assert cheapest(Chess(alpha=0), "5px")[0].sheet == "none"
     with pytest.raises(InputError, match="tolerance = '1': not a tolerance"):
         cheapest(Chess(), "1")
+
+
+def test_a_trial_keeps_the_time_limit():
+    with pytest.raises(PovrayError, match="took longer than 0.01 s"):
+        cheapest(Chess(), "0.2flip", size=SMALL.size, timeout=0.01)
 
 
 def test_povray_is_chosen_where_gl_cannot_draw(monkeypatch):
