@@ -80,6 +80,8 @@ def checked_output(
 def check_new_folder(path: Path) -> None:
     """Raise InputError if the folder of this output, which is missing, cannot be made."""
     with _refused(f"output = {str(path)!r}", "a file in a folder that can be written to, or in a new one there"):
+        with suppress(FileNotFoundError):
+            os.lstat(path.parent)  # raises for a name that is too long
         tempfile.TemporaryFile(dir=path.parent.resolve().parent).close()
 
 

@@ -93,6 +93,7 @@ def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):
         (lambda: movie([SCENE], "a.png"), ["output = 'a.png': one picture", "a%04d.png"]),
         (lambda: movie([SCENE], "new/%d%d.png"), ["output = 'new/%d%d.png'"]),
         (lambda: movie([SCENE], "nowhere/new/%d.png"), ["output = 'nowhere"]),
+        (lambda: movie([SCENE], f"{'a' * 300}/%d.png"), ["output = 'aaa", "File name too long; allowed: "]),
         (lambda: movie([SCENE], "new/%d.png", renderer="x"), ["renderer = 'x'"]),
         (lambda: movie(SCENE, "a.mp4"), ["spec = Chess("]),
         (lambda: render([SCENE, 3]), ["scene = 3"]),
