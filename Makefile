@@ -114,7 +114,7 @@ $(filter-out $(PANELS) docs/gallery/page.png docs/gallery/rotation.webp,$(GALLER
 	$(POVGEN) $(ARGUMENTS) -o $@
 $(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
 	$(VENV)/bin/python docs/panels.py $* -o $@
-docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(READY)
+docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready gl-deps
 	$(VENV)/bin/python docs/first_picture.py -o $@
 docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
