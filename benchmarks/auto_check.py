@@ -29,7 +29,7 @@ from povgen.measure import speed
 from povgen.measure.drawn import Drawn
 from povgen.rendering import auto
 from povgen.rendering.flip import CONVERGED
-from povgen.scene.models import PIECES, Scene
+from povgen.scene.scenes import PIECES, Scene
 from povgen.scene.spec import MovieSpec
 
 KEPT = Path("build/auto-check")

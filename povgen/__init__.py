@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from povgen.record import info as info
     from povgen.rendering.auto import cheapest as cheapest
     from povgen.rendering.results import results as results
-    from povgen.scene.models import Chess as Chess
-    from povgen.scene.models import Scene as Scene
-    from povgen.scene.models import Spheres as Spheres
+    from povgen.scene.scenes import Chess as Chess
+    from povgen.scene.scenes import Scene as Scene
+    from povgen.scene.scenes import Spheres as Spheres
     from povgen.scene.sdl import to_pov as to_pov
     from povgen.scene.sdl import to_sheets as to_sheets
     from povgen.scene.spec import MovieSpec as MovieSpec
@@ -39,7 +39,7 @@ _NAMES = {
     "record": ("info",),
     "rendering.auto": ("cheapest",),
     "rendering.results": ("results",),
-    "scene.models": ("Chess", "Scene", "Spheres"),
+    "scene.scenes": ("Chess", "Scene", "Spheres"),
     "scene.sdl": ("to_pov", "to_sheets"),
     "scene.spec": ("MovieSpec",),
     "settings": ("Rendering",),
@@ -66,7 +66,7 @@ def _shown_in_notebooks() -> None:
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
         formatter.for_type_by_name(
-            "povgen.scene.models", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)
+            "povgen.scene.scenes", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)
         )
 
 

@@ -1,4 +1,4 @@
-"""The base class of povgen's models. It checks values, makes the one-line error, and lists the parameters in help()."""
+"""The base class of scenes and settings. It checks values, writes the one-line error, and fills help()."""
 
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager

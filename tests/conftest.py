@@ -21,7 +21,7 @@ from povgen.liveview.page import KINDS
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
-from povgen.scene.models import SCENES
+from povgen.scene.scenes import SCENES
 
 PROJECT = Path(__file__).parents[1]
 ALPHA_MOVIE = MovieSpec.parse(

@@ -69,7 +69,7 @@ def _with_options(name: str) -> Any:  # noqa: ANN401  (click's Command, whose mo
 
 
 class _Command(TyperCommand):
-    """A command's name and help. Its options are added when it is run, because that loads the models."""
+    """A command's name and help. Its options are added when it is run, because that loads the scenes."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401  (as click declares it)
         return _with_options(self.name).make_context(*arguments, **options)

@@ -12,7 +12,7 @@ from povgen.cli.report import message_of
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering import cache, povray, sandbox
-from povgen.scene.models import Chess
+from povgen.scene.scenes import Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 from povgen.video import encode

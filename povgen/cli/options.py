@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from povgen.record import Record
     from povgen.rendering.auto import Tolerance as AutoTolerance
-    from povgen.scene.models import Scene
+    from povgen.scene.scenes import Scene
 
 OTHERS = "Parameters of other sheets, which povgen list explains"
 INDENT = 20  # of what an option does, in a help
@@ -126,7 +126,7 @@ def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
 
 def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
     """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
-    from povgen.scene.models import SCENES
+    from povgen.scene.scenes import SCENES
     from povgen.settings import Rendering, Sampling
 
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
@@ -160,7 +160,7 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
 
 def _panel(name: str) -> str:
     """Return the heading under which a field's option stands in the help."""
-    from povgen.scene.models import Scene
+    from povgen.scene.scenes import Scene
     from povgen.settings import Rendering
     from povgen.sheets import PAPER, PARAMETERS, USED_BY
 
@@ -208,7 +208,7 @@ def described(field: "FieldInfo") -> str:
 
 def scene_of(name: str, values: Values) -> "Scene":
     """Return the scene of this name with these values. Values can be text. Raises InputError."""
-    from povgen.scene.models import SCENES
+    from povgen.scene.scenes import SCENES
 
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
@@ -221,7 +221,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     An output that ends in .exr has 32 bits, whatever the record says. Print a warning if another version of povgen or
     of the renderer made the file. Raises InputError.
     """
-    from povgen.scene.models import recorded
+    from povgen.scene.scenes import recorded
     from povgen.version import __version__
     from povgen.video.still import drawn_by
 

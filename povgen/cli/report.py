@@ -6,7 +6,7 @@ from povgen.progress import say
 
 if TYPE_CHECKING:
     from povgen.cli.options import Values
-    from povgen.scene.models import Scene
+    from povgen.scene.scenes import Scene
     from povgen.settings import Rendering
 
 

@@ -19,9 +19,9 @@ from povgen.progress import say
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, Spheres, input_files
-from povgen.scene.models import pieces as pieces_of
 from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
+from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres, input_files
+from povgen.scene.scenes import pieces as pieces_of
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering

@@ -16,7 +16,7 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.models import SCENES, Scene, checked_scene, input_files, pieces
+from povgen.scene.scenes import SCENES, Scene, checked_scene, input_files, pieces
 from povgen.scene.sdl import TEMPLATES, to_html
 from povgen.scene.shader import surroundings
 from povgen.validation import Model

@@ -15,7 +15,7 @@ from povgen.files import temporary_folder
 from povgen.liveview.values import values
 from povgen.liveview.view import html
 from povgen.rendering.light import encoded
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser as Browser  # for others, too

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from povgen.rendering import gl_runner, gl_scene
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
-from povgen.scene.models import Scene, checked_scene, pieces
 from povgen.scene.pictures import used
+from povgen.scene.scenes import Scene, checked_scene, pieces
 from povgen.settings import Rendering
 
 if TYPE_CHECKING:  # needs moderngl

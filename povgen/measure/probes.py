@@ -18,7 +18,7 @@ from povgen.files import temporary_folder
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene.models import Chess, Scene
+from povgen.scene.scenes import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

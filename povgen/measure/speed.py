@@ -40,7 +40,7 @@ from povgen.rendering.flip import CONVERGED, flip
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture, linear
 from povgen.scene import camera
-from povgen.scene.models import Chess, Scene
+from povgen.scene.scenes import Chess, Scene
 from povgen.scene.sdl import to_pov
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field
 
 from povgen.errors import InputError
 from povgen.rendering.results import results
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model

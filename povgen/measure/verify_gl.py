@@ -24,7 +24,7 @@ from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
 from povgen.rendering.parallel import thread_pool
 from povgen.scene import camera, survey
-from povgen.scene.models import Chess, Scene, Spheres
+from povgen.scene.scenes import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

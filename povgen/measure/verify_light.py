@@ -14,7 +14,7 @@ from povgen.optics.faces import Face
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.trace import End
 from povgen.scene import camera, survey
-from povgen.scene.models import APERTURE, VIEW
+from povgen.scene.scenes import APERTURE, VIEW
 
 
 def black_tops(size: Size = SMALL) -> Iterator[Measured]:

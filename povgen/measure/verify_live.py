@@ -13,7 +13,7 @@ from povgen.measure.measured import Measured
 from povgen.measure.probes import Size
 from povgen.measure.verify_gl import RAYS, SHADOW_RAYS
 from povgen.rendering.flip import flip
-from povgen.scene.models import Chess, Scene, Spheres
+from povgen.scene.scenes import Chess, Scene, Spheres
 
 SIZE = (320, 240)
 SCENES: tuple[Scene, ...] = (

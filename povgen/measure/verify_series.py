@@ -13,7 +13,7 @@ from povgen.measure.verify_ideal import image_distance
 from povgen.measure.verify_prisms import errors, pixel_checks
 from povgen.optics import series
 from povgen.scene import camera
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 
 
 def series_positions(count: int = 12, size: Size = HD) -> Iterator[Measured]:

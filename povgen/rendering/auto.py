@@ -29,7 +29,7 @@ from povgen.rendering.parallel import thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
 from povgen.scene import camera
-from povgen.scene.models import Scene, checked_scene, pieces
+from povgen.scene.scenes import Scene, checked_scene, pieces
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Options, Rendering
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from povgen.rendering.parallel import cores
 from povgen.rendering.views import views
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.settings import Rendering
 
 # CPU seconds: of a picture, of a ray, and of a ray through a window of glass, for each such window

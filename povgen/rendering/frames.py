@@ -19,7 +19,7 @@ from povgen.record import PNG, png_parts
 from povgen.rendering import cache, light, povray, surveys
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
-from povgen.scene.models import Scene, pieces
+from povgen.scene.scenes import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from povgen.rendering.volumes import GRID, Volume
 from povgen.scene import shader
 from povgen.scene.laws import to_live
-from povgen.scene.models import Scene, pieces
+from povgen.scene.scenes import Scene, pieces
 from povgen.scene.sdl import to_glsl
 from povgen.scene.survey import Survey
 

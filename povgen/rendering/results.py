@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from povgen.errors import InputError, PovrayError, shown
 from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
-from povgen.scene.models import SCENES, Scene, checked_scene
 from povgen.scene.quantities import QUANTITIES, parameters
+from povgen.scene.scenes import SCENES, Scene, checked_scene
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
 PARTS = 4  # of the scenes, for each thread of a cluster's workers

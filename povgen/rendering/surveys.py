@@ -12,7 +12,7 @@ from povgen import limits, sheets
 from povgen.optics import apparent, equations, faces, paraxial, polarisation, prism, profile, trace
 from povgen.rendering import cache
 from povgen.scene import survey
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.sheets import law, sheet
 
 # all modules of povgen.optics that a survey uses

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
 from povgen.rendering.light import Picture, encoded, linear
-from povgen.scene.models import SCENES, Scene
+from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.prisms import RANDOM

@@ -14,7 +14,7 @@ Size = tuple[int, int]  # width and height, pixels
 
 
 class Scene(Protocol):
-    """What the camera needs of a scene. `scene.models` describes these numbers."""
+    """What the camera needs of a scene. `scene.scenes` describes these numbers."""
 
     z2: float
     view: float

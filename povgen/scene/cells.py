@@ -5,7 +5,7 @@ from math import ceil, hypot, inf, radians, sqrt
 from typing import TYPE_CHECKING
 
 from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 
 if TYPE_CHECKING:
     from povgen.optics.equations import Complexes, Floats

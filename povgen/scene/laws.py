@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
 from povgen.sheets import IDEAL
 from povgen.sheets.law import FUNCTIONS, Law

@@ -12,7 +12,7 @@ import numpy as np
 from povgen.optics.rays import Convergence, Traced
 from povgen.optics.shares import Shares, shares
 from povgen.scene import camera
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.sheets.sheet import Said
 
 MIN_RAYS = 100  # on the designed path

@@ -18,8 +18,8 @@ from povgen.files import own_folder
 from povgen.optics.prism import Prism
 from povgen.scene import cells, laws, materials
 from povgen.scene.mesh import TALLEST
-from povgen.scene.models import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
+from povgen.scene.scenes import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
 from povgen.sheets import SHEETS

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from povgen.optics.prism import Prism
 from povgen.scene.laws import Text, to_live
-from povgen.scene.models import PEDESTAL_EDGE, Chess, Scene, Spheres
 from povgen.scene.pictures import Picture
+from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw

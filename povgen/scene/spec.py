@@ -11,8 +11,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
-from povgen.scene.models import SCENES, Scene
 from povgen.scene.pieces import PIECES, from_folder
+from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
 from povgen.settings import preset_of
 from povgen.sheets.profile import NAMES

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
 
 if TYPE_CHECKING:

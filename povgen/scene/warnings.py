@@ -10,8 +10,8 @@ from povgen.limits import (
     MIN_PIXELS_PER_PRISM,
 )
 from povgen.scene.cells import camera_cells, grid_error, is_dark
-from povgen.scene.models import Scene, pieces
 from povgen.scene.pieces import PieceFile
+from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
 from povgen.sheets.prisms import SHAPE, Prisms

@@ -18,7 +18,7 @@ from povgen.measure.targets import located
 from povgen.optics import equations, trace
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
-from povgen.scene.models import Chess, Scene, Spheres
+from povgen.scene.scenes import Chess, Scene, Spheres
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complexfloating[Any, Any]]  # of any precision, as numpy's types say of products

@@ -15,7 +15,7 @@ from povgen.measure.plotting import Axes, Figure, save_drawing, style, withStrok
 from povgen.optics import equations
 from povgen.optics.prism import Prism
 from povgen.rendering.frames import read_png, render_all
-from povgen.scene.models import Chess, Scene, Spheres
+from povgen.scene.scenes import Chess, Scene, Spheres
 from povgen.scene.sdl import to_caption
 from povgen.settings import Rendering
 from povgen.teach import agreement

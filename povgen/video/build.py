@@ -20,7 +20,7 @@ from povgen.record import MAX_FRAMES, in_png
 from povgen.rendering import cache
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
-from povgen.scene.models import Scene, checked_scene, input_files
+from povgen.scene.scenes import Scene, checked_scene, input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
 from povgen.validation import Model

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.optics import equations
-from povgen.scene.models import Scene
 from povgen.scene.pieces import PIECES
 from povgen.scene.quantities import LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.scenes import Scene
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS

@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
-from povgen.scene.models import Chess, Scene
+from povgen.scene.scenes import Chess, Scene
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
 from povgen.video.text import DARK, LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write

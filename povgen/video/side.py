@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from povgen.optics import apparent
 from povgen.optics.series import image_distance
-from povgen.scene.models import Chess, Scene
+from povgen.scene.scenes import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.34  # of the side view, as a fraction of the picture's height

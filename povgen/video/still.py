@@ -18,9 +18,9 @@ from povgen.rendering import light, povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
-from povgen.scene.models import Scene, checked_scene, input_files, pieces, profile_files
 from povgen.scene.pictures import used
 from povgen.scene.pieces import PieceFile
+from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files
 from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.version import __version__

@@ -1,4 +1,4 @@
-// What follows from a scene's values, as in povgen/optics/prism.py and povgen/scene/models.py. Lengths are in tiles,
+// What follows from a scene's values, as in povgen/optics/prism.py and povgen/scene/scenes.py. Lengths are in tiles,
 // angles in degrees.
 
 import { hasPrisms, windows } from "./sheets.js";

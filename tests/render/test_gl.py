@@ -24,7 +24,7 @@ from povgen.measure.probes import Directions
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
 from povgen.rendering.flip import flip
 from povgen.rendering.volumes import volumes
-from povgen.scene.models import pieces
+from povgen.scene.scenes import pieces
 from povgen.settings import Rendering
 from povgen.video import encode
 

@@ -14,7 +14,7 @@ from povgen import Chess, Rendering, Spheres, render, to_pov
 from povgen.optics import equations
 from povgen.rendering import frames, povray
 from povgen.scene import camera
-from povgen.scene.models import APERTURE, VIEW
+from povgen.scene.scenes import APERTURE, VIEW
 from povgen.video import still
 
 WIDTH, HEIGHT = SIZE = 240, 180

@@ -15,7 +15,7 @@ from povgen import Chess, InputError, Scene, Spheres, info, movie, render, save
 from povgen import record as records
 from povgen.rendering import povray
 from povgen.scene import mesh
-from povgen.scene.models import recorded
+from povgen.scene.scenes import recorded
 from povgen.version import __version__
 from povgen.video import still
 

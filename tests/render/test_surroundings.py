@@ -18,7 +18,7 @@ from povgen import Chess, InputError, MovieSpec, Spheres, remedies, render, save
 from povgen.liveview.values import values as live_values
 from povgen.rendering.light import linear
 from povgen.scene import hdr, pictures
-from povgen.scene.models import input_files
+from povgen.scene.scenes import input_files
 
 SIZE = (160, 120)
 OPTIONS = {"size": SIZE, "antialias": "off"}

@@ -110,7 +110,7 @@ def test_there_is_no_circle_of_imports():
                 "video.text",
                 "rendering.frames",
                 "rendering.light",
-                "scene.models",
+                "scene.scenes",
             },
         ),
         ("flip_evaluator", {"rendering.flip"}),
@@ -160,4 +160,4 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
 
 
 def test_a_scene_knows_nothing_of_files():
-    assert not imports(MODULES["scene.models"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
+    assert not imports(MODULES["scene.scenes"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}

@@ -35,7 +35,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.scene import shader, warnings
 from povgen.scene.laws import to_live
-from povgen.scene.models import SCENES, pieces
+from povgen.scene.scenes import SCENES, pieces
 from povgen.scene.spec import MOVIES
 from povgen.scene.survey import survey
 from povgen.settings import Rendering

@@ -10,7 +10,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.scene import camera, survey, warnings
 from povgen.scene.cells import camera_cells, grid_error
-from povgen.scene.models import VIEW
+from povgen.scene.scenes import VIEW
 from povgen.settings import Rendering
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, live, to_pov
 from povgen.liveview.page import demo
-from povgen.scene.models import Scene
+from povgen.scene.scenes import Scene
 from povgen.scene.spec import Sweep
 from povgen.settings import Options
 from povgen.validation import Model

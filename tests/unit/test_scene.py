@@ -9,7 +9,7 @@ from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene import camera
-from povgen.scene.models import APERTURE, SCENES, VIEW
+from povgen.scene.scenes import APERTURE, SCENES, VIEW
 
 
 def test_eye_and_object_move_on_their_own():

@@ -24,7 +24,7 @@ from povgen.progress import tell
 
 if TYPE_CHECKING:
     from povgen.cli.options import Values
-    from povgen.scene.models import Scene
+    from povgen.scene.scenes import Scene
 
 
 @takes("scenes", "rendering")
@@ -46,7 +46,7 @@ def command(
     from povgen.files import checked_output, save
     from povgen.rendering import cache
     from povgen.rendering.estimate import describe
-    from povgen.scene.models import input_files
+    from povgen.scene.scenes import input_files
     from povgen.video.still import SUFFIXES, as_file, rendering_for
 
     if (scene is None) == (source is None):

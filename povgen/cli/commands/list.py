@@ -7,8 +7,8 @@ def command() -> None:
     """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
     from povgen.cli.options import columns, described, item
     from povgen.optics.glasses import GLASSES, index
-    from povgen.scene.models import SCENES, WAVELENGTH
     from povgen.scene.pieces import PIECES
+    from povgen.scene.scenes import SCENES, WAVELENGTH
     from povgen.scene.spec import MOVIES, MovieSpec
     from povgen.sheets import SHEETS
 

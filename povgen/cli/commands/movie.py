@@ -27,7 +27,7 @@ from povgen.errors import InputError, one_line
 from povgen.progress import bar, tell
 
 if TYPE_CHECKING:
-    from povgen.scene.models import Scene
+    from povgen.scene.scenes import Scene
     from povgen.scene.spec import MovieSpec
     from povgen.settings import Rendering
 
@@ -96,7 +96,7 @@ def command(
     from povgen.rendering.estimate import describe
     from povgen.rendering.frames import shard
     from povgen.rendering.parallel import checked_scheduler, worker_count
-    from povgen.scene.models import input_files
+    from povgen.scene.scenes import input_files
     from povgen.scene.spec import spec_file
     from povgen.settings import Rendering
     from povgen.video.build import check_views, checked_movie
@@ -197,7 +197,7 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values
 
     Raises InputError.
     """
-    from povgen.scene.models import SCENES
+    from povgen.scene.scenes import SCENES
     from povgen.scene.spec import MOVIES, MovieSpec
 
     if not sweeps:

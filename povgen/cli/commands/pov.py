@@ -27,8 +27,8 @@ def command(
     The pictures of --sky and --floor, which the source names, are written beside the file of -o.
     """
     from povgen.files import checked_output, save
-    from povgen.scene.models import input_files
     from povgen.scene.pictures import used
+    from povgen.scene.scenes import input_files
     from povgen.scene.sdl import to_pov, to_sheets
 
     values, options = split(values)

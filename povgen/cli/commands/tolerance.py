@@ -35,7 +35,7 @@ def command(
     from povgen.files import checked_output
     from povgen.measure import tolerance
     from povgen.rendering.parallel import worker_count
-    from povgen.scene.models import input_files
+    from povgen.scene.scenes import input_files
     from povgen.sheets.prisms import ERRORS
 
     made, count = scene_of(scene, values), worker_count(workers)

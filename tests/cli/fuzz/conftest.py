@@ -27,8 +27,8 @@ from fuzz.values import FIELDS, OPTIONS
 from povgen import Chess, InputError, MovieSpec, Spheres, to_pov
 from povgen.cli import app
 from povgen.record import Record, in_png
-from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
+from povgen.scene.scenes import SCENES
 from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
 from povgen.version import __version__

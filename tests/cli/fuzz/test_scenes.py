@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fuzz.conftest import cases, tried
 from fuzz.values import FIELDS, NUMBERS, rights, text_of
-from povgen.scene.models import SCENES
+from povgen.scene.scenes import SCENES
 from povgen.sheets import PARAMETERS
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from povgen.cli import app
 from povgen.cli.options import with_options
-from povgen.scene.models import SCENES
 from povgen.scene.pieces import PIECES
+from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 
