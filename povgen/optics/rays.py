@@ -9,7 +9,6 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -148,7 +147,7 @@ def pencil(
     first, last = windows[0][0], windows[-1][0]
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
-    numbers = isinstance(radius, Real) and isinstance(middle, Complex)
+    numbers = isinstance(radius, (int, float, np.number)) and isinstance(middle, (int, float, complex, np.number))
     if not (numbers and 0 < radius <= LARGEST and abs(middle) <= LARGEST):
         raise ValueError(f"middle = {middle!r}, radius = {radius!r}: allowed: up to {LARGEST:g} tiles, radius above 0")
     rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
