@@ -196,7 +196,7 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     assert os.stat(secret).st_atime_ns == before
     text = '#fopen File "a" write\n' + PIECE
     said = with_record(made, frame={"piece": "mine"}, pieces={"mine": text})
-    assert "in line 1 is '#fopen', which could change the rest of the scene" in said
+    assert "line 1: '#fopen', which could change the rest of the scene" in said
     assert "should be a file of at most" in with_record(made, pieces={"mine": " " * 2**21})
     assert "alpha = 361.0: should be less than" in with_record(made, frame={"alpha": 361.0})
     assert "alpha = nan: should be a finite number" in with_record(made, frame={"alpha": float("nan")})
