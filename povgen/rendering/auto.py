@@ -279,7 +279,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(MAX_SHARE * height * width), *MOSAIC_SIDES)), height, width)
     count = max(MIN_BLOCKS, round(whole / BLOCK_SIDE))
-    side = max(1, int(whole / count))
+    side = max(1, int(whole / count) // 2 * 2)  # even, so that 1.5 times as many pixels are a whole number
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)
     columns = x.start + ((np.arange(count) + shift[1]) / count * (width - side)).round().astype(int)

@@ -21,7 +21,7 @@ import platformdirs
 
 from povgen import files
 from povgen.errors import InputError
-from povgen.rendering import povray
+from povgen.rendering import light, povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
@@ -40,16 +40,17 @@ HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 def frame_path(source: str, rendering: Rendering) -> Path:
     """Return the file of a frame.
 
-    Its key is POV-Ray's version, POV-Ray's command line, the scene's text and the size to which povgen reduces it. The
-    number of threads does not matter: the command line is that for one thread. Of the renderer gl the key is the
-    device, the code that draws, the antialiasing, the size and the scene's text.
+    Its key is POV-Ray's version, POV-Ray's command line, the scene's text, and the size and the filter by which povgen
+    reduces it. The number of threads does not matter: the command line is that for one thread. Of the renderer gl the
+    key is the device, the code that draws, the antialiasing, the size and the scene's text.
     """
     size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
     if rendering.renderer == "gl":
         from povgen.rendering import gl_runner
 
         return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
-    return path_for("\0".join([povray.version(), *povray.command("povray", rendering), size, source]), suffix)
+    command = povray.command("povray", rendering)
+    return path_for("\0".join([povray.version(), *command, size, light.FILTER, source]), suffix)
 
 
 def path_for(key: str, suffix: str) -> Path:

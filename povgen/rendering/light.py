@@ -12,6 +12,7 @@ from povgen.errors import InputError
 
 Picture = NDArray[np.uint8]
 Light = NDArray[np.float32]
+FILTER = "a triangle: the weight falls to 0 two old pixels away, or one new pixel where this is more"
 
 
 def linear(picture: Picture) -> Light:
@@ -29,8 +30,8 @@ def encoded(light: Light) -> Light:
 def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
     """Return a picture, (height, width, 3) bytes, with fewer pixels. `size` is their number: width and height.
 
-    Each new pixel is the weighted mean of the light around its middle. The weight falls linearly to 0 one new pixel
-    away (a triangle filter). Compared with the mean over the pixel alone (a box filter) this leaves less moire.
+    Each new pixel is the weighted mean of the light around its middle, by the FILTER. Compared with the mean over the
+    pixel alone (a box filter) this leaves less moire.
     """
     made = np.empty((size[1], size[0], 3), np.uint8)
     for colour in range(3):  # one after the other, so that large pictures need less memory
@@ -40,9 +41,19 @@ def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
 
 def _reduced(light: Light, size: tuple[int, int]) -> Light:
     """Return one colour's light, (height, width), reduced in size as by `reduced`."""
+    if (2 * light.shape[0], 2 * light.shape[1]) == (3 * size[1], 3 * size[0]):
+        return _two_thirds(_two_thirds(light).T).T
     from PIL import Image
 
     return np.asarray(Image.fromarray(light).resize(size, Image.Resampling.BILINEAR))
+
+
+def _two_thirds(light: Light) -> Light:
+    """Return light with two rows in place of three. Pillow's triangle is narrower here than the FILTER."""
+    framed = np.pad(light, ((1, 1), (0, 0)), "edge")
+    a, b, c, d, e = (framed[k : k + len(light) - 2 : 3] for k in range(5))  # each new row's neighbours, in their order
+    pairs = np.stack(((3 * a + 7 * b + 5 * c + d) / 16, (b + 5 * c + 7 * d + 3 * e) / 16), axis=1)
+    return np.asarray(pairs.reshape(-1, light.shape[1]), np.float32)
 
 
 def reduce_file(path: Path, size: tuple[int, int]) -> None:

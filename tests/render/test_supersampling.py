@@ -31,6 +31,22 @@ def test_a_picture_does_not_move(antialias):
     assert (reduced * y).sum() / reduced.sum() == pytest.approx(41.8, abs=0.1)
 
 
+@pytest.mark.parametrize(("antialias", "far"), [("1.5x", 2), ("2x", 2), ("3x", 3), ("4x", 4)])
+def test_the_weights_are_those_of_the_filter(antialias, far):
+    """A bright old pixel counts for the new ones around it: linearly less, to 0 `far` old pixels away."""
+    factor = Rendering(antialias=antialias).supersampling
+    columns, rows = (round(factor * side) for side in SIZE)
+    for x, y in ((45, 40), (46, 41), (47, 42)):
+        picture = np.zeros((rows, columns), np.float32)
+        picture[y, x] = 1
+        down, across = (
+            np.maximum(0, 1 - abs((np.arange(side) + 0.5) * factor - place - 0.5) / far)
+            / np.maximum(0, 1 - abs((np.arange(side)[:, None] + 0.5) * factor - np.arange(old) - 0.5) / far).sum(1)
+            for side, place, old in ((SIZE[1], y, rows), (SIZE[0], x, columns))
+        )
+        np.testing.assert_allclose(light._reduced(picture, SIZE), np.outer(down, across), atol=1e-6)
+
+
 def test_it_is_nearer_to_the_converged_picture():
     """By RMS, inside the window: 1.5x than POV-Ray's 1,0.9,2, which costs as much, and 2x than 1.5x."""
     scene = Chess()
@@ -38,7 +54,7 @@ def test_it_is_nearer_to_the_converged_picture():
     samplings = ("1,0.001,7", "1,0.9,2", "1.5x", "2x")
     right, adaptive, less, more = (render(scene, size=SIZE, antialias=s)[window] / 255 for s in samplings)
     errors = [np.sqrt(((picture - right) ** 2).mean()) for picture in (adaptive, less, more)]
-    assert errors[1] < 0.85 * errors[0] and errors[2] < 0.85 * errors[1]
+    assert errors[1] < 0.6 * errors[0] and errors[2] < 0.9 * errors[1]
 
 
 def test_the_cache_distinguishes_it_from_the_large_picture():
@@ -46,6 +62,13 @@ def test_the_cache_distinguishes_it_from_the_large_picture():
     large, reduced = Rendering(size=(192, 144), antialias="off"), Rendering(size=SIZE, antialias="2x")
     assert povray.command("povray", large) == povray.command("povray", reduced)
     assert cache.frame_path(text, large) != cache.frame_path(text, reduced)
+
+
+def test_the_cache_distinguishes_filters(monkeypatch):
+    text, rendering = to_pov(Spheres(sheet="none")), Rendering(antialias="1.5x")
+    before = cache.frame_path(text, rendering)
+    monkeypatch.setattr(light, "FILTER", "a box")
+    assert cache.frame_path(text, rendering) != before
 
 
 def test_the_largest_picture():
