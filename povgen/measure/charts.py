@@ -371,16 +371,19 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     """Draw the series: up to four in colour and named, the others grey. Shade y above the tolerance.
 
-    A black diamond is at each limit that povgen uses: an x up to which, or from which, it does not warn.
+    A diamond is at each limit that povgen uses for a named series: an x up to which, or from which, it does not warn.
+    It has the series' colour, or is black if it is the limit of all.
     """
     found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name, _, _ in measured.rows}
     series = [name for name in found if not name.endswith(RENDERED)]
     worst = sorted(series, key=lambda name: -np.nanmean(found[name][1]))
     named = worst[:: -(-len(worst) // 4) or 1]
+    colours = {}
     for name in [name for name in series if name not in named] + named:
         x, y = found[name]
         look = {"label": name} if name in named else {"color": "#bbbbbb", "label": "_", "zorder": 1}
-        ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, **look)
+        (line,) = ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, **look)
+        colours[name] = line.get_color()
         if name + RENDERED in found:
             ax.plot(*found[name + RENDERED], "kx", markersize=6, label="_")
     if "x" in measured.log_axes:
@@ -391,16 +394,29 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     else:
         ax.set_ylim(bottom=0)
     if measured.limits:
-        places = sorted({limit.bound for limit in measured.limits})
-        ax.plot(places, [measured.tolerance] * len(places), "D", color="black", markersize=8, label="_")
+        bounds = {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
+        same = len(set(bounds.values())) == 1
+        for name in [name for name in named if name in bounds]:
+            colour = "black" if same else colours[name]
+            place = bounds[name], measured.tolerance
+            ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
         top = max(ax.get_ylim()[1], 1.15 * measured.tolerance)
         ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
         look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
-        ax.text(0.5, 0.98, "not accurate enough", transform=ax.transAxes, **look)  # type: ignore[arg-type]
+        ax.text(0.5, 0.98, measured.beyond, transform=ax.transAxes, **look)  # type: ignore[arg-type]
+    if measured.is_bound:
+        ends = np.array([ax.get_xlim(), ax.get_ylim()])
+        both = [ends[:, 0].max(), ends[:, 1].min()]
+        ax.plot(both, both, "--", color=GREY, linewidth=1, zorder=1, label="_")
     ax.margins(y=0)
-    marks = "diamonds: povgen's limits" * bool(measured.limits)
-    marks += (", " * bool(marks) + "crosses: POV-Ray") * any(name.endswith(RENDERED) for name in found)
-    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=f"{measured.x}\n{marks}", ylabel=measured.y)
+    marks = {
+        "diamonds: povgen's limits": measured.limits,
+        "dashed: equal": measured.is_bound,
+        "crosses: POV-Ray": len(found) > len(series),
+        "grey: other scenes": len(series) > len(named),
+    }
+    shown = ", ".join(text for text, is_there in marks.items() if is_there)
+    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=f"{measured.x}\n{shown}", ylabel=measured.y)
     ax.grid(alpha=0.25)
     name_lines(ax, 9)
 

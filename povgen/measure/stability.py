@@ -40,9 +40,10 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
-    x, y = "error that is possible (px)", "error of the paraxial prediction (px)"
+    x, y = "error that povgen states as possible (px)", "error of the paraxial prediction (px)"
     finding = "Near the pole, prisms displace the image by many pixels"
-    result = StabilityMap("prediction", "(a) prisms' size and the pole", finding, x, y, limits.MAX_ERROR, "xy")
+    title = "(a) prisms' size and the pole"
+    result = StabilityMap("prediction", title, finding, x, y, limits.MAX_ERROR, "xy", is_bound=True)
     for toward in ("α → 180°", "z1 → z2"):
         for series, prisms, z2, P in (
             (f"{toward}", 100, 6.0, 0.3 + 0.1j),
@@ -102,7 +103,7 @@ def gap_width(
     finding, y = "Too narrow an air gap sends stray light the wrong way", "stray pixels that are wrong (%)"
     narrow = StabilityMap("gap", "(c) air gap, narrow", finding, "gap / pitch", y, 0.5, "x")
     finding, y = "Too wide an air gap loses light", "pixels on the designed path lost to the gap (%)"
-    wide = StabilityMap("gap-wide", "(c) air gap, wide", finding, "gap / pitch", y, 3, "x")
+    wide = StabilityMap("gap-wide", "(c) air gap, wide", finding, "gap / pitch", y, 3, "x", "too much light lost")
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -134,7 +135,8 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     """
     most = 100 * limits.MAX_LOST_FRACTION
     finding = "A low max_trace_level leaves pixels black"
-    result = StabilityMap("trace-level", "(d) max_trace_level", finding, "max_trace_level", "lost pixels (%)", most, "")
+    title, y = "(d) max_trace_level", "lost pixels (%)"
+    result = StabilityMap("trace-level", title, finding, "max_trace_level", y, most, "", "too many pixels black")
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
@@ -175,7 +177,8 @@ def field_angle(
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
     finding = "A near eye sees little rotated light"
-    distance = StabilityMap("distance", "(e) distance of the eye", finding, "z2 (tiles)", y, most, "x")
+    title = "(e) distance of the eye"
+    distance = StabilityMap("distance", title, finding, "z2 (tiles)", y, most, "x", "too little rotated light")
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -217,11 +220,12 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     result = StabilityMap(
         "grid",
         "(f) cells of the ideal camera",
-        "The ideal camera is as exact as its bound says",
+        "The ideal camera's error is at most its bound",
         x,
-        "worst error of position (px)",
+        "worst error, and 0.011 px of rounding (px)",
         limits.MAX_CAMERA_ERROR + 0.011,
         "xy",
+        is_bound=True,
     )
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
@@ -273,7 +277,9 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
     this fraction between neighbouring blocks.
     """
     finding, y = "Sheets that are nearly parallel show moiré", "contrast / contrast at 30°"
-    result = StabilityMap("moire", "(h) sheets nearly parallel", finding, "α (degrees)", y, 1.35, "")
+    result = StabilityMap(
+        "moire", "(h) sheets nearly parallel", finding, "α (degrees)", y, 1.35, "", "moiré is visible"
+    )
     for count in (50, 100, 400):
         contrast = []
         for alpha in alphas:

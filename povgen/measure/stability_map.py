@@ -21,7 +21,8 @@ class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
-    `tolerance` is the greatest allowed y. `finding` is what the map shows, in a sentence.
+    `tolerance` is the greatest allowed y, and `beyond` says what greater values mean. `finding` is what the map shows,
+    in a sentence. If `is_bound`, x is what y is expected to be at most, in the same unit.
     """
 
     name: str
@@ -31,6 +32,8 @@ class StabilityMap:
     y: str
     tolerance: float
     log_axes: str
+    beyond: str = "not accurate enough"
+    is_bound: bool = False
     rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
     limits: list[Measured] = dataclasses.field(default_factory=list)
 
