@@ -251,7 +251,8 @@ def test_maps_are_drawn_and_tabled(tmp_path):
         *("grid.csv", "grid.png", "trace-level.csv", "trace-level.png", "stability.png")
     }
     rows = list(csv.reader((tmp_path / "grid.csv").open()))
-    assert rows[0] == ["series", "predicted upper bound of the error (px)", "worst error of position (px)"]
+    error = "worst error, and 0.011 px of rounding (px)"
+    assert rows[0] == ["series", "predicted upper bound of the error (px)", error]
     assert len(rows) == 5 and {limit.sheet for limit in found} == {"ideal", "detailed", "single"} and len(found) == 11
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
 
