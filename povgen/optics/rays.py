@@ -187,7 +187,7 @@ def trace_windows(
     aperture: float,
     frame: float = 0.0,
     most: int = 60,
-    partial: np.random.Generator | None = None,
+    partial: "np.random.Generator | None" = None,
 ) -> Traced:
     """Follow a bundle through windows: ideal sheets, or prisms, or ideal sheets before prisms.
 

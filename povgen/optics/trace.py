@@ -76,7 +76,7 @@ def trace(
     window: float,
     most: int = 60,
     frame: float = 0.0,
-    partial: np.random.Generator | None = None,
+    partial: "np.random.Generator | None" = None,
 ) -> Rays:
     """Follow rays through the sheets.
 
@@ -178,7 +178,7 @@ class _Trace:
         glass: Prisms | Profiles,
         window: float,
         frame: float,
-        partial: np.random.Generator | None,
+        partial: "np.random.Generator | None",
     ) -> None:
         n, self.most = rays.faces.shape
         self.rays, self.glass, self.sheets, self.partial = rays, glass, len(sheets), partial

@@ -7,16 +7,14 @@ import functools
 import inspect
 import sys
 from hashlib import sha256
+from pathlib import Path
 
-from povgen import limits, sheets
-from povgen.optics import apparent, equations, faces, paraxial, polarisation, prism, profile, trace
+from povgen import limits, optics, sheets
 from povgen.rendering import cache
 from povgen.scene import survey
 from povgen.scene.scenes import Scene
 from povgen.sheets import law, sheet
 
-# all modules of povgen.optics that a survey uses
-OPTICS = (apparent, equations, faces, paraxial, polarisation, prism, profile, trace)
 SHEETS = (law, sheet, *(sys.modules[kind.__module__] for kind in sheets.SHEETS.values()))
 
 
@@ -39,5 +37,6 @@ def found(scene: Scene, store: bool = False) -> survey.Survey | None:
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [inspect.getsource(module) for module in (limits, survey, *OPTICS, *SHEETS)]
+    texts = [file.read_text("utf-8") for file in sorted(Path(optics.__file__).parent.glob("*.py"))]
+    texts += [inspect.getsource(module) for module in (limits, survey, *SHEETS)]
     return sha256("\0".join(texts).encode()).hexdigest()
