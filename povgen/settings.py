@@ -73,6 +73,8 @@ else:
         | None,
         BeforeValidator(_antialias),
     ]
+# letters that povgen's font has
+Note = Annotated[str, Field(pattern="^[ -~\u00a1-\u00ff\u0152\u0153\u0391-\u03a1\u03a3-\u03c9–—‘’‚‛“”„…′₀-₉]{0,80}$")]
 Pixels = Annotated[int, Field(ge=32, le=MAX_SIDES["gl"]), AfterValidator(_even)]
 
 
@@ -176,6 +178,7 @@ class Options(TypedDict, total=False):
     bits: Literal[8, 16, 32]
     timeout: float
     caption: Literal["none", "short", "full"]
+    note: str
     overlay: bool
     side_view: bool
     stereo: Literal["none", "pair", "anaglyph"]
@@ -203,9 +206,11 @@ class Rendering(Sampling):
         description="below the picture: none, short (what moves, or the sheets' parameters) or full (with predicted nu "
         "and M) (default: none; of a movie's file short)",
     )
-    overlay: bool = Field(
-        default=False, description="mark predicted positions inside the window, and the curves on which they move"
+    note: Note = Field(
+        default="",
+        description="a text with the caption: up to 80 letters, Latin or Greek",
     )
+    overlay: bool = Field(default=False, description="mark predicted positions, and the curves on which they move")
 
     side_view: bool = Field(
         default=False,
@@ -224,7 +229,7 @@ class Rendering(Sampling):
     @model_validator(mode="after")
     def _check_bits(self) -> Self:
         if self.is_light and self.annotated:
-            drawn = "overlay" if self.overlay else "side_view" if self.side_view else "caption"
+            drawn = next(name for name in ("overlay", "side_view", "note", "caption") if getattr(self, name))
             raise ValueError(f"bits = {self.bits}: {drawn} is drawn with 8 bits; allowed: bits = 8, or without {drawn}")
         return self
 
@@ -244,4 +249,4 @@ class Rendering(Sampling):
     @property
     def annotated(self) -> bool:
         """Whether povgen draws on POV-Ray's picture."""
-        return self.caption in ("short", "full") or self.overlay or self.side_view
+        return self.caption in ("short", "full") or bool(self.note) or self.overlay or self.side_view

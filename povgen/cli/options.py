@@ -202,7 +202,7 @@ def described(field: "FieldInfo") -> str:
     if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    said = default in (None, False, (), {}, PydanticUndefined) or "(default" in about
+    said = default in (None, False, "", (), {}, PydanticUndefined) or "(default" in about
     return about if said else f"{about} (default {default})"
 
 

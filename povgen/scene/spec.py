@@ -14,7 +14,7 @@ from povgen.files import in_home, own_folder
 from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
-from povgen.settings import preset_of
+from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES
 from povgen.validation import Model, as_pair
 
@@ -143,6 +143,9 @@ class MovieSpec(Model):
         default=0, description="how long the first and the last picture stay in addition, 0 to 10 seconds"
     )
     overlay: bool = Field(default=False, description="whether its file has the overlay, unless told otherwise")
+    note: Note = Field(
+        default="", description="a text with the caption, unless told otherwise: up to 80 letters, Latin or Greek"
+    )
     side_view: bool = Field(default=False, description="whether its file has the side view, unless told otherwise")
     loop: bool = Field(default=False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, object] = Field(

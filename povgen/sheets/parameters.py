@@ -15,6 +15,7 @@ ALPHA = Parameter(
     360,
     "degrees",
     symbol="α",
+    said=Said("rays turned by α = {}", full="α = {}"),
 )
 RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")
 FOCAL_LENGTH = Parameter(

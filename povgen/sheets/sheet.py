@@ -26,6 +26,7 @@ class Said(NamedTuple):
 
     words: str  # {} is the value, with its unit, and {ratio} the value of the parameter `ratio`
     factor: float = 1  # of the value that is said
+    full: str = ""  # the words of a full caption, which has less room for each value, if they differ
 
 
 @dataclass(frozen=True)

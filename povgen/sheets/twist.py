@@ -1,7 +1,7 @@
 """A sheet that rotates light by an angle that depends on the place."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA
+from povgen.sheets.parameters import ALPHA, of
 from povgen.sheets.sheet import Ideal, Parameter
 
 _ANGLE = "(alpha + twist*sqrt(X*X + Y*Y))"
@@ -15,7 +15,7 @@ class Twist(Ideal):
     does = "turns light by alpha at the centre, and by more outside"
     source = "this project"
     parameters = (
-        ALPHA,
+        of(ALPHA),
         Parameter(
             "twist", "change of the angle, -360 to 360 degrees a tile", 30, -360, 360, "degrees a tile", symbol="τ"
         ),

@@ -1,7 +1,7 @@
 """A sheet behind which one plane appears turned as a rigid body."""
 
 from povgen.sheets.law import Law
-from povgen.sheets.parameters import ALPHA
+from povgen.sheets.parameters import ALPHA, of
 from povgen.sheets.sheet import Ideal, Parameter
 
 _X = "((cos(alpha) - 1)*X + sin(alpha)*Y)*z/view_distance"
@@ -20,7 +20,7 @@ class ViewRotator(Ideal):
     does = "shows what is at view_distance turned by alpha about the window's centre, for every eye"
     source = "this project"
     parameters = (
-        ALPHA,
+        of(ALPHA),
         Parameter(
             "view_distance",
             "distance of the plane that appears rigid, 0.1 to 100 tiles",

@@ -77,8 +77,8 @@ def movie(
 ) -> Movie:
     """Render a movie to .mp4, .webm, .webp or .gif. Jupyter plays the result. The file is written atomically.
 
-    A short caption below the picture says what moves, unless `caption` is "none" or "full", and the spec's overlay
-    and side view are drawn, unless `caption`, `overlay` or `side_view` is given. With an output such as
+    A short caption below the picture says what moves, unless `caption` is "none" or "full", and the spec's overlay,
+    side view and note are drawn, unless `caption`, or an option of their name, is given. With an output such as
     frames/%04d.png, every frame becomes a PNG file, frames/0001.png and so on, without a caption unless one is asked
     for. The folder is made if it is missing. No file is written before all frames are rendered.
 
@@ -112,7 +112,8 @@ def movie(
     output = checked_movie(output, len(scenes), rate, [*inputs, *input_files(scenes)])
     files = sequence(output, len(scenes))
     if rendering.caption is None and not files:
-        drawn = {name: getattr(spec, name, False) for name in ("overlay", "side_view") if name not in options}
+        own = ("overlay", "side_view", "note")
+        drawn = {name: getattr(spec, name) for name in own if hasattr(spec, name) and name not in options}
         rendering = rendering.replace(caption="short", **drawn)
     record = record_of(scenes, rendering, title or output.stem, rate)
     tags = {

@@ -38,16 +38,19 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
     """Return the captions of a movie's frames, or of a single picture.
 
     A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
-    The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none.
+    The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none. The note
+    stands last.
     """
     size = 1.0
     if rendering.caption == "full":
-        rows = [_all_said(scene, facts(scene)) for scene in scenes]
+        rows = [_all_said(scene, facts(scene), full=True) for scene in scenes]
     elif rendering.caption == "short":
         rows = _moving(scenes) if len(scenes) > 1 else [_still(scenes[0])]
         size = MOVING if len(scenes) > 1 else 1.0
     else:
         rows = [[] for _ in scenes]
+    if rendering.note:
+        rows = [[*row, rendering.note] for row in rows]
     widest = [max(set(texts), key=text_width) for texts in zip_longest(*rows, fillvalue="")]
     # scenes of several kinds can have different numbers of texts
     return [Caption([*texts, *[""] * (len(widest) - len(texts))], widest, size) for texts in rows]
@@ -58,10 +61,10 @@ def _still(scene: Scene) -> list[str]:
     return _all_said(scene, _values(scene) or {"z1": facts(scene)["z1"]})
 
 
-def _all_said(scene: Scene, values: Mapping[str, str]) -> list[str]:
+def _all_said(scene: Scene, values: Mapping[str, str], full: bool = False) -> list[str]:
     """Return what a caption says of these values. A value is left out if the words about another value state it."""
     words = "".join(_words(scene, name).words for name in values)
-    return [_said(scene, name, text) for name, text in values.items() if f"{{{name}}}" not in words]
+    return [_said(scene, name, text, full) for name, text in values.items() if f"{{{name}}}" not in words]
 
 
 def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
@@ -91,7 +94,7 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
         names = [next((str(each.piece) for each in getattr(scene, "pieces", ())), "") for scene in scenes]
         found.append(
             [
-                f"{name if name in PIECES else 'object'} turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
+                f"{name if name in PIECES else 'object'} appears turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
                 for name, nu in zip(names, turned, strict=True)
             ]
         )
@@ -139,10 +142,10 @@ def _words(scene: Scene, name: str) -> Said:
     return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
 
 
-def _said(scene: Scene, name: str, text: str) -> str:
+def _said(scene: Scene, name: str, text: str, full: bool = False) -> str:
     """Return what a caption says of a parameter, whose value as text is given."""
-    number = SUBSCRIPTS.find(name[-1])
-    return _words(scene, name).words.format(text, **{**_values(scene), "number": number})
+    number, words = SUBSCRIPTS.find(name[-1]), _words(scene, name)
+    return (words.full if full and words.full else words.words).format(text, **{**_values(scene), "number": number})
 
 
 def _numbers(scene: Scene) -> dict[str, tuple[float, ...]]:

@@ -119,7 +119,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     # the widths of items, each with the gap after it, in units of the text's height
     sample = 1.7
     widths = [text_width(item.widest) + sample * bool(item.colour) + GAP for item in items]
-    for lines in (1, 2, 3):
+    for lines in range(1, min(3, len(items)) + 1):
         rows = np.array_split(np.arange(len(items)), lines)
         widest = max(np.take(widths, row).sum() for row in rows) - GAP
         if size * widest <= free:

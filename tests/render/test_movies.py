@@ -101,19 +101,24 @@ def test_a_movie_says_what_moves_unless_told_otherwise(folder):
         shapes[kind] = iio.imread(first, index=0, plugin="pillow").shape[:2]
     width, height = SIZE
     assert shapes["%d.png"] == shapes["none.gif"] == (height, width)
-    assert height < shapes["gif"][0] < shapes["full.gif"][0] and shapes["gif"][0] % 2 == 0
+    assert height < min(shapes["gif"][0], shapes["full.gif"][0]) and shapes["gif"][0] % 2 == 0
     assert info(folder / "said.1.png").rendering.caption is None
     assert info(folder / "said.gif").rendering.caption == "short"
 
 
 def test_a_movies_file_has_the_drawings_that_its_spec_asks_for(folder):
-    spec = ALPHA_MOVIE.replace(overlay=True, side_view=True).with_fixed({"sheet": "ideal"})
-    expected = {"a.gif": (True, True), "plain.gif": (False, False), "side.gif": (False, True), "%d.png": (False, False)}
+    spec = ALPHA_MOVIE.replace(overlay=True, side_view=True, note="a note").with_fixed({"sheet": "ideal"})
+    expected = {
+        "a.gif": (True, True, "a note"),
+        "plain.gif": (False, False, ""),
+        "side.gif": (False, True, "a note"),
+        "%d.png": (False, False, ""),
+    }
     given = {"plain.gif": {"caption": "none"}, "side.gif": {"overlay": False}}
-    for name, (overlay, side_view) in expected.items():
+    for name, drawn in expected.items():
         movie(spec, folder / f"drawn.{name}", size=SIZE, **given.get(name, {}))
         rendering = info(folder / f"drawn.{name.replace('%d', '1')}").rendering
-        assert (rendering.overlay, rendering.side_view) == (overlay, side_view)
+        assert (rendering.overlay, rendering.side_view, rendering.note) == drawn
 
 
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):

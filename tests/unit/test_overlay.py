@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from povgen import Chess, Spheres
+from povgen import Chess, InputError, Spheres
 from povgen.optics import equations
 from povgen.rendering.views import views
 from povgen.scene import camera
@@ -396,20 +396,26 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     [
         (
             [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 65.6, 180)],
-            [f"α = {alpha}°, knight turned by {nu}°" for alpha, nu in ((0, 0), (66, 15), (180, 0))],
+            [
+                f"rays turned by α = {alpha}°, knight appears turned by {nu}°"
+                for alpha, nu in ((0, 0), (66, 15), (180, 0))
+            ],
         ),
         (
             [Chess(z1=z1, alpha=90, piece="king") for z1 in (0.62, 20)],
-            ["z₁ = 0.6 tiles, α = 90°, king turned by 5°", "z₁ = 20.0 tiles, α = 90°, king turned by 73°"],
+            [
+                f"z₁ = {z1} tiles, rays turned by α = 90°, king appears turned by {nu}°"
+                for z1, nu in (("0.6", 5), ("20.0", 73))
+            ],
         ),
         (
             [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (3, 6, 9)],
             [
-                f"z₁ = {z1} tiles, α = 180°, {turned}"
-                for z1, turned in ((3, "knight turned by 0°"), (6, "knight turned by ?"), (9, "knight turned by 180°"))
+                f"z₁ = {z1} tiles, rays turned by α = 180°, knight appears turned by {turned}"
+                for z1, turned in ((3, "0°"), (6, "?"), (9, "180°"))
             ],
         ),
-        ([Spheres(alpha=alpha) for alpha in (0, 140)], ["α = 0°", "α = 140°"]),
+        ([Spheres(alpha=alpha) for alpha in (0, 140)], ["rays turned by α = 0°", "rays turned by α = 140°"]),
         (
             [Chess(eye=(x, 0)) for x in (-0.5, -0.04, 1)],
             ["eye 0.5 tiles to the left", "eye in the middle", "eye 1.0 tiles to the right"],
@@ -433,7 +439,10 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ([Chess(window=f"z=2,alpha={x}", z1=3) for x in (66, 66.4)], ["α₂ = 66.00°", "α₂ = 66.40°"]),
         (
             [Chess(window=f"z={x},alpha=120", alpha=120, sheet="ideal", z1=2) for x in (0.5, 2)],
-            ["windows 0.5 tiles apart, knight turned by -15°", "windows 2.0 tiles apart, knight turned by 0°"],
+            [
+                "windows 0.5 tiles apart, knight appears turned by -15°",
+                "windows 2.0 tiles apart, knight appears turned by 0°",
+            ],
         ),
         (
             [Chess(window=["z=1,alpha=0", f"z={x},alpha=0"], alpha=0, z1=2) for x in (2, 3)],
@@ -443,13 +452,38 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ([Chess(sheet="refraction", ratio=0.7, alpha=40)], ["index ratio 0.7, light turned by 40°"]),
         ([Chess(sheet="mirror")], ["mirror line at 33°"]),
         ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
-        ([Chess(alpha=66.5)], ["α = 66.5°"]),
+        ([Chess(alpha=66.5)], ["rays turned by α = 66.5°"]),
         ([Chess(sheet="none", z1=3)], ["z₁ = 3 tiles"]),
         ([Chess(piece="king"), Chess(piece="pawn")], ["", ""]),
     ],
 )
 def test_a_short_caption_says_what_moves(scenes, texts):
     assert [", ".join(caption.texts) for caption in captions.captions(scenes, Rendering(caption="short"))] == texts
+
+
+def test_a_note_ends_the_caption():
+    scenes = [Chess(z1=z1, sheet="none") for z1 in (2, 3)]
+    for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles"])):
+        noted = Rendering(caption=caption, note="a note")
+        assert noted.annotated and captions.captions(scenes, noted)[0].texts == [*texts, "a note"]
+    with pytest.raises(InputError, match="note = 'Ж': is not allowed.*Latin"):
+        Rendering(note="Ж")  # povgen's font lacks it
+
+
+def test_the_letters_of_a_note_are_in_the_font():
+    """A letter that the font lacks would be drawn as the empty box that stands for U+FFFF."""
+    font = _font(40)
+    lacking = bytes(font.getmask("\uffff"))
+    allowed = [letter for letter in map(chr, range(0x20, 0x2100)) if not refused_letter(letter)]
+    assert len(allowed) > 250 and not [x for x in allowed if x.strip() and bytes(font.getmask(x)) == lacking]
+
+
+def refused_letter(letter):
+    try:
+        Rendering(note=letter)
+    except InputError:
+        return True
+    return False
 
 
 @pytest.mark.parametrize(
