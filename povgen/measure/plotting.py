@@ -74,7 +74,7 @@ def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
 
 
 def name_lines(ax: Axes, size: float = 10) -> None:
-    """Write the name of each labelled line of `ax` at the right of the axes, at the height of its end.
+    """Write the name of each labelled line of `ax` at the right of the axes, and lead a thin line to it from its end.
 
     Names that would overlap are moved apart. Call this when the limits of the axes are final.
     """
@@ -87,18 +87,35 @@ def name_lines(ax: Axes, size: float = 10) -> None:
         shown = np.isfinite(y) & (x >= ax.get_xlim()[0]) & (x <= ax.get_xlim()[1])
         if not str(line.get_label()).startswith("_") and shown.any():
             last = x[shown].argmax()
-            end = ax.transLimits.transform(ax.transScale.transform((x[shown][last], y[shown][last])))[1]
-            named.append((min(max(end, 0), 1), line))
-    named.sort(key=lambda each: each[0])
-    heights = [end for end, _ in named]
+            end = ax.transLimits.transform(ax.transScale.transform((x[shown][last], y[shown][last])))
+            named.append((end.clip(0, 1), line))
+    named.sort(key=lambda each: each[0][1])
+    heights = [end[1] for end, _ in named]
     for _ in range(200):  # a pair that is too near moves apart by equal steps
         for n in range(len(heights) - 1):
             short = room - (heights[n + 1] - heights[n])
             if short > 0:
                 heights[n], heights[n + 1] = heights[n] - short / 2, heights[n + 1] + short / 2
-    for height, (_, line) in zip(heights, named, strict=True):
-        look = {"color": line.get_color(), "fontsize": size, "va": "center"}
-        ax.text(1.015, height, str(line.get_label()), transform=ax.transAxes, **look)  # type: ignore[arg-type]
+    for height, (end, line) in zip(heights, named, strict=True):
+        ax.annotate(
+            str(line.get_label()),
+            tuple(end),
+            (1.04, height),
+            xycoords="axes fraction",
+            textcoords="axes fraction",
+            arrowprops={
+                "arrowstyle": "-",
+                "color": line.get_color(),
+                "linewidth": 0.8,
+                "shrinkA": 1,
+                "shrinkB": 4,
+                "relpos": (0, 0.5),
+            },
+            color=line.get_color(),
+            fontsize=size,
+            va="center",
+            annotation_clip=False,
+        )
 
 
 def point_to_better(ax: Axes) -> None:
