@@ -53,18 +53,15 @@ def encode(
     rate: float,
     tags: dict[str, str],
     record: Record | None = None,
-    *,
-    webp_quality: int = 75,
 ) -> None:
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
-    `rate` is in frames a second, `webp_quality` from 0 to 100. A GIF and a WebP file have the record alone, other files
-    also have the tags. An MP4 file has its middle picture as its cover. Raises OSError if the file is incomplete.
+    `rate` is in frames a second. A GIF and a WebP file have the record alone, other files also have the tags.
+    An MP4 file has its middle picture as its cover. Raises OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
     codec, pixels, settings = FORMATS[output.suffix]
-    settings += f" -quality {webp_quality}" * (output.suffix == ".webp")
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
     options: dict[str, Any] = {"pix_fmt_out": pixels, "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
     options |= {"quality": None, "output_params": [*settings.split(), *metadata]}
