@@ -71,7 +71,7 @@ def test_metadata_are_complete(metadata):
 
 def test_every_place_names_this_version():
     version = povgen.__version__
-    assert re.search(r"^## (\S+)", (PROJECT / "CHANGELOG.md").read_text(), re.M)[1] == version
+    assert re.search(r"^## (?!Unreleased\n)(\S+)", (PROJECT / "CHANGELOG.md").read_text(), re.M)[1] == version
     assert re.search(r"^version: (\S+)", (PROJECT / "CITATION.cff").read_text(), re.M)[1] == version
     notes = subprocess.run(["make", "--silent", "notes"], cwd=PROJECT, capture_output=True, text=True).stdout
     assert notes.startswith("\nThe first release.") and "\n## " not in notes
