@@ -197,7 +197,7 @@ def _net(x: Floats, y: Floats) -> Complexes:
 
 
 def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indices]]:
-    """Yield slopes from which to search, and the numbers of their targets.
+    """Yield slopes from which to search, and the indices of their targets.
 
     `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
     """

@@ -82,7 +82,7 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 
 
 def slope_error(shape: Prism | Profile, slope: complex) -> float:
-    """Return the RMS difference between the slopes of light behind a sheet and the slope by `small_angles`.
+    """Return the RMS difference between the slopes of light behind a sheet and the slope that `small_angles` predicts.
 
     `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period, and
     takes the designed path. NaN if none takes it; 0 for prisms.
@@ -136,8 +136,8 @@ class Ghost(NamedTuple):
 def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
     """Return the ghosts of a point behind one window with these sheets, the brightest first.
 
-    L, E and the distances z1 and z2 are as for `position`. The orders are from -most to most. Sheets of prisms have no
-    ghosts.
+    L, E and the distances z1 and z2 are as for `apparent.position`. The orders are from -most to most.
+    Sheets of prisms have no ghosts.
     """
     found: list[Ghost] = []
     profiles = [sheet.shape.scaled(1.0) for sheet in sheets if isinstance(sheet.shape, Profile)]

@@ -461,6 +461,12 @@ def test_a_short_caption_says_what_moves(scenes, texts):
     assert [", ".join(caption.texts) for caption in captions.captions(scenes, Rendering(caption="short"))] == texts
 
 
+def test_a_strip_has_no_line_without_text():
+    long = overlay.Item("w" * 60, "w" * 60)
+    one, two = (overlay.strip([long] * count, 320, 240) for count in (1, 2))
+    assert len(two) == 2 * len(one)
+
+
 def test_a_note_ends_the_caption():
     scenes = [Chess(z1=z1, sheet="none") for z1 in (2, 3)]
     for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles"])):
