@@ -13,7 +13,7 @@ def main() -> None:
         sys.exit(
             "povgen: platform = Windows; allowed: the Windows Subsystem for Linux: wsl --install, then as on Ubuntu"
         )
-    gc.set_threshold(7000)  # ten times the default: loading makes many objects, and nearly all of them stay
+    gc.set_threshold(7000)  # more than Python's default: loading makes many objects, and nearly all of them stay
     from povgen import stopping  # Windows cannot import it
 
     stopping.on_signals()
