@@ -5,9 +5,9 @@ are in any one unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It c
 z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
 A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
-and slope before the window, to the same behind it. The windows' matrices and those of the distances between them are
-multiplied. `paraxial` has those of prisms and lenses. For other windows only `Element.slope` is known: the slope behind
-the window, for each ray. Newton's method, from many starts, then finds the ray to L.
+and slope before the window, to its place and slope behind the window. The windows' matrices and those of the distances
+between them are multiplied. `paraxial` has those of prisms and lenses. For other windows only `Element.slope` is known:
+the slope behind the window, for each ray. Newton's method, from many starts, then finds the ray to L.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -81,9 +81,9 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
 def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
-    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths. The result is the position with
-    the least max(|x|, |y|). A square window round 0 that shows any of these positions shows this one. The result is NaN
-    if there is no path, and infinite if L appears at infinity.
+    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
+    positions. The result is the position with the least max(|x|, |y|): in a square window round 0 it is visible if any
+    of them is. The result is NaN if there is no path, and infinite if L appears at infinity.
 
     At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
     middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.
@@ -101,11 +101,11 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 
 
 def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
-    """Return A and B: if the slope at the eye changes by a small step s, L moves by A s + B conj(s).
+    """Return A and B: if the slope at the eye changes by a small ds, L moves by A ds + B conj(ds).
 
-    For windows that rotate light, and an eye at E, L - E = A s + B conj(s) for every ray. Without thickness B = 0, and
-    A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the eye's plane in a line, or
-    not at all. NaN if a window has no matrix.
+    For windows that rotate light, L - E = A s + B conj(s) for a ray that reaches the eye E with the slope s. Without
+    thickness B = 0, and A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the
+    eye's plane in a line, or not at all. NaN if a window has no matrix.
     """
     z1, total = np.asarray(z1, float), matrix(windows)
     if total is None:
@@ -135,8 +135,8 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
 def infinite_z1(windows: Windows) -> Floats:
     """Return the distances z1 > 0 at which objects appear at infinity; none if a window has no matrix.
 
-    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. Of complex solutions, the real part is a
-    result: there |A|^2 - |B|^2 is closest to 0.
+    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. If its solutions are complex, the result
+    is their real part: there |A|^2 - |B|^2 is closest to 0.
     """
     total = matrix(windows)
     if total is None:

@@ -1,12 +1,12 @@
 """What sheets of prisms and lenses do to light at small angles, and the ghosts of lenses.
 
 Points, slopes and lengths are as in `apparent`. A ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope
-before a sheet, to the same behind it.
+before a sheet, to its place and slope behind the sheet.
 
 Prisms of finite size have a matrix for small angles. Across the ridges (the prisms' long edges) a sheet reverses the
-slope of light, as if in the sheet's middle plane. Along the ridges it acts as a slab of glass: it shifts light sideways
-by -g times the component of the slope along the ridges (`Prism.slab_shift`). Other shifts depend on the point at which
-a ray enters a prism, and are zero on average. docs/sheets.md has the derivation.
+slope of light. The place of this reversal is the sheet's middle plane. Along the ridges the sheet acts as a slab of
+glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`). Other
+shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the derivation.
 
 The matrix of another profile, such as an array of lenses, is fitted to rays on its designed path: `small_angles`.
 """
@@ -68,7 +68,7 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
     """Return what a sheet of this shape does to light on its designed path.
 
     For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines are
-    fitted to their slopes and places behind the sheet. So the result contains the spherical aberration of these rays.
+    fitted to their slopes and places behind the sheet. These rays' spherical aberration changes the fit.
     With an `order` other than 0, the result is for a *ghost*: for rays that leave the glass `order` cells above the
     cell in which they enter it. It is NaN if there are no such rays.
     """
