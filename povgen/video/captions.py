@@ -21,7 +21,8 @@ from povgen.video.text import text_width
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
-LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
+LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this,
+LEAST_GROWTH = 1.1  # and the size only if it changes by more than this factor
 
 Reals = NDArray[np.float64]
 
@@ -70,8 +71,8 @@ def _all_said(scene: Scene, values: Mapping[str, str], full: bool = False) -> li
 def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
     """Return the short caption of each frame.
 
-    It states the numbers and points that are not the same in all frames, and the angle by which an object appears
-    turned if this changes.
+    It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
+    changes, it states this too, and how large the object appears if this changes.
     """
     rows = [_numbers(scene) for scene in scenes]
     found: list[list[str]] = []
@@ -86,26 +87,32 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
             digits = _digits(values, unit.startswith("°"))
             texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
             found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
-    turned = [_turned(scene) for scene in scenes]
+    turned, sizes = zip(*[_image(scene) for scene in scenes], strict=True)
     known = [nu for nu in turned if np.isfinite(nu)]
     if known and max(known) - min(known) > LEAST_TURN:
         if len({scene.alphas for scene in scenes}) == 1 and not scenes[0].window:
             found.append([_said(scene, "alpha", _values(scene)["alpha"]) for scene in scenes])
         names = [next((str(each.piece) for each in getattr(scene, "pieces", ())), "") for scene in scenes]
-        found.append(
-            [
-                f"{name if name in PIECES else 'object'} appears turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
-                for name, nu in zip(names, turned, strict=True)
-            ]
-        )
+        texts = [
+            f"{name if name in PIECES else 'object'} appears turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
+            for name, nu in zip(names, turned, strict=True)
+        ]
+        if np.nanmax(sizes) > LEAST_GROWTH * np.nanmin(sizes):
+            times = [f"{size:.1f}" if np.isfinite(size) else "?" for size in sizes]
+            texts = [f"{text}, {size} times as large" for text, size in zip(texts, times, strict=True)]
+        found.append(texts)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
 
-def _turned(scene: Scene) -> float:
-    """Return by how many degrees a scene's only object appears turned; NaN at the pole, and for several objects."""
+def _image(scene: Scene) -> tuple[float, float]:
+    """Return nu, degrees, of a scene's only object, and its size as a multiple of that without the sheets.
+
+    For several objects both are NaN. At the pole, nu is NaN and the size is infinite.
+    """
     if len(scene.objects) != 1 or not scene.rotates:
-        return float("nan")
-    return float(scene.nu_and_M(scene.distances[0])[0])
+        return float("nan"), float("nan")
+    nu, M = scene.nu_and_M(scene.distances[0])
+    return float(nu), float(M) * (scene.z2 + scene.places[-1] + scene.distances[0]) / scene.z2
 
 
 def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:

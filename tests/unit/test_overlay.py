@@ -397,22 +397,22 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 65.6, 180)],
             [
-                f"rays turned by α = {alpha}°, knight appears turned by {nu}°"
-                for alpha, nu in ((0, 0), (66, 15), (180, 0))
+                f"rays turned by α = {alpha}°, knight appears turned by {nu}°, {M} times as large"
+                for alpha, nu, M in ((0, 0, "1.0"), (66, 15, "1.1"), (180, 0, "2.0"))
             ],
         ),
         (
             [Chess(z1=z1, alpha=90, piece="king") for z1 in (0.62, 20)],
             [
-                f"z₁ = {z1} tiles, rays turned by α = 90°, king appears turned by {nu}°"
-                for z1, nu in (("0.6", 5), ("20.0", 73))
+                f"z₁ = {z1} tiles, rays turned by α = 90°, king appears turned by {nu}°, {M} times as large"
+                for z1, nu, M in (("0.6", 5, "1.1"), ("20.0", 73, "1.3"))
             ],
         ),
         (
             [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (3, 6, 9)],
             [
-                f"z₁ = {z1} tiles, rays turned by α = 180°, knight appears turned by {turned}"
-                for z1, turned in ((3, "0°"), (6, "?"), (9, "180°"))
+                f"z₁ = {z1} tiles, rays turned by α = 180°, knight appears turned by {turned}, {M} times as large"
+                for z1, turned, M in ((3, "0°", "3.0"), (6, "?", "?"), (9, "180°", "5.0"))
             ],
         ),
         ([Spheres(alpha=alpha) for alpha in (0, 140)], ["rays turned by α = 0°", "rays turned by α = 140°"]),
@@ -440,8 +440,8 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(window=f"z={x},alpha=120", alpha=120, sheet="ideal", z1=2) for x in (0.5, 2)],
             [
-                "windows 0.5 tiles apart, knight appears turned by -15°",
-                "windows 2.0 tiles apart, knight appears turned by 0°",
+                "windows 0.5 tiles apart, knight appears turned by -15°, 1.7 times as large",
+                "windows 2.0 tiles apart, knight appears turned by 0°, 2.5 times as large",
             ],
         ),
         (
