@@ -4,13 +4,17 @@ Only this module uses Jinja2.
 """
 
 import re
+import sys
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from shlex import quote
 from types import NoneType
 from typing import TYPE_CHECKING, NamedTuple
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
+from jinja2.bccache import Bucket
 
 from povgen import limits
 from povgen.errors import InputError, shown
@@ -31,12 +35,28 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.profile import Profile
 
 TEMPLATES = own_folder("templates")
+COMPILED = TEMPLATES / "__pycache__"
+
+
+class _Compiled(FileSystemBytecodeCache):
+    """Compiled templates, kept as Python keeps compiled modules: beside their source, and only where it may write."""
+
+    def get_source_checksum(self, source: str) -> str:
+        # a template is compiled again, too, if this module has changed: its options and filters are part of the result
+        return super().get_source_checksum(f"{Path(__file__).stat().st_mtime_ns} {source}")
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        if not sys.dont_write_bytecode:
+            with suppress(OSError):
+                COMPILED.mkdir(exist_ok=True)
+                super().dump_bytecode(bucket)
 
 
 @cache
 def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
+        bytecode_cache=_Compiled(str(COMPILED), f"%s.{sys.implementation.cache_tag}"),
         undefined=StrictUndefined,
         autoescape=select_autoescape(["html.j2"]),
         trim_blocks=True,

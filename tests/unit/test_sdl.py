@@ -1,14 +1,16 @@
 """The .pov text: legible, only what the scene shows, frames that differ only in their parameters."""
 
 import re
+import sys
 from pathlib import Path
+from shutil import copytree, ignore_patterns
 
 import numpy as np
 import pytest
 
 from povgen import Chess, Spheres, to_pov
 from povgen.measure.probes import Directions, PiecePositions, Positions
-from povgen.scene import materials
+from povgen.scene import materials, sdl
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
 
@@ -140,6 +142,43 @@ def test_every_part_begins_with_its_name():
         name = path.relative_to(TEMPLATES).as_posix()
         if name != "header.pov.j2":
             assert re.search(rf"^// ---- .* \({re.escape(name)}\) ----$", path.read_text(), flags=re.M), name
+
+
+@pytest.fixture
+def own_templates(tmp_path, monkeypatch):
+    """A copy of the templates, from which scenes are written in this test, and which is not compiled yet."""
+    folder = copytree(TEMPLATES, tmp_path / "templates", ignore=ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sdl, "TEMPLATES", folder)
+    monkeypatch.setattr(sdl, "COMPILED", folder / "__pycache__")
+    sdl._environment.cache_clear()
+    yield folder
+    sdl._environment.cache_clear()
+
+
+def written():
+    """Return a scene's text from templates that no process has loaded yet."""
+    sdl._environment.cache_clear()
+    return to_pov(Spheres())
+
+
+@pytest.mark.parametrize("writes", [True, False])
+def test_templates_are_compiled_once(writes, own_templates, monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", not writes)
+    text, folder = written(), own_templates / "__pycache__"
+    assert folder.exists() == writes
+    if writes:
+        before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+        assert written() == text
+        assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+    template = own_templates / "spheres.pov.j2"
+    template.write_text(template.read_text() + "// changed\n")
+    assert written() == text + "// changed\n"
+
+
+def test_no_folder_for_compiled_templates(own_templates, monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    (own_templates / "__pycache__").symlink_to("missing")  # nobody can write there, not even root
+    assert written().startswith("//")
 
 
 def test_pieces_are_those_that_have_a_template():
