@@ -1,9 +1,10 @@
 """The .pov text: legible, only what the scene shows, frames that differ only in their parameters."""
 
+import os
 import re
+import shutil
 import sys
 from pathlib import Path
-from shutil import copytree, ignore_patterns
 
 import numpy as np
 import pytest
@@ -147,7 +148,7 @@ def test_every_part_begins_with_its_name():
 @pytest.fixture
 def own_templates(tmp_path, monkeypatch):
     """A copy of the templates, from which scenes are written in this test, and which is not compiled yet."""
-    folder = copytree(TEMPLATES, tmp_path / "templates", ignore=ignore_patterns("__pycache__"))
+    folder = shutil.copytree(TEMPLATES, tmp_path / "templates", ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sdl, "TEMPLATES", folder)
     monkeypatch.setattr(sdl, "COMPILED", folder / "__pycache__")
     sdl._environment.cache_clear()
@@ -170,6 +171,10 @@ def test_templates_are_compiled_once(writes, own_templates, monkeypatch):
         before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
         assert written() == text
         assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+        os.utime(Path(shutil.copy(sdl.__file__, own_templates)), (0, 0))
+        monkeypatch.setattr(sdl, "__file__", str(own_templates / "sdl.py"))  # the module that compiles has changed
+        assert written() == text
+        assert not {path.stat().st_mtime_ns for path in folder.iterdir()} & {*before.values()}
     template = own_templates / "spheres.pov.j2"
     template.write_text(template.read_text() + "// changed\n")
     assert written() == text + "// changed\n"
