@@ -11,7 +11,7 @@ VENV := .venv
 $(if $(filter-out 1,$(words $(VENV))),$(error VENV = '$(VENV)': allowed: the name of a folder, without spaces))
 POVGEN := $(VENV)/bin/povgen
 # those beyond the paper
-BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4 lenticular.mp4)
+BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp4 lenslets.mp4 mirror.mp4)
 # what RENDERER needs besides POV-Ray
 RENDERER_READY := $(if $(filter gl auto,$(RENDERER)),gl-deps $(VENV)/gl-ready)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))

@@ -32,7 +32,7 @@ def joined(prisms: np.ndarray, ideal: np.ndarray, alpha: float) -> np.ndarray:
     """
     scene = Chess(view=3.5)
     reach = round(scene.aperture / scene.view * SIZE[1] / 2)
-    border = SIZE[0] // 2 + round(0.6 * reach * np.sin(np.radians(alpha - FIRST)))
+    border = SIZE[0] // 2 + round(0.35 * reach * np.sin(np.radians(alpha - FIRST)))
     picture = np.concatenate((prisms[:, :border], ideal[:, border:]), axis=1)
     picture[SIZE[1] // 2 - reach : SIZE[1] // 2 + reach, border - 1 : border + 1] = 255
     names = "prisms", "ideal sheet"
