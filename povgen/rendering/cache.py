@@ -220,7 +220,8 @@ def _stored() -> Iterator[tuple[float, int, Path]]:
     for subfolder in _entries(folder()):
         if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
             for entry in _entries(subfolder):
-                named = re.fullmatch(rf"{subfolder.name}[0-9a-f]{{62}}\.(png|light|values)", entry.name)
+                here = entry.name.startswith(subfolder.name)
+                named = here and re.fullmatch(r"[0-9a-f]{64}\.(png|light|values)", entry.name)
                 with suppress(FileNotFoundError):  # another povgen has just removed it
                     status = entry.stat(follow_symlinks=False)
                     if named and stat.S_ISREG(status.st_mode):
