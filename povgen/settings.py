@@ -32,6 +32,8 @@ QUALITIES = {
 }
 MAX_SIDES = {"povray": 7680, "gl": 16384}  # pixels, by renderer
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
+# how povgen reduces it, for the keys of the cache
+FILTER = "a triangle: the weight falls to 0 two old pixels away, or one new pixel where this is more"
 # pydantic takes the names from QUALITIES; mypy takes only names that are written out
 Quality = Literal[*QUALITIES]  # type: ignore[valid-type]
 

@@ -19,9 +19,9 @@ from typing import Any
 
 import platformdirs
 
-from povgen import files
+from povgen import files, settings
 from povgen.errors import InputError
-from povgen.rendering import light, povray
+from povgen.rendering import povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
@@ -50,7 +50,7 @@ def frame_path(source: str, rendering: Rendering) -> Path:
 
         return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
     command = povray.command("povray", rendering)
-    return path_for("\0".join([povray.version(), *command, size, light.FILTER, source]), suffix)
+    return path_for("\0".join([povray.version(), *command, size, settings.FILTER, source]), suffix)
 
 
 def path_for(key: str, suffix: str) -> Path:

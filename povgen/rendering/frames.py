@@ -9,19 +9,21 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from io import BytesIO
 from itertools import chain, islice
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import unless_removed
 from povgen.record import PNG, png_parts
-from povgen.rendering import cache, light, povray, surveys
+from povgen.rendering import cache, povray, surveys
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
+
+if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
+    import numpy as np
+    from numpy.typing import NDArray
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
 BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
@@ -78,6 +80,8 @@ def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
     If `is_light`, return whether it is a complete frame of linear light (`light.unpacked`) of this size.
     """
     if is_light:
+        from povgen.rendering import light
+
         try:
             return light.unpacked(png, size).size > 0
         except ValueError:
@@ -173,6 +177,8 @@ def _renderer(
     """Return a function from a scene to its text, a runner that renders such texts, and how many it renders at once."""
     if rendering.renderer == "povray":
         if rendering.is_light and runner is None:
+            from povgen.rendering import light
+
             light.exr()  # raises an error before anything is rendered
         threads = cores() // max(1, len(scenes))  # cores that no other frame uses
         return _to_pov, runner or povray.Runner(threads, part), workers or default_workers()
@@ -231,8 +237,9 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
     return scenes[int(found[1]) - 1 :: int(found[2])]
 
 
-def read_png(frame: Path | bytes) -> NDArray[np.uint8]:
+def read_png(frame: Path | bytes) -> "NDArray[np.uint8]":
     """Read a PNG file or its bytes. Return the picture: (height, width, 3) bytes of red, green and blue, read-only."""
+    import numpy as np
     from PIL.PngImagePlugin import PngImageFile  # Image.open would refuse large pictures, which are known to be whole
 
     with PngImageFile(BytesIO(frame) if isinstance(frame, bytes) else frame) as image:

@@ -12,7 +12,6 @@ from povgen.errors import InputError
 
 Picture = NDArray[np.uint8]
 Light = NDArray[np.float32]
-FILTER = "a triangle: the weight falls to 0 two old pixels away, or one new pixel where this is more"
 
 
 def linear(picture: Picture) -> Light:
@@ -30,8 +29,8 @@ def encoded(light: Light) -> Light:
 def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
     """Return a picture, (height, width, 3) bytes, with fewer pixels. `size` is their number: width and height.
 
-    Each new pixel is the weighted mean of the light around its middle, by the FILTER. Compared with the mean over the
-    pixel alone (a box filter) this leaves less moire.
+    Each new pixel is the weighted mean of the light around its middle, by `settings.FILTER`. Compared with the mean
+    over the pixel alone (a box filter) this leaves less moire.
     """
     made = np.empty((size[1], size[0], 3), np.uint8)
     for colour in range(3):  # one after the other, so that large pictures need less memory
@@ -49,7 +48,7 @@ def _reduced(light: Light, size: tuple[int, int]) -> Light:
 
 
 def _two_thirds(light: Light) -> Light:
-    """Return light with two rows in place of three. Pillow's triangle is narrower here than the FILTER."""
+    """Return light with two rows in place of three. Pillow's triangle is narrower here than `settings.FILTER`."""
     framed = np.pad(light, ((1, 1), (0, 0)), "edge")
     a, b, c, d, e = (framed[k : k + len(light) - 2 : 3] for k in range(5))  # each new row's neighbours, in their order
     pairs = np.stack(((3 * a + 7 * b + 5 * c + d) / 16, (b + 5 * c + 7 * d + 3 * e) / 16), axis=1)

@@ -22,7 +22,7 @@ from typing import IO
 
 from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line
-from povgen.rendering import light, sandbox
+from povgen.rendering import sandbox
 from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import origin_of
@@ -193,9 +193,11 @@ class Runner:
             except TransientError as fault:
                 if attempt == TRIES:
                     raise TransientError(f"{fault}, {TRIES} times") from None
-        if rendering.is_light:
-            return light.from_exr(path, rendering.size)
-        if rendering.supersampling > 1:
+        if rendering.is_light or rendering.supersampling > 1:
+            from povgen.rendering import light  # loads numpy, which is slow
+
+            if rendering.is_light:
+                return light.from_exr(path, rendering.size)
             light.reduce_file(path, rendering.size)
         return path
 

@@ -1,17 +1,18 @@
 """A picture that is composed of several frames: two eyes' views, or a transparent background."""
 
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from povgen.errors import InputError, shown
-from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.prisms import RANDOM
+
+if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
+    from numpy.typing import NDArray
+
+    from povgen.rendering.light import Picture
 
 
 def views(scene: Scene, rendering: Rendering) -> list[Scene]:
@@ -53,7 +54,7 @@ def check_gl(scene: Scene) -> None:
         raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
 
 
-def composed(pictures: Sequence[NDArray[Any]], scene: Scene, rendering: Rendering) -> NDArray[Any]:
+def composed(pictures: "Sequence[NDArray[Any]]", scene: Scene, rendering: Rendering) -> "NDArray[Any]":
     """Return the scene's picture from the pictures of its `views`.
 
     Pictures are (height, width, 3) bytes, or light. With a transparent background, which light does not have, the
@@ -64,20 +65,28 @@ def composed(pictures: Sequence[NDArray[Any]], scene: Scene, rendering: Renderin
     return _joined(pictures, rendering)
 
 
-def _joined(eyes: Sequence[NDArray[Any]], rendering: Rendering) -> NDArray[Any]:
+def _joined(eyes: "Sequence[NDArray[Any]]", rendering: Rendering) -> "NDArray[Any]":
     """Return one picture from that of each eye. An anaglyph has the left eye's red, the right eye's green and blue."""
+    if len(eyes) == 1:
+        return eyes[0]
+    import numpy as np
+
+    left, right = eyes
     if rendering.stereo == "anaglyph":
-        left, right = eyes
         return np.concatenate((left[..., :1], right[..., 1:]), axis=2)
-    return eyes[0] if len(eyes) == 1 else np.concatenate(eyes, axis=1)
+    return np.concatenate((left, right), axis=1)
 
 
-def _transparent(black: Picture, white: Picture) -> Picture:
+def _transparent(black: "Picture", white: "Picture") -> "Picture":
     """Return a picture with alpha from its appearances in front of black and of white.
 
     In linear light, white - black = 1 - alpha, and black = alpha times the colour. Each colour gives an alpha;
     the greatest of the three is taken.
     """
+    import numpy as np
+
+    from povgen.rendering.light import encoded, linear
+
     darker, lighter = linear(black), linear(white)
     alpha = (1 - (lighter - darker).min(axis=2, keepdims=True)).clip(0, 1)
     colour = np.divide(darker, alpha, out=np.zeros_like(darker), where=alpha > 0).clip(0, 1)

@@ -170,12 +170,14 @@ class PrismPair(Prisms):
         Of each prism: the height of its base in the sheet and its own height, tiles, and the angles of its near and its
         far facet to the base, degrees.
         """
+        found: list[list[tuple[float, ...]]] = []
+        if not any(self._built[name] for name in RANDOM):
+            return found
         import numpy as np
 
         from povgen.optics import faces
 
-        found = []
-        for sheet in self.layers_at(0.0, 0) if any(self._built[name] for name in RANDOM) else ():
+        for sheet in self.layers_at(0.0, 0):
             _, bottoms, angles = faces.single_prisms(sheet, self.aperture)
             heights = np.diff(bottoms) - self.shape.gap * self.pitch
             found.append([*zip(bottoms, heights, *np.degrees(angles).T, strict=False)])
@@ -183,6 +185,8 @@ class PrismPair(Prisms):
 
     @property
     def depth(self) -> float:
+        if self.is_exact:
+            return super().depth
         near, far = self.layers_at(0.0, 0)
         return 2 * max(far.centre + far.reach(self.aperture), near.reach(self.aperture) - near.centre)
 

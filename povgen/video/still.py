@@ -7,14 +7,11 @@ from itertools import groupby, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from povgen import files
 from povgen.errors import InputError, shown
 from povgen.progress import bar, parts
 from povgen.record import Record, differing, in_png, shell_command
-from povgen.rendering import light, povray
+from povgen.rendering import povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
@@ -25,7 +22,8 @@ from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.version import __version__
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
+    from numpy.typing import NDArray
     from PIL.Image import Image
 
     from povgen.video.captions import Caption
@@ -46,7 +44,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> NDArray[Any]: ...
+) -> "NDArray[Any]": ...
 
 
 @overload
@@ -58,7 +56,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> list[NDArray[Any]]: ...
+) -> "list[NDArray[Any]]": ...
 
 
 def render(
@@ -69,7 +67,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> NDArray[Any] | list[NDArray[Any]]:
+) -> "NDArray[Any] | list[NDArray[Any]]":
     """Return the scene's picture: (height, width, 3) bytes of red, green and blue, or 4 with alpha if transparent.
 
     With `linear` it is scene-linear light instead, float32: 1 is white, and highlights are brighter. It is the same as
@@ -105,7 +103,7 @@ def pictures(
     done: Callable[[], object] = lambda: None,
     *,
     movie: bool = False,
-) -> Generator[NDArray[Any], None, None]:
+) -> "Generator[NDArray[Any], None, None]":
     """Yield the picture of each scene, in their order, as `render` returns it. Call `done` after each scene.
 
     Scenes of a `movie` have captions that fit together, and successive equal scenes are rendered once. `workers`
@@ -182,6 +180,8 @@ def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = T
     """
     rendering = rendering or Rendering()
     if rendering.bits == 32:
+        from povgen.rendering import light
+
         light.exr()  # raises an error before anything is rendered
     made = record_of([scene], rendering)
     frames = _frames(scene, rendering, quiet)
@@ -253,13 +253,15 @@ def picture(
     caption: "Caption | None" = None,
     shows: "Extent | None" = None,
     said: "Sequence[tuple[str, Colour]] | None" = None,
-) -> NDArray[Any]:
+) -> "NDArray[Any]":
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
     Each frame gets the overlay, the caption and the side view that `rendering` asks for: in a movie, this caption,
     this extent, and this key.
     """
     if rendering.is_light:
+        from povgen.rendering import light
+
         made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = [read_png(frame) for frame in frames]
@@ -270,6 +272,8 @@ def picture(
         said = common_key([scene], rendering) if said is None else said
         pictures = [annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
     if rendering.side_view:
+        import numpy as np
+
         from povgen.video.side import side_view
 
         strips = [side_view(view, *rendering.size, shows) for view in shown]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, Rendering, Spheres, render, to_pov
+from povgen import Chess, InputError, Rendering, Spheres, render, settings, to_pov
 from povgen.rendering import cache, light, povray
 from povgen.scene import camera
 
@@ -67,7 +67,7 @@ def test_the_cache_distinguishes_it_from_the_large_picture():
 def test_the_cache_distinguishes_filters(monkeypatch):
     text, rendering = to_pov(Spheres(sheet="none")), Rendering(antialias="1.5x")
     before = cache.frame_path(text, rendering)
-    monkeypatch.setattr(light, "FILTER", "a box")
+    monkeypatch.setattr(settings, "FILTER", "a box")
     assert cache.frame_path(text, rendering) != before
 
 
