@@ -1,6 +1,7 @@
 """The program's start. Signals are handled before any slow import."""
 
 import gc
+import os
 import sys
 
 
@@ -13,6 +14,8 @@ def main() -> None:
         sys.exit(
             "povgen: platform = Windows; allowed: the Windows Subsystem for Linux: wsl --install, then as on Ubuntu"
         )
+    # povgen has no large matrices: numpy's further threads would only wait, and take CPU time for that
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(7000)  # more than Python's default: loading makes many objects, and nearly all of them stay
     from povgen import stopping  # Windows cannot import it
 
