@@ -78,12 +78,14 @@ demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, besi
 
 # The tests start hundreds of Pythons. Without the compiled modules on disk, each of them would compile povgen again.
 test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
+# numpy has no large matrices here: its further threads would only wait, and take CPU time for that.
+test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
-	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
+	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
 
 test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests before a release: every Python here, the oldest packages, Firefox
 	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
