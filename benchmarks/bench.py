@@ -61,12 +61,13 @@ def traced() -> float:
 
 
 MOVIE = """
-import resource, sys
+import sys
 from povgen import MovieSpec, movie
 spec = MovieSpec.load("vary-alpha")
 movie(spec.model_copy(update={"frames": int(sys.argv[1]), "fixed": {**spec.fixed, "sheet": sys.argv[2]}}), sys.argv[3],
       size=(int(sys.argv[4]), int(sys.argv[4]) * 3 // 4))
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+# not ru_maxrss, which a process takes over from the one that starts it
+print(next(int(line.split()[1]) / 1024 for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """
 
 
