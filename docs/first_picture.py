@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from povgen import Chess, render
 from povgen.settings import Rendering
 from povgen.video.captions import Caption
 from povgen.video.overlay import annotated
+from povgen.video.text import text_width, write
 
 SIZE = 640, 450  # pixels; the caption adds 30 rows
+LETTERS = 20  # height of the names on the picture, pixels
 FIRST, STEP, RATE = 64, 4, 20  # degrees, degrees a frame, frames a second
 
 
@@ -28,24 +30,27 @@ def frames(sheet: str, alphas: Sequence[int]) -> list[np.ndarray]:
 def joined(prisms: np.ndarray, ideal: np.ndarray, alpha: float) -> np.ndarray:
     """Return the left part of one picture, a line in the window, and the right part of the other, with the caption.
 
-    The line moves once to and fro in a turn, so that each place is seen through both.
+    The line moves once to and fro over the knight in a turn. The names of both parts stand beside it.
     """
     scene = Chess(view=3.5)
     reach = round(scene.aperture / scene.view * SIZE[1] / 2)
-    border = SIZE[0] // 2 + round(0.35 * reach * np.sin(np.radians(alpha - FIRST)))
+    border = SIZE[0] // 2 + round(0.1 * reach * np.sin(np.radians(alpha - FIRST)))
+    top = SIZE[1] // 2 - reach
     picture = np.concatenate((prisms[:, :border], ideal[:, border:]), axis=1)
-    picture[SIZE[1] // 2 - reach : SIZE[1] // 2 + reach, border - 1 : border + 1] = 255
+    picture[top : SIZE[1] // 2 + reach, border - 1 : border + 1] = 255
+    image = Image.fromarray(picture)
     names = "prisms", "ideal sheet"
-    texts, widest = ([names[0], f"rays turned by {angle}°", names[1]] for angle in (alpha, 356))
-    caption = Caption(texts, widest)
-    return annotated(picture, scene, Rendering(size=SIZE, caption="short"), caption)
+    for name, x in zip(names, (border - 8 - LETTERS * text_width(names[0]), border + 8), strict=True):
+        write(ImageDraw.Draw(image), x, top + 16, name, LETTERS, edge=2)
+    texts, widest = ([f"rays turned by {angle}°"] for angle in (alpha, 356))
+    return annotated(np.asarray(image), scene, Rendering(size=SIZE, caption="short"), Caption(texts, widest))
 
 
 def main(output: Path, alphas: Sequence[int]) -> None:
     pairs = zip(frames("detailed", alphas), frames("ideal", alphas), alphas, strict=True)
     first, *others = (Image.fromarray(joined(*pair)) for pair in pairs)
     # without the blocks that ffmpeg's encoder leaves in the sky at this size of the file, which is to be below 2 MB
-    look: dict[str, Any] = {"quality": 46, "method": 6, "duration": 1000 // RATE, "loop": 0}
+    look: dict[str, Any] = {"quality": 45, "method": 6, "duration": 1000 // RATE, "loop": 0}
     first.save(output, save_all=True, append_images=others, **look)
 
 

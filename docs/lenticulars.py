@@ -116,7 +116,7 @@ def chart() -> None:
                 found.append(100 * trace(origin, direction, (Sheet(0.0, 0.0, shape),), 61 * PITCH).designed.mean())
             draw(left, angles, found, name)
         left.set(xlabel="field angle (degrees)", ylabel="light on the designed path of one sheet (%)")
-        left.set(xlim=(0, 30), ylim=(0, 100), title="Dove prisms keep most light on the designed path")
+        left.set(xlim=(0, 30), ylim=(0, 100), title="Dove prisms keep more light on the designed path")
         pitches = np.geomspace(0.1, 10, 15)  # mm
         for name, shape in KINDS.items():
             blurs = []
@@ -125,7 +125,7 @@ def chart() -> None:
                 blurs.append(np.hypot(seen(blur(*rays(made, 20_000))), seen(0.532 * 550e-9 * OBJECT / (pitch * 1e-3))))
             draw(right, pitches, blurs, name)
         right.set(xscale="log", yscale="log", xlim=(0.1, 10), ylim=(1, 100))
-        right.set(xlabel="pitch (mm)", ylabel="blur of a point 1 m behind the window (′ RMS)")
+        right.set(xlabel="pitch (mm)", ylabel="blur of a point 1 m behind the window (minutes of arc, RMS)")
         right.set_title("Up to a pitch of 5 mm, Dove prisms are sharper")
         for ax in (left, right):
             ax.grid(alpha=0.25)

@@ -104,7 +104,7 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "lenticular": [
         Panel(BUILT.replace(prisms=150), "α = 66°, Dove prisms: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=150), "lenses f/3: blurred"),
+        Panel(BUILT.replace(sheet="lenticular", lenses=150), "lenses f/3 of the same pitch: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
             "lenses f/6: sharper, with ghosts",

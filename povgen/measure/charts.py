@@ -372,12 +372,13 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     """Draw the series: up to four in colour and named, the others grey. Shade y above the tolerance.
 
     A diamond is at each limit that povgen uses for a named series: an x up to which, or from which, it does not warn.
-    It has the series' colour, or is black if it is the limit of all.
+    It has the series' colour, or is black if it is the limit of all. Colours follow the order of the measurements: a
+    series of the same name has the same colour in two maps of one subject.
     """
     found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name, _, _ in measured.rows}
     series = [name for name in found if not name.endswith(RENDERED)]
     worst = sorted(series, key=lambda name: -np.nanmean(found[name][1]))
-    named = worst[:: -(-len(worst) // 4) or 1]
+    named = sorted(worst[:: -(-len(worst) // 4) or 1], key=series.index)
     colours = {}
     for name in [name for name in series if name not in named] + named:
         x, y = found[name]
@@ -400,15 +401,16 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
             colour = "black" if same else colours[name]
             place = bounds[name], measured.tolerance
             ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
-        top = max(ax.get_ylim()[1], 1.15 * measured.tolerance)
-        ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
-        look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
-        ax.text(0.5, 0.98, measured.beyond, transform=ax.transAxes, **look)  # type: ignore[arg-type]
     if measured.is_bound:
         ends = np.array([ax.get_xlim(), ax.get_ylim()])
         both = [ends[:, 0].max(), ends[:, 1].min()]
         ax.plot(both, both, "--", color=GREY, linewidth=1, zorder=1, label="_")
-    ax.margins(y=0)
+    if measured.limits:
+        bottom, top = ax.get_ylim()
+        ax.set_ylim(bottom, top := max(top, 1.15 * measured.tolerance))
+        ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
+        look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
+        ax.text(0.5, 0.98, measured.beyond, transform=ax.transAxes, **look)  # type: ignore[arg-type]
     marks = {
         "diamonds: povgen's limits": measured.limits,
         "dashed: equal": measured.is_bound,

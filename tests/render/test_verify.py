@@ -257,6 +257,27 @@ def test_maps_are_drawn_and_tabled(tmp_path):
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
 
 
+def test_maps_of_one_subject_have_the_same_colours(tmp_path):
+    """Whichever series is the worst. What is not accurate is shaded up to the top."""
+    from povgen.measure.charts import _draw_map
+    from povgen.measure.plotting import drawn
+
+    colours = []
+    for worst in range(3):
+        measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "", "xy", is_bound=worst == 1)
+        for n in range(3):
+            measured.add(f"N = {n}", 1, 0.1)
+            measured.add(f"N = {n}", 100, 9 if n == worst else 2)
+        measured.limit("ideal", "N = 0", 3)
+        with drawn(4, 3, tmp_path / "map.png") as figure:
+            ax = figure.subplots()
+            _draw_map(ax, measured)
+            colours.append({line.get_label(): line.get_color() for line in ax.lines if line.get_label() != "_"})
+            (shaded,) = ax.patches
+            assert shaded.get_y() + shaded.get_height() == pytest.approx(ax.get_ylim()[1])
+    assert colours[0] == colours[1] == colours[2] and len({*colours[0].values()}) == 3
+
+
 def test_rounding_decides_for_few_rays():
     """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
     for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
