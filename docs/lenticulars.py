@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from povgen.measure.plotting import COLOURS, PRISMS, Axes, drawn, name_lines, plain_ticks, save_lines
-from povgen.optics import paraxial
 from povgen.optics.faces import Sheet
+from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, lenticulars
 from povgen.optics.shares import shares
@@ -85,11 +85,11 @@ def table() -> None:
     for name, shape in KINDS.items():
         found, direction = rays(shape)
         part = shares(found)
-        field = paraxial.field(shape) if isinstance(shape, Profile) else np.nan
+        limit = field(shape) if isinstance(shape, Profile) else np.nan
         values = (
             f"{100 * part.designed:.0f} %",
             f"{100 * part.stray:.0f} %",
-            "–" if np.isnan(field) else f"±{np.degrees(np.arctan(field)):.1f}°",
+            "–" if np.isnan(limit) else f"±{np.degrees(np.arctan(limit)):.1f}°",
             f"{seen(blur(found, direction)):.1f}′",
             f"{changed(replace(shape, index=F), replace(shape, index=C)):.1f}′",
             f"{changed(shape, thicker(shape, 0.01)):.1f}′",

@@ -8,7 +8,7 @@ import numpy as np
 from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Positions, Size
 from povgen.measure.verify_prisms import pixel_shares, within_the_trace
-from povgen.optics import paraxial
+from povgen.optics.ghosts import Ghost, field
 from povgen.optics.profile import confocal
 from povgen.optics.rays import Bundle
 from povgen.optics.trace import End
@@ -73,7 +73,7 @@ def ghosts(scenes: tuple[tuple[float, float, float], ...] = GHOSTS, rays: int = 
         P, slope = place @ (1, 1j), found.direction[:, :2] @ (1, 1j) / found.direction[:, 2]
         off = found.position[:, :2] @ (1, 1j) + (z1 - found.position[:, 2]) * slope - scene.L
         near = (found.end == End.THROUGH) & (abs(off) < 0.15)
-        itself = paraxial.Ghost((0, 0), complex(scene.apparent_position(scene.L, z1)), 1.0)
+        itself = Ghost((0, 0), complex(scene.apparent_position(scene.L, z1)), 1.0)
         for ghost in (itself, *scene.ghosts(scene.L, z1)):
             taken = near & (found.orders == ghost.orders).all(1)
             basis = np.column_stack((np.ones(taken.sum()), off[taken].real, off[taken].imag))
@@ -85,6 +85,6 @@ def ghosts(scenes: tuple[tuple[float, float, float], ...] = GHOSTS, rays: int = 
         kind, most = (f"below {STRONG}, spherical aberration", 25) if strong else (f"{STRONG} or more", 5)
         what = f"lenses of f-number {kind}: {len(errors)} ghosts against the ray trace, worst"
         yield Measured("detailed", what, max(errors), most, "px")
-    fields = [paraxial.field(confocal(f_number=f)) / (1.5 / (4 * f)) - 1 for f in (3.0, 6.0, 12.0)]
+    fields = [field(confocal(f_number=f)) / (1.5 / (4 * f)) - 1 for f in (3.0, 6.0, 12.0)]
     what = "lenses: slope up to which the designed path has most light, against n p/(4 f), worst of 3"
     yield Measured("detailed", what, 100 * max(map(abs, fields)), 5, "%")

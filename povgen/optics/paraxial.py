@@ -1,4 +1,4 @@
-"""What sheets of prisms and lenses do to light at small angles, and the ghosts of lenses.
+"""What sheets of prisms and lenses do to light at small angles.
 
 Points, slopes and lengths are as in `apparent`. A ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope
 before a sheet, to its place and slope behind the sheet.
@@ -13,7 +13,6 @@ The matrix of another profile, such as an array of lenses, is fitted to rays on 
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -29,9 +28,7 @@ Matrix = NDArray[np.float64]  # (..., 5, 5)
 # The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values that differ by at most
 # FAN from a middle one. For each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_SLOPES = np.linspace(-0.6, 0.6, 31)  # across the ridges: `_usual_slope` chooses one of these for a `Ghost`
 _WIDTH = 61.0  # of the sheet through which rays are traced, periods; odd, so that a cell is in the middle
-_ROUNDS = 3  # a ghost's matrix depends on its slopes, and these on the matrix: so many iterations
 
 
 def free(distance: float) -> Matrix:
@@ -90,88 +87,13 @@ def slope_error(shape: Prism | Profile, slope: complex) -> float:
     if isinstance(shape, Prism):
         return 0.0
     does = small_angles(shape)
-    rays, taken = _traced(shape.scaled(1.0), _places(FAN_SIDE), np.full(FAN_SIDE, slope))
+    rays, taken = over_a_period(shape, slope, FAN_SIDE)
     taken &= rays.orders[:, 0] == 0
     if not taken.any():
         return np.nan
     x, y, z = rays.direction[taken].T
     expected = slope.real + 1j * (does.factor * slope.imag + does.deviation)
     return float(np.sqrt(np.mean(abs((x + 1j * y) / z - expected) ** 2)))
-
-
-@lru_cache(10_000)
-def shares(profile: Profile, slope: float) -> dict[int, float]:
-    """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
-
-    The keys are the orders, as for `small_angles`. The light fills a period. It has this slope across the ridges, and
-    none along them. Light on other paths is left out.
-    """
-    count = 200
-    rays, taken = _traced(profile.scaled(1.0), _places(count), np.full(count, 1j * slope))
-    orders, counts = np.unique(rays.orders[taken, 0], return_counts=True)
-    return {int(order): number / count for order, number in zip(orders, counts, strict=True)}
-
-
-def field(profile: Profile) -> float:
-    """Return the slope up to which more light takes the designed path than the path of any ghost.
-
-    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p.
-    """
-    for slope in np.arange(0, 1, 0.002):
-        found = shares(profile.scaled(1.0), float(slope))
-        if found and max(found.values()) > found.get(0, 0.0):
-            break
-    return float(slope)
-
-
-class Ghost(NamedTuple):
-    """An image of a point, formed by light that leaves the glass through a lens not opposite the one it enters."""
-
-    # for each sheet: by how many cells a ray from the eye leaves the glass above the cell where it enters
-    orders: tuple[int, ...]
-    position: complex  # where the eye sees the point, in the plane of the window
-    share: float  # the fraction of light that takes this path: the product of the sheets' `shares`
-
-
-def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
-    """Return the ghosts of a point behind one window with these sheets, the brightest first.
-
-    L, E and the distances z1 and z2 are as for `apparent.position`. The orders are from -most to most.
-    Sheets of prisms have no ghosts.
-    """
-    found: list[Ghost] = []
-    profiles = [sheet.shape.scaled(1.0) for sheet in sheets if isinstance(sheet.shape, Profile)]
-    if len(profiles) < len(sheets):
-        return found
-    for orders in product(range(-most, most + 1), repeat=len(sheets)):
-        if not any(orders):
-            continue
-        middles = [_usual_slope(*each) for each in zip(profiles, orders, strict=True)]
-        s, share = complex(np.nan), 0.0
-        for _ in range(_ROUNDS):
-            total = transfer(sheets, orders, middles) @ free(z2)
-            if not np.isfinite(total).all():  # no light takes this path
-                s = complex(np.nan)
-                break
-            x, y, sx, sy, _ = total @ (E.real, E.imag, 0, 0, 1)
-            to = np.array(L - (x + 1j * y) - z1 * (sx + 1j * sy))
-            s = complex(solved(total[:2, 2:4], z1 * total[2:4, 2:4], to))
-            if not np.isfinite(s):
-                break
-            share, ray = 1.0, np.array([0, 0, s.real, s.imag, 1])
-            for k, sheet in enumerate(sheets):
-                across = float(-np.sin(sheet.angle) * ray[2] + np.cos(sheet.angle) * ray[3])
-                share *= shares(profiles[k], round(across, 2)).get(orders[k], 0.0)
-                ray, middles[k] = layer(sheet, orders[k], middles[k]) @ ray, across
-        if np.isfinite(s) and share > 0:
-            found.append(Ghost(orders, E + z2 * s, share))
-    return sorted(found, key=lambda ghost: -ghost.share)
-
-
-@lru_cache(100)
-def _usual_slope(profile: Profile, order: int) -> float:
-    """Return the slope across the ridges at which the greatest share of light takes the path with this order."""
-    return float(max(_SLOPES, key=lambda slope: shares(profile, round(float(slope), 2)).get(order, 0.0)))
 
 
 def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
@@ -231,16 +153,24 @@ def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> Small
     return SmallAngles(*map(float, (slab, shift, offset, factor, deviation, reach, blur)))
 
 
+def over_a_period(profile: Profile, slope: complex, count: int) -> tuple[Rays, Booleans]:
+    """Trace parallel rays that fill a period of a profile. Return them, and whether each takes the profile's path.
+
+    On this path, a ray meets the edges `profile.path` in this order, and no others, in the same cell or in several.
+    `slope` is the rays' slope, along the ridges + i across.
+    """
+    return _traced(profile.scaled(1.0), _places(count), np.full(count, slope))
+
+
 def _places(count: int) -> Floats:
     """Return evenly spaced places in a period whose middle is 0."""
     return (np.arange(count) + 0.5) / count - 0.5
 
 
 def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Booleans]:
-    """Trace rays through a sheet of a profile with the pitch 1. Return them, and whether each takes the profile's path.
+    """Trace rays, as `over_a_period` does, through a sheet of a profile with the pitch 1.
 
-    On this path, a ray meets the edges `profile.path` in this order, and no others, in the same cell or in several.
-    `place` is across the ridges, in the middle plane. Slopes are along the ridges + i across.
+    `place` is across the ridges, in the middle plane.
     """
     z = np.full(place.shape, -profile.half)
     origin = np.column_stack((z * slope.real, place + z * slope.imag, z))

@@ -43,8 +43,9 @@ if TYPE_CHECKING:  # numpy is slow to load
     from numpy.random import Generator
     from numpy.typing import ArrayLike
 
-    from povgen.optics import apparent, paraxial
+    from povgen.optics import apparent
     from povgen.optics.equations import Booleans, Complexes, Floats
+    from povgen.optics.ghosts import Ghost
     from povgen.optics.rays import Bundle, Spot, Traced
 
 T = TypeVar("T")
@@ -395,18 +396,18 @@ class Scene(ParametersOfSheets):
         half = self.aperture / 2
         return position, numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
-    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[paraxial.Ghost]":
+    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
         L and z1 are in tiles. A ghost is left out if less than this share of the light at its position makes it, or if
         the window's frame hides it. Windows in series are not followed: then the list is empty.
         """
-        from povgen.optics import paraxial
+        from povgen.optics.ghosts import ghosts
 
         if self.window or not self.layered:
             return []
         half = (1 + self.depth / 2 / self.z2) * self.aperture / 2
-        found = paraxial.ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
+        found = ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
         near = [ghost for ghost in found if max(abs(ghost.position.real), abs(ghost.position.imag)) < half]
         return [ghost for ghost in near if ghost.share >= least]
 

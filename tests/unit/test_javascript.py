@@ -30,7 +30,7 @@ from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.page import ALL_KINDS, KEPT, KINDS
 from povgen.liveview.values import values as live_values
-from povgen.optics import apparent, equations, paraxial, series, trace
+from povgen.optics import apparent, equations, ghosts, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.scene import shader, warnings
@@ -474,7 +474,7 @@ def test_questions_are_answered_by_the_equations(page):
     assert equations.M(6 / 2, -1) == equations.M(6 / 2, 1) and nu(2, -66) == pytest.approx(-nu(2, 66))
     assert equations.M(3 / 2, np.pi) > equations.M(6 / 2, np.pi)
     reach = [Prism(2.4 / prisms).reach for prisms in (20, 100)]
-    field = np.degrees(np.arctan([paraxial.field(confocal(f_number=f_number)) for f_number in (3, 6)]))
+    field = np.degrees(np.arctan([ghosts.field(confocal(f_number=f_number)) for f_number in (3, 6)]))
     assert field[1] < 0.6 * field[0]
     assert right.pop("match") == {"alpha": 120, "z1": 4}
     assert right == pytest.approx(
@@ -649,7 +649,7 @@ def test_lenses_are_predicted(page):
     page.evaluate("change", {"f_number": 1, "ratio": 0.5})
     assert page.evaluate("state.f_number") == 3  # a lens is at most a semicircle
     assert page.evaluate("fieldOf", {"f_number": 3, "ratio": 1, "index": 1.5}) == pytest.approx(
-        paraxial.field(confocal()), abs=0.005
+        ghosts.field(confocal()), abs=0.005
     )
 
 
