@@ -19,15 +19,15 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     """Return the scenes of the frames that the scene's picture is composed of, in the order that `composed` takes.
 
     The left eye comes first. A transparent background takes two frames of each eye: black behind the scene, then white.
-    Raises InputError if an eye's place is not allowed, for what the renderer gl cannot show, and for a predicted
-    image on light.
+    Raises InputError if an eye's place is not allowed, for what the renderer gl cannot show, and for outlines on
+    light.
     """
     if rendering.renderer == "gl":
         check_gl(scene)
     if rendering.is_light and scene.background == "transparent":
         raise InputError(f"background = 'transparent': not with bits = {rendering.bits}; allowed: bits = 8, or another")
-    if rendering.is_light and getattr(scene, "predicted_image", False):
-        raise InputError(f"predicted_image = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8")
+    if rendering.is_light and scene.outlines:
+        raise InputError(f"{scene.outlines[0]} = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8")
     x, y = scene.eye
     half = rendering.eye_distance / 2
     eyes = [(x, y)] if rendering.stereo == "none" else [(x - half, y), (x + half, y)]

@@ -239,6 +239,11 @@ class Scene(ParametersOfSheets):
         return (0.0,) * len(self.objects)
 
     @property
+    def outlines(self) -> tuple[str, ...]:
+        """Which outlines are drawn on the picture: the names of those parameters."""
+        return ()
+
+    @property
     def E(self) -> complex:
         """The eye, projected onto z = 0."""
         return complex(*self.eye)
@@ -676,9 +681,8 @@ class Chess(Scene):
         description="the floor: tiles, none, or a picture's file, of which copies cover the floor, 2 tiles wide or as "
         "wood.jpg,width=4 says",
     )
-    predicted_image: bool = Field(
-        default=False, description="show also the predicted image of the piece, in the plane of the sheets"
-    )
+    predicted_image: bool = Field(default=False, description="outline the piece where the equations predict it")
+    direct_image: bool = Field(default=False, description="outline the piece as it is seen without sheets")
 
     @property
     def pieces(self) -> tuple[Standing, ...]:
@@ -703,6 +707,10 @@ class Chess(Scene):
     @property
     def radii(self) -> tuple[float, ...]:
         return tuple(piece.radius for piece in self.pieces)
+
+    @property
+    def outlines(self) -> tuple[str, ...]:
+        return tuple(name for name in ("predicted_image", "direct_image") if getattr(self, name))
 
     @property
     def floor_y(self) -> float:

@@ -94,7 +94,7 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
 def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
     shows = {
-        "predicted_image": getattr(scene, "predicted_image", False),
+        "predicted_image": "predicted_image" in scene.outlines,
         "overlay": rendering and rendering.overlay,
         "caption": rendering and rendering.caption == "full" and scene.rotates,
     }

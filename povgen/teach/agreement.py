@@ -129,7 +129,7 @@ class PieceAgreement:
 
 def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     """Measure each scene's piece in a frame in which the piece's colours are coordinates."""
-    coded = [PiecePositions(**scene.model_dump(exclude={"predicted_image"})) for scene in scenes]
+    coded = [PiecePositions(**scene.model_dump(exclude={"predicted_image", "direct_image"})) for scene in scenes]
     found = []
     for scene, frame in zip(coded, probes.decoded(coded, SMALL), strict=True):
         a = verify_ideal.about_eye(scene, frame, SMALL)

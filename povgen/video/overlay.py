@@ -25,6 +25,11 @@ GHOST_COLOUR = (0, 158, 115, 255)  # their bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
 LINE_COLOUR = R_COLOUR  # of the line about which a sheet mirrors or turns light; then no curve has this colour
 POINT_COLOUR = (*DARK, 255)  # of the points L and E, and of the edge of P
+DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
+OUTLINES = {  # what the key says of each of `Scene.outlines`, its colour, and the colour of its edge
+    "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
+    "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
+}
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 GAP = 1.4  # between two texts of a strip, in units of the text's height
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
@@ -57,8 +62,9 @@ def annotated(
     made[: len(above)], made[len(above) + height :] = above, below
     shown = made[len(above) : len(above) + height]
     shown[:] = picture
-    if isinstance(scene, Chess) and scene.predicted_image:
-        _outline(scene, shown)
+    if isinstance(scene, Chess):
+        for outline in scene.outlines:
+            _outline(scene, outline, shown)
     if rendering.overlay:
         _overlay(scene, shown)
     return made
@@ -92,8 +98,8 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
         texts.append(("path as α changes", R_COLOUR))
     if rendering.overlay and scene.sheets[0].line:
         texts.append((scene.sheets[0].line[0], LINE_COLOUR))
-    if rendering.annotated and getattr(scene, "predicted_image", False):
-        texts.append(("predicted image", IMAGE_COLOUR))
+    if rendering.annotated:
+        texts += [OUTLINES[name][:2] for name in scene.outlines]
     return texts
 
 
@@ -178,14 +184,17 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
         _letter(picture, name, place, [other for other in places.values() if other != place])
 
 
-def _outline(scene: Chess, picture: NDArray[np.uint8]) -> None:
-    """Draw the outlines of the pieces where they are predicted."""
+def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
+    """Draw the outlines of the pieces: where they are predicted, or where the eye sees them without sheets."""
     from povgen.video.outline import predicted_outlines
 
+    if outline == "direct_image":
+        scene = scene.replace(sheet="none", window=(), predicted_image=False, view=scene.view)
     thick = max(len(picture) / 260, 1.2)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     points = _pixels(predicted_outlines(scene, step), scene, picture)
-    for radius, colour in ((0.95, HALO), (0.5, IMAGE_COLOUR)):
+    _, line, edge = OUTLINES[outline]
+    for radius, colour in ((0.95, edge), (0.5, line)):
         _discs(picture, points, radius * thick, colour)
 
 

@@ -283,7 +283,7 @@ def picture(
 
 def draws_on(scene: Scene, rendering: Rendering) -> bool:
     """Whether povgen draws on the rendered picture."""
-    return rendering.annotated or getattr(scene, "predicted_image", False)
+    return rendering.annotated or bool(scene.outlines)
 
 
 def _frames(scene: Scene, rendering: Rendering, quiet: bool = True) -> list[bytes]:

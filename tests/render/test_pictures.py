@@ -15,7 +15,7 @@ from povgen.optics import equations
 from povgen.rendering import frames, povray
 from povgen.scene import camera
 from povgen.scene.scenes import APERTURE, VIEW
-from povgen.video import still
+from povgen.video import overlay, still
 
 WIDTH, HEIGHT = SIZE = 240, 180
 TILES = VIEW / HEIGHT  # a pixel, in tiles
@@ -235,6 +235,16 @@ def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     piece = brown(picture(scene.model_copy(update={"sheet": "ideal"})))
     overlap = (enclosed & piece).sum() / ((enclosed | piece) & ~line).sum()
     assert overlap > 0.8  # the outline is flat, and right for the piece's axis
+
+
+@pytest.mark.parametrize("scene", [Chess(alpha=120, sheet="mirror", z1=4), Chess(window=[{"z": 2}])])
+def test_the_direct_image_lies_on_the_piece_without_sheets(scene):
+    grey = np.full((HEIGHT, WIDTH, 3), 128, np.uint8)
+    line = overlay.annotated(grey, scene.replace(direct_image=True), Rendering(size=SIZE))[..., 0] > 128
+    inside = Image.fromarray(line.astype(np.uint8)).copy()
+    ImageDraw.floodfill(inside, (0, 0), 2)
+    enclosed, piece = np.array(inside) == 0, brown(picture(scene.replace(sheet="none", window=[])))
+    assert (enclosed & piece).sum() > 0.8 * ((enclosed | piece) & ~line).sum()
 
 
 def test_every_piece_is_different_and_stands_on_its_pedestal():

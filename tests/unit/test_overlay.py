@@ -319,10 +319,10 @@ def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch
         assert not len(place)
 
 
-def test_a_key_explains_the_predicted_image_below_a_caption_too():
-    scene = Chess(predicted_image=True)
+def test_a_key_explains_outlines_with_a_caption_too():
+    scene = Chess(predicted_image=True, direct_image=True)
     explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]
-    assert explained == [overlay.IMAGE_COLOUR]
+    assert explained == [overlay.IMAGE_COLOUR, overlay.DIRECT_COLOUR]
     assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption="full"))
 
 

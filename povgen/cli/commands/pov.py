@@ -42,10 +42,8 @@ def command(
     name = "scene.pov" if output is None else output.name
     text = to_sheets(made) if part else to_pov(made, file=name, **options)
     warn(values, [made])
-    if getattr(made, "predicted_image", False):
-        say(
-            "povgen: warning: predicted_image = true: no effect in a .pov file; povgen draws it on the rendered picture"
-        )
+    for outline in made.outlines:
+        say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
     if output is None:
         print(text, end="")
     else:
