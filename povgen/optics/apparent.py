@@ -6,8 +6,8 @@ z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P 
 
 A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
 and slope before the window, to its place and slope behind the window. The windows' matrices and those of the distances
-between them are multiplied. `paraxial` has those of prisms and lenses. For other windows only `Element.slope` is known:
-the slope behind the window, for each ray. Newton's method, from many starts, then finds the ray to L.
+between them are multiplied. The matrices of prisms and lenses are in `paraxial`. For other windows only `Element.slope`
+is known: the slope behind the window, for each ray. Newton's method, from many starts, then finds the ray to L.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -82,8 +82,8 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
-    positions. The result is the position with the least max(|x|, |y|): in a square window round 0 it is visible if any
-    of them is. The result is NaN if there is no path, and infinite if L appears at infinity.
+    positions. The result is the position with the least max(|x|, |y|): if any position is visible in a square window
+    round 0, this one is. The result is NaN if there is no path, and infinite if L appears at infinity.
 
     At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
     middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.
@@ -201,7 +201,7 @@ def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indic
 
     `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
     """
-    # for targets in a triangle of three neighbouring rays, or a little outside: the slope, interpolated in the triangle
+    # if a target is in a triangle of three neighbouring rays, or a little outside, the start is interpolated in it
     for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
         a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
         u, v = b - a, c - a

@@ -1,7 +1,8 @@
 """What sheets of prisms and lenses do to light at small angles.
 
-Points, slopes and lengths are as in `apparent`. A ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope
-before a sheet, to its place and slope behind the sheet.
+Points are complex numbers x + iy, and a ray's slope is (dx + i dy)/dz, as in `apparent`. Lengths are in any one unit. A
+ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope before a sheet, to its place and slope behind the
+sheet.
 
 Prisms of finite size have a matrix for small angles. Across the ridges (the prisms' long edges) a sheet reverses the
 slope of light. The place of this reversal is the sheet's middle plane. Along the ridges the sheet acts as a slab of
@@ -65,9 +66,9 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
     """Return what a sheet of this shape does to light on its designed path.
 
     For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines are
-    fitted to their slopes and places behind the sheet. These rays' spherical aberration changes the fit.
-    With an `order` other than 0, the result is for a *ghost*: for rays that leave the glass `order` cells above the
-    cell in which they enter it. It is NaN if there are no such rays.
+    fitted to their slopes and places behind the sheet. So the fit includes the spherical aberration of these rays.
+    With an `order` other than 0, the result is for a *ghost*: for rays that do not leave the glass through the cell in
+    which they enter it, but `order` cells farther across the ridges. It is NaN if there are no such rays.
     """
     if isinstance(shape, Prism):
         return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)

@@ -40,9 +40,9 @@ FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the
 # filter needs pixels beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
-# Through prisms, the renderer gl needs its filter of 2x to 4x: with as many rays, METHOD,THRESHOLD,DEPTH is worse.
+# Through prisms, the renderer gl uses 2x to 4x: with as many rays, samplings like 1,0.1,3 have a greater error.
 GL_PRISM_SAMPLINGS = ("off", "2x", "3x", "4x")
-RENDERERS = ("gl", "povray")  # the cheapest first: of the same sheets, gl's picture costs a tenth to a third
+RENDERERS = ("gl", "povray")  # the cheapest first: for the same sheets, gl needs a tenth to a third of the CPU time
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
 MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic contains
 BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
@@ -101,11 +101,11 @@ class _MosaicRendering(Rendering):
 def cheapest(scene: Scene, tolerance: str, **options: Unpack[Options]) -> tuple[Scene, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
-    This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings:
-    `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, then `render(scene, **options)`. The
-    tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
-    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError for a tolerance
-    or an option that is not allowed, if no choice meets the tolerance, and PovrayError if POV-Ray fails.
+    This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
+    Example: `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, and `render(scene, **options)`.
+    The tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
+    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError if the
+    tolerance or an option is not allowed, or if no choice meets the tolerance. Raises PovrayError if POV-Ray fails.
     """
     limit, rendering = Tolerance.parse(tolerance), Rendering(**options)
     prisms = checked_scene(scene).replace(sheet="detailed")

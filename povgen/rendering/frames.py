@@ -46,7 +46,7 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
 def _read(path: Path, rendering: Rendering) -> bytes | None:
     """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
     width, height = rendering.size
-    # no valid frame is larger: 1 MiB, and for each pixel 6 bytes (twice its three), or 13 for linear light
+    # the greatest size of a frame: 1 MiB, and for each pixel 6 bytes (its colour has 3), or 13 for linear light
     return cache.read(path, most=2**20 + (13 if rendering.is_light else 6) * width * height)
 
 
@@ -100,8 +100,9 @@ def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
 
 
 def _unpacked(packed: bytes, row: int, most: int) -> tuple[int, int]:
-    """Return the number of unpacked bytes, and the greatest of the first bytes of the rows. A row has `row` bytes.
+    """Return the number of unpacked bytes, and the greatest filter number of a row.
 
+    A row has `row` bytes. The first one is the number of the row's filter, by PNG's definition.
     A damaged file may unpack to more than memory holds. So it is unpacked in blocks, and unpacking ends soon after
     `most` bytes.
     """
@@ -123,9 +124,9 @@ def render_all(
 ) -> Generator[list[bytes], None, None]:
     """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background. Keep the order.
 
-    Call `done` after each scene, and `part` with the fraction of a frame that has been rendered since its last call.
-    `workers` frames are rendered at once by
-    `runner`. The default runner is the renderer on this machine. The runner is stopped at the end.
+    Call `done` after each scene. Call `part` with the fraction of a frame that was rendered since the last call of
+    `part`. `workers` frames are rendered at once by `runner`. The default runner is the renderer on this machine. The
+    runner is stopped at the end.
 
     If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
     many frames failed, and why the first SHOWN_FAILURES failed. Any other error ends the rendering at once. Finished

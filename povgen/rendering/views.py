@@ -27,7 +27,9 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     if rendering.is_light and scene.background == "transparent":
         raise InputError(f"background = 'transparent': not with bits = {rendering.bits}; allowed: bits = 8, or another")
     if rendering.is_light and scene.outlines:
-        raise InputError(f"{scene.outlines[0]} = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8")
+        raise InputError(
+            f"{scene.outlines[0]} = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8"
+        )
     x, y = scene.eye
     half = rendering.eye_distance / 2
     eyes = [(x, y)] if rendering.stereo == "none" else [(x - half, y), (x + half, y)]

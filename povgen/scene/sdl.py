@@ -118,11 +118,13 @@ def to_pov(
 ) -> str:
     """Return the scene in POV-Ray's language. Texts of two frames of a movie differ only in declared parameters.
 
-    The header has POV-Ray's command that renders the picture; in it, `file` is the name of the text's file. Options are
-    the fields size, quality and antialias of `Rendering`.
+    The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
+    Options are the fields size, quality and antialias of `Rendering`.
+
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
-    `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro.
-    `found` is the result of `scene.survey`, if it is known already. Without it, rays are traced here.
+    `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found` is the result of
+    `scene.survey`, if it is known already. Without it, rays are traced here.
+
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
     two scenes.
     """
@@ -204,7 +206,7 @@ class ProfileWindow(NamedTuple):
     window: int  # counted from 0
     sheet: Layered
     shape: "Prism | Profile"
-    suffix: str  # that ends the names of its parameters in the text
+    suffix: str  # the end of its parameters' names in the text
     near: "Prism | Profile | None" = None  # the profile of the near sheet, if it differs from `shape`
 
     @property

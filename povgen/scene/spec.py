@@ -134,19 +134,21 @@ class MovieSpec(Model):
         "or as many as a sweep has values)",
     )
     exact_frames: bool = Field(
-        default=False, description="whether `frames` is the number at every quality, as of --frames"
+        default=False, description="whether `frames` is the number of frames at every quality, as with --frames"
     )
     ease: bool = Field(
         default=False, description="whether the sweeps start and stop gently; not for a sweep with `values`"
     )
     hold: Annotated[float, Field(ge=0, le=10)] = Field(
-        default=0, description="how long the first and the last picture stay in addition, 0 to 10 seconds"
+        default=0, description="how much longer the first and the last picture are shown, 0 to 10 seconds"
     )
-    overlay: bool = Field(default=False, description="whether its file has the overlay, unless told otherwise")
+    overlay: bool = Field(default=False, description="whether the movie's file has the overlay; options can change it")
     note: Note = Field(
-        default="", description="a text with the caption, unless told otherwise: up to 80 letters, Latin or Greek"
+        default="", description="a text added to the caption, up to 80 letters, Latin or Greek; options can change it"
     )
-    side_view: bool = Field(default=False, description="whether its file has the side view, unless told otherwise")
+    side_view: bool = Field(
+        default=False, description="whether the movie's file has the side view; options can change it"
+    )
     loop: bool = Field(default=False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, object] = Field(
         default={},
@@ -185,7 +187,7 @@ class MovieSpec(Model):
     def load(cls, path: str | Path, fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
-        A piece's file is sought from the folder of the TOML file. The values in `fixed` replace the file's.
+        The path of a piece's file is relative to the TOML file's folder. The values in `fixed` replace the file's.
         Raises InputError, which names the file, the key, the value and what is allowed.
         """
         if not isinstance(path, (str, Path)):
@@ -209,7 +211,7 @@ class MovieSpec(Model):
     def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec from TOML text. Raises InputError, whose message begins with the name.
 
-        A piece's file is sought from the folder. The values in `fixed` replace those of the text.
+        The path of a piece's file is relative to the folder. The values in `fixed` replace those of the text.
         """
         if not isinstance(text, str):
             raise InputError(f"{name}: not TOML: {shown(text)}; allowed: text")
@@ -264,7 +266,7 @@ class MovieSpec(Model):
         count = self._frames_there(quality)
         if count > 3 * MAX_FRAMES:
             raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
-        # The first and the last value are checked before those between, which then are finite.
+        # Check the first and the last value first. Then the values between them are finite.
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
         names = [sweep.parameter for sweep in self.sweep]
@@ -280,9 +282,10 @@ class MovieSpec(Model):
         return there + scenes[-2:0:-1] if self.loop else there
 
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
-        """Return the scene of a frame. Raises InputError, which names the frame if the fixed parameters are allowed.
+        """Return the scene of a frame. Raises InputError.
 
-        The type of a swept value is Any, because the scene's model says whether it is a number or a pair.
+        Its message names the frame, unless the fixed parameters alone are wrong. The type of a swept value is Any,
+        because the scene's model says whether it is a number or a pair.
         """
         model = SCENES[self.scene]
         own = {name: self._rounded(name, x) for name, x in swept.items() if name not in WINDOW_NUMBERS}
@@ -363,7 +366,7 @@ def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
 
 
 def _numbers(kind: object) -> int:
-    """Return how many numbers a value of an annotated type has: 0 if it is no number. Of a list, count one number."""
+    """Return how many numbers a value of an annotated type has: 0 if it is not a number, and 1 for a list of any."""
     if kind in (int, float):
         return 1
     origin, parts = get_origin(kind), get_args(kind)

@@ -23,7 +23,9 @@ HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the light edge of line
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # their bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-LINE_COLOUR = R_COLOUR  # of the line about which a sheet mirrors or turns light; then no curve has this colour
+LINE_COLOUR = (
+    R_COLOUR  # of the line about which a sheet mirrors or turns light; a scene with it has no curve of this colour
+)
 POINT_COLOUR = (*DARK, 255)  # of the points L and E, and of the edge of P
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
 OUTLINES = {  # what the key says of each of `Scene.outlines`, its colour, and the colour of its edge
@@ -49,9 +51,9 @@ def annotated(
 ) -> NDArray[np.uint8]:
     """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
 
-    Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below
-    it: they cover nothing, and their heights are even. Without `caption` it is that of the scene alone. `said` is what
-    the key says (`common_key`); without it, it is what `key` returns.
+    Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
+    they cover nothing, and their heights are even. Without `caption`, the caption is that of the scene alone. `said` is
+    what the key says (`common_key`). Without it, the key says what `key` returns.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -104,9 +106,9 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 
 
 def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return the key of a movie's frames, or of a picture of two eyes: all that one of them says.
+    """Return the common key of a movie's frames, or of the pictures of two eyes: each entry that one of them has.
 
-    Then their strips are equally high, although a point may be in the window in some of them only.
+    Then all strips are equally high, even if a point is in the window in some frames only.
     """
     shown = (view for scene in scenes for view in views(scene, rendering))
     return list(dict.fromkeys(item for view in shown for item in key(view, rendering)))
@@ -115,8 +117,8 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
-    The text has the same height, relative to the picture, in all pictures, or is so much `larger`. It is lower only if
-    even 3 lines have too little room.
+    The text's height is a fixed fraction of the picture's height, times `larger`. It is lower only if even 3 lines have
+    too little room.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
@@ -155,7 +157,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height = len(picture)
     tile = height / scene.view
-    # thinner for several objects, which can be as small as their marks and as close as the line is wide
+    # thinner for several objects: these can be as small as their marks, and as close together as the line is wide
     thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
@@ -206,7 +208,7 @@ def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Comp
 
 
 def _named(scene: Scene) -> dict[str, complex]:
-    """Return the points of the plane z = 0 that have a letter: those in the window among L, E, and P of one object."""
+    """Return the points of the plane z = 0 that have a letter: L, E, and P of a single object, if in the window."""
     points = {"L": scene.L, "E": scene.E} if scene.objects else {}
     if len(scene.objects) == 1:
         points |= dict(zip("P", positions(scene), strict=False))
@@ -267,8 +269,9 @@ def _line(scene: Scene, step: float) -> Complexes:
 def positions(scene: Scene) -> list[complex]:
     """Return the predicted positions of the scene's objects (a piece's foot) in the plane z = 0, in tiles.
 
-    Objects that the window frame hides from the eye are left out. Where no light of an object's middle reaches the eye
-    through one of the other sheets, but light of the object beside it does, the position is that of this light.
+    Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
+    from an object's middle may not reach the eye, although light from other points of the object does. Then the
+    position is that of this light.
     """
     objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
     return [complex(position) for position, visible in (scene.seen(*each) for each in objects) if visible]

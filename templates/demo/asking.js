@@ -4,7 +4,7 @@ import { SWITCHES } from "./address.js";
 import { $, pick, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
-import { compared, ghostOf, isMatched, matching, numbersOf } from "./ghost.js";
+import { compared, dashedOutline, isMatched, matching, numbersOf } from "./dashedOutline.js";
 import { printed, readNumber } from "./numbers.js";
 import { player, reducedMotion } from "./player.js";
 import { ask as textOf, choices, QUESTIONS, revealed, why } from "./questions.js";
@@ -44,7 +44,7 @@ export function reveal() {
   /** @type {any} */
   const question = QUESTIONS[state.question];
   const given = question.match ? String(isMatched(question)) : new FormData($("question-form")).get("prediction");
-  session.drawn = question.match ? null : session.ghost;
+  session.drawn = question.match ? null : session.dashed;
   revealed.set(state.question, given);
   const { before, after } = question;
   glide({ ...before, ...(typeof after === "function" ? after() : after) });
@@ -93,7 +93,7 @@ export function rewriteQuestion() {
 export function drawQuestion() {
   const n = state.question;
   if (n < 0) {
-    session.ghost = null;
+    session.dashed = null;
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
     return (drawnQuestion = null);
   }
@@ -112,7 +112,7 @@ export function drawQuestion() {
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
   aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || question.before.sheet === "lenticular";
-  session.ghost = ghostOf(question, open("drawing") && !aid("drawing").hidden);
+  session.dashed = dashedOutline(question, open("drawing") && !aid("drawing").hidden);
   for (const input of $("prediction").querySelectorAll("input")) {
     input.disabled = revealed.has(n);
     const made = revealed.get(n);

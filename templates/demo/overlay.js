@@ -3,7 +3,7 @@
 import { abs, finite, minus, plus, scaled } from "./complex.js";
 import { $, data } from "./data.js";
 import * as equations from "./equations.js";
-import { ghostPoint } from "./ghost.js";
+import { dashedPoint } from "./dashedOutline.js";
 import { say } from "./language.js";
 import { apparentOutline, apparentPosition, appearance, imagingPole, markedPosition, NEAR_POLE, unsure } from "./moment.js";
 import { rough } from "./numbers.js";
@@ -30,7 +30,7 @@ export function drawOverlay(now) {
   const rem = Math.max(12, box.height / 36);
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
-  parts.push(...ghost(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
+  parts.push(...dashed(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.nearPole && !isAsked()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
@@ -100,10 +100,10 @@ function image(now) {
 }
 
 // The outline that a question asks for, or that a user draws.
-function ghost() {
-  if (!session.ghost) return [];
-  const d = outlineOf(state.piece).map((line) => `M${line.map((d) => onStage(ghostPoint(session.ghost, d)).map((x) => x.toFixed(1)).join(" ")).join("L")}Z`);
-  return [svg("path", { class: "halo ghost", d: d.join("") }), svg("path", { class: "ghost", d: d.join("") })];
+function dashed() {
+  if (!session.dashed) return [];
+  const d = outlineOf(state.piece).map((line) => `M${line.map((d) => onStage(dashedPoint(session.dashed, d)).map((x) => x.toFixed(1)).join(" ")).join("L")}Z`);
+  return [svg("path", { class: "halo dashed", d: d.join("") }), svg("path", { class: "dashed", d: d.join("") })];
 }
 
 // The triangle of figure 5, which is shown while one of its quantities is marked.

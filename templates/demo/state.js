@@ -46,7 +46,7 @@ export const session = {
   explored: null,     // what the page showed before the questions
   lastQuestion: 0,
   own_question: "",   // a teacher's own question, as its address has it
-  ghost: null,        // the dashed outline on the picture: its angle nu and its magnification M
+  dashed: null,       // the dashed outline on the picture: its angle nu and its magnification M
   drawn: null,        // the outline that was drawn before the answer
   gliding: null,      // the values that the page is going to
   typing: null,       // the field that someone is typing in

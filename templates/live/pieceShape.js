@@ -1,4 +1,5 @@
-// A piece's distance field, from the bytes in the page to the numbers in a 3D texture. povgen/rendering/volumes.py made it.
+// A piece's distance field, from the bytes in the page to the numbers in a 3D texture. povgen/rendering/volumes.py makes the
+// bytes. objects.glsl finds the piece's surface in the texture.
 
 // The bytes that Python's zlib has compressed and base64 has encoded.
 async function inflated(text) {

@@ -143,13 +143,13 @@ def test_questions_are_predicted_and_revealed(page):
 
 def test_a_picture_is_matched_by_sliders(page):
     page.evaluate("openQuestion(QUESTIONS.findIndex(({ match }) => match))")
-    expect(page.locator("#overlay .ghost:not(.halo)")).to_have_count(1)
-    outline = "document.querySelector('#overlay .ghost').getAttribute('d')"
+    expect(page.locator("#overlay .dashed:not(.halo)")).to_have_count(1)
+    outline = "document.querySelector('#overlay .dashed').getAttribute('d')"
     page.evaluate("change({ alpha: 120, z1: 4 }); draw()")
     seen = [float(x) for x in re.findall(r"[-\d.]+", page.locator("#image").get_attribute("d"))]
     assert seen == pytest.approx([float(x) for x in re.findall(r"[-\d.]+", page.evaluate(outline))], abs=0.2)
     page.locator("#tab-explore").click()
-    expect(page.locator("#overlay .ghost")).to_have_count(0)
+    expect(page.locator("#overlay .dashed")).to_have_count(0)
 
 
 def test_a_prediction_is_drawn_and_compared(page):
@@ -157,7 +157,7 @@ def test_a_prediction_is_drawn_and_compared(page):
     page.get_by_role("button", name="Predict by drawing").click()
     page.locator("#draw-turn").fill("40")
     expect(page.locator("#drawn-turn")).to_have_text("40.0°")
-    expect(page.locator("#overlay .ghost:not(.halo)")).to_have_count(1)
+    expect(page.locator("#overlay .dashed:not(.halo)")).to_have_count(1)
     written = heard(page, "answer", "drawn-answer")
     page.evaluate("reveal(); draw()")
     page.wait_for_function("!session.gliding")  # while the picture moves, nothing is spoken again

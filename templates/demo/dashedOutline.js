@@ -10,7 +10,7 @@ import { angle, brief } from "./numbers.js";
 import { state } from "./state.js";
 
 // The outline of a question: the angle `nu` in radians, and the magnification M; null if there is none.
-export function ghostOf(question, drawing) {
+export function dashedOutline(question, drawing) {
   if (question.match) return matching(question);
   if (!drawing) return null;
   const [degrees, size] = [Number($("draw-turn").value), 2 ** Number($("draw-size").value)];
@@ -53,4 +53,4 @@ export function compared(drawn) {
 }
 
 // Where the outline shows a point at d from L: the picture is turned about E.
-export const ghostPoint = ({ nu, M }, d) => plus(state.E, scaled(M, times(turn(nu), minus(plus(state.L, d), state.E))));
+export const dashedPoint = ({ nu, M }, d) => plus(state.E, scaled(M, times(turn(nu), minus(plus(state.L, d), state.E))));
