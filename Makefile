@@ -151,13 +151,11 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[0-9]*.yml
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 
-verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in stability/
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in docs/stability
 	$(begin)
 	$(POVGEN) verify --html build/verify.html
-	$(POVGEN) verify --stability --html build/stability.html
-	$(call note,stability \( -name '*.png' -o -name '*.csv' \))
+	$(POVGEN) verify --stability --html build/stability.html -o docs/stability
 	$(call note,build/verify.html build/stability.html)
-	cp stability/stability.png docs
 
 chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > benchmarks/mitsuba.csv

@@ -1,10 +1,12 @@
 """Charts of what was measured, and the same data as CSV."""
 
 import csv
+import re
 from collections.abc import Callable, Iterable, Mapping
 from io import StringIO
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,25 +36,13 @@ from povgen.sheets.prisms import ERRORS
 
 
 def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
-    """Write each stability map as NAME.png and NAME.csv as soon as it is measured, and finally all on one page.
-
-    Calls `done` with each limit.
-    """
-    finished = []
+    """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
     for measured in maps:
         _save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
         with drawn(8, 5, folder / f"{measured.name}.png") as figure:
             _draw_map(figure.subplots(), measured)
-        finished.append(measured)
         for limit in measured.limits:
             done(limit)
-    columns, rows = 2, -(-len(finished) // 2)
-    with drawn(6.4 * columns, 4.2 * rows, folder / "stability.png") as figure:
-        axes = figure.subplots(rows, columns, squeeze=False).ravel()
-        for measured, ax in zip(sorted(finished, key=lambda measured: measured.title), axes, strict=False):
-            _draw_map(ax, measured)
-        for ax in axes[len(finished) :]:
-            ax.axis("off")
 
 
 COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
@@ -368,6 +358,14 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
             taken.append(box)
 
 
+MAP_SYMBOLS = {
+    "z1": "from the sheets to the object",
+    "z2": "from the sheets to the eye (tiles)",
+    "α": "angle by which rays turn",
+    "N": "prisms of a sheet",
+}
+
+
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     """Draw the series: up to four in colour and named, the others grey. Shade y above the tolerance.
 
@@ -389,6 +387,8 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
             ax.plot(*found[name + RENDERED], "kx", markersize=6, label="_")
     if "x" in measured.log_axes:
         ax.set_xscale("log")
+        if all(x > 0.01 for _, x, _ in measured.rows):
+            ax.xaxis.set_major_formatter(lambda x, _: f"{x:,.0f}" if x > 1 else f"{x:g}")
     if "y" in measured.log_axes:
         ax.set_yscale("log")
         plain_ticks(ax.yaxis, (1, 3))
@@ -411,15 +411,18 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
         ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
         look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
         ax.text(0.5, 0.98, measured.beyond, transform=ax.transAxes, **look)  # type: ignore[arg-type]
+    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=measured.x, ylabel=measured.y)
+    ax.grid(alpha=0.25)
     marks = {
-        "diamonds: povgen's limits": measured.limits,
-        "dashed: equal": measured.is_bound,
-        "crosses: POV-Ray": len(found) > len(series),
+        "◆ the limit that povgen uses, with a margin": measured.limits,
+        "dashed: as large as stated": measured.is_bound,
+        "crosses: in POV-Ray's pictures, lines: by the ray trace": len(found) > len(series),
         "grey: other scenes": len(series) > len(named),
     }
-    shown = ", ".join(text for text, is_there in marks.items() if is_there)
-    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=f"{measured.x}\n{shown}", ylabel=measured.y)
-    ax.grid(alpha=0.25)
+    words = {*re.findall(r"\w+", " ".join(named))}
+    symbols = [f"{symbol}: {text}" for symbol, text in MAP_SYMBOLS.items() if symbol in words]
+    key = "\n".join(fill("; ".join(each), 112) for each in ([text for text in marks if marks[text]], symbols) if each)
+    ax.annotate(key, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=9.5, color="#444444")
     name_lines(ax, 9)
 
 

@@ -27,11 +27,11 @@ CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
-    x, y = "condition number |1 − P|", "error of position (px)"
-    finding = "Near the pole, equation 7 amplifies rounding"
+    x, y = "magnification M, which is the condition number", "difference from equation 7 (px)"
+    finding = "Near the pole, the ideal sheet magnifies small errors"
     result = StabilityMap("pole", "(a) near the pole, ideal sheet", finding, x, y, 1, "xy")
     for toward in ("α → 180°", "z1 → z2"):
-        for series, E in ((f"eq. 7, {toward}", -0.2 + 0j), (f"eq. 7, {toward}, E = 8i", 8j)):
+        for series, E in ((toward, -0.2 + 0j), (f"{toward}, eye 8 tiles up", 8j)):
             for M, _, place, thin in _near_pole(toward, conditions, size, "ideal", E=E):
                 result.add(series, M, px(abs(place - thin)))
             result.limit("ideal", series, limits.MAX_CONDITION)
@@ -40,13 +40,13 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
-    x, y = "error that povgen states as possible (px)", "error of the paraxial prediction (px)"
+    x, y = "error that povgen states as possible (px)", "error of the predicted position (px)"
     finding = "Near the pole, prisms displace the image by many pixels"
     title = "(a) prisms' size and the pole"
     result = StabilityMap("prediction", title, finding, x, y, limits.MAX_ERROR, "xy", is_bound=True)
     for toward in ("α → 180°", "z1 → z2"):
         for series, prisms, z2, P in (
-            (f"{toward}", 100, 6.0, 0.3 + 0.1j),
+            (toward, 100, 6.0, 0.3 + 0.1j),
             (f"{toward}, N = 25", 25, 6.0, 0.3 + 0.1j),
             (f"{toward}, wide field", 100, 3.6, 0.6 - 0.6j),
         ):
@@ -86,9 +86,9 @@ def _near_pole(
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
     """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
-    finding = "Very many prisms: POV-Ray's rounding"
-    y = "pixels on the designed path that are wrong (%)"
-    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N", y, 0.01, "xy")
+    finding = "Very many prisms: POV-Ray's rounding turns rays"
+    y = "pixels with rotated light that are wrong (%)"
+    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
@@ -100,10 +100,12 @@ def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.09, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
     """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
-    finding, y = "Too narrow an air gap sends stray light the wrong way", "stray pixels that are wrong (%)"
-    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, "gap / pitch", y, 0.5, "x")
-    finding, y = "Too wide an air gap loses light", "pixels on the designed path lost to the gap (%)"
-    wide = StabilityMap("gap-wide", "(c) air gap, wide", finding, "gap / pitch", y, 3, "x", "too much light lost")
+    finding, y = "Too narrow an air gap sends stray light the wrong way", "pixels with stray light that are wrong (%)"
+    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, "air gap between prisms / pitch", y, 0.5, "x")
+    finding, y = "Too wide an air gap loses light", "rotated light that the gap loses (%)"
+    wide = StabilityMap(
+        "gap-wide", "(c) air gap, wide", finding, "air gap between prisms / pitch", y, 3, "x", "too much light lost"
+    )
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -136,18 +138,27 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     most = 100 * limits.MAX_LOST_FRACTION
     finding = "A low max_trace_level leaves pixels black"
     title, y = "(d) max_trace_level", "lost pixels (%)"
-    result = StabilityMap("trace-level", title, finding, "max_trace_level", y, most, "", "too many pixels black")
+    result = StabilityMap(
+        "trace-level",
+        title,
+        finding,
+        "max_trace_level: faces that a ray may meet",
+        y,
+        most,
+        "",
+        "too many pixels black",
+    )
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
         ("z2 = 6", Directions(sheet="detailed")),
         ("z2 = 6, α = 150°", Directions(sheet="detailed", alpha=150)),
         ("z2 = 6, N = 1000", Directions(sheet="detailed", prisms=1000)),
-        ("z2 = 6, E = 3i", Directions(sheet="detailed", eye=3j)),
-        ("z2 = 1.5, E = 5.1i, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
-        ("z2 = 0.92, E = 8.2i, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
+        ("z2 = 6, eye 3 up", Directions(sheet="detailed", eye=3j)),
+        ("z2 = 1.5, eye 5.1 up, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
+        ("z2 = 0.92, eye 8.2 up, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
         ("z2 = 60", Directions(sheet="detailed", z2=60)),
-        ("z2 = 60, E = 8i", Directions(sheet="detailed", z2=60, eye=8j)),
+        ("z2 = 60, eye 8 up", Directions(sheet="detailed", z2=60, eye=8j)),
         ("single, z2 = 2", Directions(sheet="single", z2=2)),
     ):
         inside, direction = camera.rays(scene, size)
@@ -171,14 +182,18 @@ def field_angle(
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
     finding = "Light at large field angles is mostly not rotated"
-    angles = StabilityMap("field", "(e) field angle", finding, "field angle (degrees)", y, most, "")
+    angles = StabilityMap(
+        "field", "(e) field angle", finding, "field angle: of the line of sight to the axis (degrees)", y, most, ""
+    )
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
     finding = "A near eye sees little rotated light"
     title = "(e) distance of the eye"
-    distance = StabilityMap("distance", title, finding, "z2 (tiles)", y, most, "x", "too little rotated light")
+    distance = StabilityMap(
+        "distance", title, finding, "z2: from the sheets to the eye (tiles)", y, most, "x", "too little rotated light"
+    )
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -222,7 +237,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         "(f) cells of the ideal camera",
         "The ideal camera's error is at most its bound",
         x,
-        "worst error, and 0.011 px of rounding (px)",
+        "worst error (px), known to 0.011 px",
         limits.MAX_CAMERA_ERROR + 0.011,
         "xy",
         is_bound=True,
@@ -241,7 +256,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
             inside &= ~np.isnan(decoded[..., 0])
             predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
             error = abs(predicted - place[inside]).max(initial=0)
-            series = f"z2 = {z2:g}, E = {E.real:g}{E.imag:+g}i, α = {alpha:g}°"
+            series = f"z2 = {z2:g}, eye at ({E.real:g}, {E.imag:g}), α = {alpha:g}°"
             result.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
         result.limit("ideal", series, limits.MAX_CAMERA_ERROR, "px")
     yield result
@@ -278,7 +293,14 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
     """
     finding, y = "Sheets that are nearly parallel show moiré", "contrast / contrast at 30°"
     result = StabilityMap(
-        "moire", "(h) sheets nearly parallel", finding, "α (degrees)", y, 1.35, "", "moiré is visible"
+        "moire",
+        "(h) sheets nearly parallel",
+        finding,
+        "α: angle by which rays turn (degrees)",
+        y,
+        1.35,
+        "",
+        "moiré is visible",
     )
     for count in (50, 100, 400):
         contrast = []

@@ -83,7 +83,7 @@ def command(
             from povgen.measure.stability import maps
 
             save_maps(maps(sheet), folder, add)
-            pictures = [file for file in sorted(folder.glob("*.png")) if file.name != "stability.png"]
+            pictures = sorted(folder.glob("*.png"))
         else:
             for measured in _checks(sheet, gl, live):
                 add(measured)
