@@ -22,8 +22,8 @@ ALPHA = np.radians(66)
 F, C = 1.5224, 1.5143  # refractive indices of BK7 at 486 and 656 nm; 1.5168 at 588 nm
 N = 1.5168
 KINDS = {
-    "Dove prisms, 45°": Prism(PITCH, N),
-    "Dove prisms, 40°, n = 1.7": Prism(PITCH, 1.7, 40),
+    "Dove prisms, base angle 45°": Prism(PITCH, N),
+    "Dove prisms, base angle 40°, n = 1.7": Prism(PITCH, 1.7, 40),
     "confocal lenses, f-number 3": confocal(1, 3, N).scaled(PITCH),
     "confocal lenses, f-number 4": confocal(1, 4, N).scaled(PITCH),
     "confocal lenses, f-number 6": confocal(1, 6, N).scaled(PITCH),
@@ -115,7 +115,10 @@ def chart() -> None:
                 origin = np.column_stack((np.zeros(n), u, np.zeros(n))) - direction
                 found.append(100 * trace(origin, direction, (Sheet(0.0, 0.0, shape),), 61 * PITCH).designed.mean())
             draw(left, angles, found, name)
-        left.set(xlabel="field angle (degrees)", ylabel="light on the designed path of one sheet (%)")
+        left.set(
+            xlabel="field angle (degrees); n = 1.517 unless stated",
+            ylabel="light on the designed path of one sheet (%)",
+        )
         left.set(xlim=(0, 30), ylim=(0, 100), title="Dove prisms keep more light on the designed path")
         pitches = np.geomspace(0.1, 10, 15)  # mm
         for name, shape in KINDS.items():
@@ -125,7 +128,9 @@ def chart() -> None:
                 blurs.append(np.hypot(seen(blur(*rays(made, 20_000))), seen(0.532 * 550e-9 * OBJECT / (pitch * 1e-3))))
             draw(right, pitches, blurs, name)
         right.set(xscale="log", yscale="log", xlim=(0.1, 10), ylim=(1, 100))
-        right.set(xlabel="pitch (mm)", ylabel="blur of a point 1 m behind the window (minutes of arc, RMS)")
+        right.set(
+            xlabel="pitch (mm); point 1 m behind the window, eye 1 m before it", ylabel="RMS blur (minutes of arc)"
+        )
         right.set_title("Up to a pitch of 5 mm, Dove prisms are sharper")
         for ax in (left, right):
             ax.grid(alpha=0.25)
@@ -143,7 +148,7 @@ def draw(ax: Axes, x: Sequence[float], y: Sequence[float], name: str) -> None:
     ax.plot(
         x,
         y,
-        "--" if name.startswith("Dove prisms, 40") else "-",
+        "--" if name.endswith("n = 1.7") else "-",
         color=colour,
         linewidth=2.5 if prism else 1.5,
         label=name,

@@ -54,10 +54,13 @@ def draw_blur(ax: Axes) -> None:
         ax.plot(1e3 * best, minutes(best, z1), "o", color=colour, markersize=9)
     ax.axhline(1, color=GREY, linestyle=":")
     ax.text(0.033, 0.93, "what an eye resolves", color=GREY, va="top")
+    # along the flanks, which rise at 45 degrees
+    ax.text(0.075, 2.6, "diffraction", color=GREY, ha="center", va="center", rotation=-45)
+    ax.text(4.6, 2.2, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
     ax.set(xlabel="pitch, mm", ylabel="RMS blur, minutes of arc", ylim=(0.3, 30), xlim=(0.03, 10))
     plain_ticks(ax.xaxis, (1,))
-    plain_ticks(ax.yaxis, (1,))
-    ax.set_title(f"For each distance a pitch is best (550 nm, α = {ALPHA}°)")
+    plain_ticks(ax.yaxis)
+    ax.set_title(f"Each distance has a best pitch (550 nm, α = {ALPHA}°, eye at {Z2:g} m)")
 
 
 def minutes(pitch: float | np.ndarray, z1: float) -> np.ndarray:
@@ -71,8 +74,8 @@ def draw_best_pitch(ax: Axes) -> None:
     for name, wavelength in WAVELENGTHS.items():
         ax.loglog(z1, 1e3 * best_pitch(wavelength, z1), color=LIGHT[name], linewidth=2, label=name)
     ax.fill_between(z1, 0.1, 1, color="#e6e6e6")
-    ax.text(95, 0.105, "the paper's 100 µm to 1 mm", color=GREY, ha="right", va="bottom")
+    ax.text(95, 0.105, "pitches in the paper: 0.1 to 1 mm", color=GREY, ha="right", va="bottom")
     ax.set(xlabel="distance of the object z₁, m", ylabel="pitch of least blur, mm", xlim=(0.1, 100))
     plain_ticks(ax.xaxis, (1,))
-    plain_ticks(ax.yaxis, (1,))
+    plain_ticks(ax.yaxis)
     ax.set_title("The farther the object, the wider the best prisms")
