@@ -58,7 +58,7 @@ def annotated(
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
     said = key(scene, rendering) if said is None else said
-    above = strip([Item(text, text, colour) for text, colour in said], width, height)
+    above = strip([Item(text, text, colour) for text, colour in said], width, height, texts.size)
     below = strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
     made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
     made[: len(above)], made[len(above) + height :] = above, below
