@@ -1,4 +1,7 @@
-"""Errors that are not faults of povgen, and the text of their messages."""
+"""The errors that are not faults of povgen, and how a message shows a value.
+
+`validation` writes the message about a wrong value.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -41,13 +41,13 @@ class Element(Protocol):
         """The ray-transfer matrix, or None if there is none."""
 
     def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
-        """Return the sheets of prisms or lenses of window number `window`, which stands at z, the near one first."""
+        """Return the prism or lens sheets of window number `window`, which is at z: the nearest to the eye first."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
         """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
 
 
-# The nearest to the eye comes first. Each has its distance from the window before it; the first, from the eye.
+# The window nearest to the eye comes first. Each has its distance from the window before it, or from the eye.
 Windows = Sequence[tuple[float, Element]]
 
 
@@ -82,8 +82,9 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
-    positions. The result is the position with the least max(|x|, |y|): if any position is visible in a square window
-    round 0, this one is. The result is NaN if there is no path, and infinite if L appears at infinity.
+    positions. The result is the position with the least max(|x|, |y|): if one of the positions is visible in a square
+    window with its centre at 0, this one is visible. The result is NaN if there is no path, and infinite if L appears
+    at infinity.
 
     At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
     middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.

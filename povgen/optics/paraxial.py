@@ -9,7 +9,8 @@ slope of light. The place of this reversal is the sheet's middle plane. Along th
 glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`). Other
 shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the derivation.
 
-The matrix of another profile, such as an array of lenses, is fitted to rays on its designed path: `small_angles`.
+Other sheets, such as arrays of lenses, have a `Profile`, their cross-section. Its matrix is fitted to rays on its
+designed path: `small_angles`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -29,7 +30,7 @@ Matrix = NDArray[np.float64]  # (..., 5, 5)
 # The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values that differ by at most
 # FAN from a middle one. For each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_WIDTH = 61.0  # of the sheet through which rays are traced, periods; odd, so that a cell is in the middle
+_WIDTH = 61.0  # periods: the width of the sheet through which rays are traced; odd, so that a cell is in the middle
 
 
 def free(distance: float) -> Matrix:
@@ -54,7 +55,7 @@ class SmallAngles(NamedTuple):
     deviation: float = 0.0
     reach: float = 0.0  # the greatest difference of a ray's displacement from shift*t + offset
     blur: float = 0.0  # the RMS difference of a ray's slope from factor*t + deviation
-    bend: float = 0.0  # for arrays of different pitch: deviation grows by bend times the distance from the middle
+    bend: float = 0.0  # if the two faces differ in pitch: deviation grows by bend times the distance from the middle
 
     def scaled(self, pitch: float) -> "SmallAngles":
         """Return the same for a sheet that is larger by the factor `pitch`."""
@@ -82,8 +83,8 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 def slope_error(shape: Prism | Profile, slope: complex) -> float:
     """Return the RMS difference between the slopes of light behind a sheet and the slope that `small_angles` predicts.
 
-    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period, and
-    takes the designed path. NaN if none takes it; 0 for prisms.
+    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period. Only
+    rays on the designed path count. The result is NaN if there are none, and 0 for prisms.
     """
     if isinstance(shape, Prism):
         return 0.0

@@ -2,10 +2,11 @@
 
 With `--renderer auto` it is also the choice of the renderer.
 
-A sampling is `Rendering.antialias`, as text. Errors of position are predicted, by eq. 7 and the paraxial prediction.
-Errors of the picture are measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1:
-small blocks of the window are rendered with each candidate. They are compared with the same blocks of the converged
-picture (81 rays a pixel) through the scene's prisms.
+A sampling is `Rendering.antialias`, as text. The error of positions is predicted: it is the difference between the
+paraxial prediction for the prisms and what is drawn in their place, by eq. 7 (ideal sheet) or on the straight line (no
+sheet). The error of the picture is measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0
+to 1. For this, small blocks of the window are rendered with each candidate. They are compared with the same blocks of
+the converged picture (81 rays a pixel) through the scene's prisms.
 """
 
 import re
@@ -248,7 +249,7 @@ class _Trial:
 
         runner = povray.Runner()
         with thread_pool(runner) as pool:
-            # to_pov traces rays in Python: it runs in this thread, the only one that a signal interrupts
+            # to_pov runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
             return list(pool.map(render, texts, [part for _, part in self.mosaics]))
 
@@ -279,7 +280,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(MAX_SHARE * height * width), *MOSAIC_SIDES)), height, width)
     count = max(MIN_BLOCKS, round(whole / BLOCK_SIDE))
-    side = max(1, int(whole / count) // 2 * 2)  # even, so that 1.5 times as many pixels are a whole number
+    side = max(1, int(whole / count) // 2 * 2)  # an even number: then 1.5 * side is a whole number
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)
     columns = x.start + ((np.arange(count) + shift[1]) / count * (width - side)).round().astype(int)

@@ -219,7 +219,7 @@ def _finished(
     for _ in scenes:
         while True:
             running = {frame for frame in running if not frame.done()}
-            # to_text traces rays in Python: it runs in this thread, the only one that a signal interrupts
+            # to_text runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
             for scene in islice(todo, at_once - len(running)):
                 source = to_text(scene)
                 frames.append((source, pool.submit(_cached_or_rendered, scene, rendering, source, runner)))

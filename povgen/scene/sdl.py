@@ -121,9 +121,9 @@ def to_pov(
     The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
     Options are the fields size, quality and antialias of `Rendering`.
 
-    With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is SDL text that replaces povgen's macro
-    `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found` is the result of
-    `scene.survey`, if it is known already. Without it, rays are traced here.
+    With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
+    replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
+    is the result of `scene.survey`, if it is known already. Without it, rays are traced here.
 
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
     two scenes.
@@ -193,7 +193,7 @@ def _is_exact(scene: Scene) -> bool:
 
 
 def _shapes(scene: Scene) -> list[Prisms]:
-    """Return the different sheets of prisms: of those with equal layers, shape and tops, only the last one."""
+    """Return the scene's sheets of prisms: of several with equal layers, shape and tops only the last one."""
     found = {
         (sheet.layers, sheet.shape, sheet.values["tops"]): sheet for sheet in scene.sheets if isinstance(sheet, Prisms)
     }
@@ -201,7 +201,7 @@ def _shapes(scene: Scene) -> list[Prisms]:
 
 
 class ProfileWindow(NamedTuple):
-    """A window whose sheets have another cross-section than Dove prisms: a `Profile`, such as lenses."""
+    """A window with sheets of lenses, or of another cross-section (`Profile`) that is no Dove prism."""
 
     window: int  # counted from 0
     sheet: Layered
@@ -211,7 +211,7 @@ class ProfileWindow(NamedTuple):
 
     @property
     def periods(self) -> str:
-        """The name of the number of periods."""
+        """The name that the number of periods has in the text."""
         return self.sheet.counted.capitalize() + self.suffix
 
 
@@ -229,7 +229,7 @@ def _profiles(scene: Scene) -> list[ProfileWindow]:
 
 
 def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
-    """Return a scene that makes POV-Ray write, to the file `crossings`, where grid lines cross a piece's surface.
+    """Return a scene with which POV-Ray finds where grid lines cross a piece's surface, and writes this to `crossings`.
 
     `grid`: the number of points along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
     """

@@ -117,7 +117,7 @@ class Sweep(Model):
         if ease:
             share = 0.5 - 0.5 * np.cos(np.pi * share)
         rows = start * (stop / start) ** share if self.spacing == "log" else start + (stop - start) * share
-        rows[-1] = stop  # without a rounding error, which a range might not allow
+        rows[-1] = stop  # exactly: with a rounding error it could be outside the parameter's range
         return [row[0] if len(row) == 1 else tuple(row) for row in rows.tolist()]
 
 
@@ -266,7 +266,7 @@ class MovieSpec(Model):
         count = self._frames_there(quality)
         if count > 3 * MAX_FRAMES:
             raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
-        # Check the first and the last value first. Then the values between them are finite.
+        # Both end values are checked before the others. If they are allowed, all values between them are finite.
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
         names = [sweep.parameter for sweep in self.sweep]
@@ -303,7 +303,7 @@ class MovieSpec(Model):
             raise InputError(f"frame {n} of {count}{''.join(values)}: {error}") from None
 
     def _rounded(self, name: str, value: Any) -> Any:  # noqa: ANN401  (as in `_scene`)
-        """Return a parameter's value, rounded if the parameter is counted, as prisms are."""
+        """Return a parameter's value. It is rounded if the parameter is a whole number, such as `prisms`."""
         field = SCENES[self.scene].model_fields.get(name)
         return round(value) if field and field.annotation is int else value
 
@@ -366,7 +366,7 @@ def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
 
 
 def _numbers(kind: object) -> int:
-    """Return how many numbers a value of an annotated type has: 0 if it is not a number, and 1 for a list of any."""
+    """Return how many numbers a value of an annotated type has: 0 if there are none, 1 for a list of any length."""
     if kind in (int, float):
         return 1
     origin, parts = get_origin(kind), get_args(kind)
@@ -378,7 +378,7 @@ def _numbers(kind: object) -> int:
     return sum(counts) if origin is tuple else max(counts, default=0)  # otherwise a union
 
 
-# The numbers of the windows behind the first one that can be swept: window2_alpha, window2_z, window3_alpha, ...
+# What can be swept of the windows behind the first one: window2_alpha, window2_z, window3_alpha, ...
 WINDOW_NUMBERS = {
     f"window{n}_{name}": (n, name)
     for n in range(2, MAX_WINDOWS + 1)

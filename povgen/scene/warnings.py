@@ -39,7 +39,7 @@ def warnings(
         text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
         text += f" {_things(scene)}' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
-        yield "z2", f"{text} the rest is stray light; below {least} little of the scene is visible"
+        yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
     for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
         if sheet.layers < 2 or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
             continue

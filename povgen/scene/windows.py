@@ -1,4 +1,4 @@
-"""The sheets' parameters as fields of scenes, and the windows behind the first one."""
+"""The sheets' parameters as fields of scenes; further windows, and how text such as `z=2,sheet=mirror` is read."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple

@@ -21,14 +21,14 @@ from povgen.video.text import DARK, LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, 
 HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the light edge of lines and marks
 # Okabe and Ito's yellow, blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
-GHOST_COLOUR = (0, 158, 115, 255)  # their bluish green
+GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
 LINE_COLOUR = (
     R_COLOUR  # of the line about which a sheet mirrors or turns light; a scene with it has no curve of this colour
 )
 POINT_COLOUR = (*DARK, 255)  # of the points L and E, and of the edge of P
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
-OUTLINES = {  # what the key says of each of `Scene.outlines`, its colour, and the colour of its edge
+OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colour, and the colour of its edge
     "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
     "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
 }
@@ -52,8 +52,8 @@ def annotated(
     """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
 
     Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
-    they cover nothing, and their heights are even. Without `caption`, the caption is that of the scene alone. `said` is
-    what the key says (`common_key`). Without it, the key says what `key` returns.
+    they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is that
+    of the scene alone. `said` is what the key says (`common_key`). Without it, the key says what `key` returns.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -271,7 +271,7 @@ def positions(scene: Scene) -> list[complex]:
 
     Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
     from an object's middle may not reach the eye, although light from other points of the object does. Then the
-    position is that of this light.
+    position is where the visible part appears.
     """
     objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
     return [complex(position) for position, visible in (scene.seen(*each) for each in objects) if visible]
