@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import StringIO
 from itertools import product
 from pathlib import Path
@@ -10,6 +10,7 @@ from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import InputError
 from povgen.files import save
@@ -361,7 +362,6 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
 
 
 MAP_SYMBOLS = {
-    "z1": "from the sheets to the object",
     "z2": "from the sheets to the eye (tiles)",
     "α": "angle by which rays turn",
     "N": "prisms of a sheet",
@@ -369,63 +369,86 @@ MAP_SYMBOLS = {
 
 
 def _draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw the series: up to four in colour and named, the others grey. Shade y above the tolerance.
+    """Draw the worst series of a map, four at most, with their names and limits. Shade what is beyond the tolerance.
 
-    A diamond is at each limit that povgen uses for a named series: an x up to which, or from which, it does not warn.
-    It has the series' colour, or is black if it is the limit of all. Colours follow the order of the measurements: a
-    series of the same name has the same colour in two maps of one subject.
+    A diamond is at each limit that povgen uses for such a series. It has the series' colour, or is black if it is the
+    limit of all. Colours follow the order of the measurements. If `measured.is_bound`, `_draw_bound` draws the map.
     """
     found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name, _, _ in measured.rows}
     series = [name for name in found if not name.endswith(RENDERED)]
+    _set_axes(ax, measured)
+    if measured.is_bound:
+        _draw_bound(ax, measured)
+        return
     worst = sorted(series, key=lambda name: -np.nanmean(found[name][1]))
     named = sorted(worst[:: -(-len(worst) // 4) or 1], key=series.index)
-    colours = {}
-    for name in [name for name in series if name not in named] + named:
+    marks, bounds = [], {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
+    for name in named:
         x, y = found[name]
-        look = {"label": name} if name in named else {"color": "#bbbbbb", "label": "_", "zorder": 1}
-        (line,) = ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, **look)
-        colours[name] = line.get_color()
+        if "y" in measured.log_axes:
+            x, y = x[y > 0], y[y > 0]
+        (line,) = ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, label=name)
         if name + RENDERED in found:
-            ax.plot(*found[name + RENDERED], "kx", markersize=6, label="_")
+            ax.plot(*found[name + RENDERED], "x", color=line.get_color(), markersize=8, label="_")
+            marks = ["crosses: POV-Ray's pictures; lines: the ray trace"]
+        if name in bounds:
+            colour = "black" if len(set(bounds.values())) == 1 else line.get_color()
+            place = bounds[name], measured.tolerance
+            ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
+    if measured.limits:
+        marks.insert(0, "◆ povgen warns or refuses from here on")
+        bottom, top = ax.get_ylim()
+        ax.set_ylim(bottom, top := max(top, 1.15 * measured.tolerance))
+        _shade(ax, measured.beyond, np.array(ax.get_xlim()), np.full(2, measured.tolerance), top)
+    words = {*re.findall(r"\w+", " ".join(named))}
+    symbols = [f"{symbol}: {text}" for symbol, text in MAP_SYMBOLS.items() if symbol in words]
+    _explain(ax, marks, symbols)
+    name_lines(ax, 10)
+
+
+def _set_axes(ax: Axes, measured: StabilityMap) -> None:
+    """Set the title, the labels and the scales of a map's axes. A linear y axis begins at 0, or below."""
+    ax.set(title=measured.finding, xlabel=measured.x, ylabel=measured.y)
+    ax.grid(alpha=0.25)
     if "x" in measured.log_axes:
         ax.set_xscale("log")
         if all(x > 0.01 for _, x, _ in measured.rows):
-            ax.xaxis.set_major_formatter(lambda x, _: f"{x:,.0f}" if x > 1 else f"{x:g}")
+            plain_ticks(ax.xaxis, (1, 3))
+            ax.xaxis.set_major_formatter(lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}")
     if "y" in measured.log_axes:
         ax.set_yscale("log")
         plain_ticks(ax.yaxis, (1, 3))
     else:
-        ax.set_ylim(bottom=0)
-    if measured.limits:
-        bounds = {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
-        same = len(set(bounds.values())) == 1
-        for name in [name for name in named if name in bounds]:
-            colour = "black" if same else colours[name]
-            place = bounds[name], measured.tolerance
-            ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
-    if measured.is_bound:
-        ends = np.array([ax.get_xlim(), ax.get_ylim()])
-        both = [ends[:, 0].max(), ends[:, 1].min()]
-        ax.plot(both, both, "--", color=GREY, linewidth=1, zorder=1, label="_")
-    if measured.limits:
-        bottom, top = ax.get_ylim()
-        ax.set_ylim(bottom, top := max(top, 1.15 * measured.tolerance))
-        ax.axhspan(measured.tolerance, top, color="#c1272d", alpha=0.09, linewidth=0)
-        look = {"color": "#c1272d", "ha": "center", "va": "top", "zorder": 5}
-        ax.text(0.5, 0.98, measured.beyond, transform=ax.transAxes, **look)  # type: ignore[arg-type]
-    ax.set(title=f"{measured.title[:3]} {measured.finding}", xlabel=measured.x, ylabel=measured.y)
-    ax.grid(alpha=0.25)
-    marks = {
-        "◆ the limit that povgen uses, with a margin": measured.limits,
-        "dashed: as large as stated": measured.is_bound,
-        "crosses: in POV-Ray's pictures, lines: by the ray trace": len(found) > len(series),
-        "grey: other scenes": len(series) > len(named),
-    }
-    words = {*re.findall(r"\w+", " ".join(named))}
-    symbols = [f"{symbol}: {text}" for symbol, text in MAP_SYMBOLS.items() if symbol in words]
-    key = "\n".join(fill("; ".join(each), 112) for each in ([text for text in marks if marks[text]], symbols) if each)
-    ax.annotate(key, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=9.5, color="#444444")
-    name_lines(ax, 9)
+        ax.set_ylim(bottom=min(0, 1.5 * min(y for *_, y in measured.rows)))
+
+
+def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
+    """Draw a point for each row: y against the stated bound x. Shade what exceeds the bound.
+
+    As far as the tolerance exceeds the limit, y may exceed the bound too.
+    """
+    _, x, y = zip(*measured.rows, strict=True)
+    limit = measured.limits[0]
+    ax.plot(x, y, "o", color=IDEAL if limit.sheet == "ideal" else PRISMS, markersize=6)
+    ends = np.array([ax.get_xlim(), ax.get_ylim()])
+    ax.axvline(limit.bound, color=GREY, linestyle=":")
+    across = np.geomspace(*ends[0], 200)
+    _shade(ax, measured.beyond, across, across + measured.tolerance - limit.bound, ends[1, 1])
+    ax.set(xlim=ends[0], ylim=ends[1])
+    _explain(ax, ["each point: a scene", f"dotted: {limit.bound:g} px, the most without a warning"])
+
+
+def _shade(ax: Axes, text: str, x: NDArray[np.float64], bottom: NDArray[np.float64], top: float) -> None:
+    """Shade what is between two heights, and say what it is."""
+    ax.fill_between(x, bottom, top, color="#c1272d", alpha=0.09, linewidth=0)
+    ax.set_xlim(x[0], x[-1])
+    ax.text(0.5, 0.98, text, transform=ax.transAxes, color="#c1272d", ha="center", va="top", zorder=5)
+
+
+def _explain(ax: Axes, *lines: Sequence[str]) -> None:
+    """Write below the axes what marks and symbols mean."""
+    text = "\n".join(fill("; ".join(line), 105) for line in lines if line)
+    ax.annotate(text, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")
 
 
 def _save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:

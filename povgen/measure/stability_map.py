@@ -22,7 +22,7 @@ class StabilityMap:
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
     `tolerance` is the greatest allowed y, and `beyond` says what greater values mean. `finding` is what the map shows,
-    in a sentence. If `is_bound`, x is an estimate of the greatest y, in the same unit.
+    in a sentence. If `is_bound`, x is a bound of y, in the same unit: greater values of y are beyond it.
     """
 
     name: str
