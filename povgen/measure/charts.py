@@ -387,7 +387,7 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
         x, y = found[name]
         if "y" in measured.log_axes:
             x, y = x[y > 0], y[y > 0]
-        (line,) = ax.plot(x, y, "-" if len(x) > 20 else "o-", markersize=5, label=name)
+        (line,) = ax.plot(x, y, "-" if len(x) > 30 else "o-", markersize=5, label=name)
         if name + RENDERED in found:
             ax.plot(*found[name + RENDERED], "x", color=line.get_color(), markersize=8, label="_")
             marks = ["crosses: POV-Ray's pictures; lines: the ray trace"]
@@ -395,11 +395,14 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
             colour = "black" if len(set(bounds.values())) == 1 else line.get_color()
             place = bounds[name], measured.tolerance
             ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
+    bottom, top = ax.get_ylim()
+    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to five times the tolerance
+        bottom, top = 1.5 * min(0, *(y for *_, y in measured.rows)), min(top, 5 * measured.tolerance)
     if measured.limits:
         marks.insert(0, "◆ povgen warns or refuses from here on")
-        bottom, top = ax.get_ylim()
-        ax.set_ylim(bottom, top := max(top, 1.15 * measured.tolerance))
+        top = max(top, 1.15 * measured.tolerance)
         _shade(ax, measured.beyond, np.array(ax.get_xlim()), np.full(2, measured.tolerance), top)
+    ax.set_ylim(bottom, top)
     words = {*re.findall(r"\w+", " ".join(named))}
     symbols = [f"{symbol}: {text}" for symbol, text in MAP_SYMBOLS.items() if symbol in words]
     _explain(ax, marks, symbols)
@@ -407,19 +410,18 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
 
 
 def _set_axes(ax: Axes, measured: StabilityMap) -> None:
-    """Set the title, the labels and the scales of a map's axes. A linear y axis begins at 0, or below."""
+    """Set the title, the labels and the scales of a map's axes."""
     ax.set(title=measured.finding, xlabel=measured.x, ylabel=measured.y)
     ax.grid(alpha=0.25)
     if "x" in measured.log_axes:
         ax.set_xscale("log")
-        if all(x > 0.01 for _, x, _ in measured.rows):
-            plain_ticks(ax.xaxis, (1, 3))
+        x = [x for _, x, _ in measured.rows]
+        if min(x) > 0.01:
+            plain_ticks(ax.xaxis, (1, 3) if max(x) < 1e5 * min(x) else (1,))
             ax.xaxis.set_major_formatter(lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}")
     if "y" in measured.log_axes:
         ax.set_yscale("log")
         plain_ticks(ax.yaxis, (1, 3))
-    else:
-        ax.set_ylim(bottom=min(0, 1.5 * min(y for *_, y in measured.rows)))
 
 
 def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
@@ -432,7 +434,7 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     ax.plot(x, y, "o", color=IDEAL if limit.sheet == "ideal" else PRISMS, markersize=6)
     ends = np.array([ax.get_xlim(), ax.get_ylim()])
     ax.axvline(limit.bound, color=GREY, linestyle=":")
-    across = np.geomspace(*ends[0], 200)
+    across = np.geomspace(ends[0, 0], ends[0, 1], 200)
     _shade(ax, measured.beyond, across, across + measured.tolerance - limit.bound, ends[1, 1])
     ax.set(xlim=ends[0], ylim=ends[1])
     _explain(ax, ["each point: a scene", f"dotted: {limit.bound:g} px, the most without a warning"])

@@ -26,7 +26,8 @@ IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
 LINE_COLOUR = (
     R_COLOUR  # of the line about which a sheet mirrors or turns light; a scene with it has no curve of this colour
 )
-POINT_COLOUR = (*DARK, 255)  # of the points L and E, and of the edge of P
+POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E
+EDGE = (*DARK, 255)  # of points
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
 OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colour, and the colour of its edge
     "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
@@ -92,8 +93,10 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     if rendering.overlay and ghosts(scene):
         texts.append(("predicted ghosts", GHOST_COLOUR))
     if rendering.overlay:
-        names = {"L": "object L", "E": "eye E"}
-        texts += [(names[name], POINT_COLOUR) for name in _named(scene) if name in names]
+        names = {"L": "object", "E": "eye"}
+        if letters := [name for name in _named(scene) if name in names]:
+            opposite = " and ".join(names[name] for name in letters)
+            texts.append((f"{', '.join(letters)}: opposite {opposite}", POINT_COLOUR))
     if rendering.overlay:
         texts.append(("path as z₁ changes", ALPHA_COLOUR))
     if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
@@ -175,11 +178,11 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     named = _named(scene)
     for name, place in named.items():
         if name != "P":
-            for radius, colour in ((1.3, HALO), (0.8, POINT_COLOUR)):
+            for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
                 _discs(picture, pixels(np.array([place])), radius * thick, colour)
     for place in positions(scene):
         # small, so that spheres stay visible
-        for radius, colour in ((1.9, HALO), (1.5, POINT_COLOUR), (1.1, P_COLOUR)):
+        for radius, colour in ((1.9, HALO), (1.5, EDGE), (1.1, P_COLOUR)):
             _discs(picture, pixels(np.array([place])), radius * thick, colour)
     places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
     for name, place in places.items():

@@ -208,7 +208,7 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
         (
             stability.pole,
             {"conditions": (3, 1e7), "size": SMALL},
-            lambda y: y["α → 180°"][0] < 0.05 and np.isnan(y["z1 → z2"][-1]),
+            lambda y: y["eye near the axis"][0] < 0.05 and np.isnan(y["eye near the axis"]).any(),
         ),
         (
             stability.prediction,
@@ -264,7 +264,7 @@ def test_maps_of_one_subject_have_the_same_colours(tmp_path):
 
     colours = []
     for worst in range(3):
-        measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "", "xy", is_bound=worst == 1)
+        measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "")
         for n in range(3):
             measured.add(f"N = {n}", 1, 0.1)
             measured.add(f"N = {n}", 100, 9 if n == worst else 2)
@@ -273,9 +273,26 @@ def test_maps_of_one_subject_have_the_same_colours(tmp_path):
             ax = figure.subplots()
             _draw_map(ax, measured)
             colours.append({line.get_label(): line.get_color() for line in ax.lines if line.get_label() != "_"})
-            (shaded,) = ax.patches
-            assert shaded.get_y() + shaded.get_height() == pytest.approx(ax.get_ylim()[1])
+            (shaded,) = ax.collections
+            assert shaded.get_datalim(ax.transData).y1 == pytest.approx(ax.get_ylim()[1])
     assert colours[0] == colours[1] == colours[2] and len({*colours[0].values()}) == 3
+
+
+def test_what_exceeds_a_bound_is_shaded(tmp_path):
+    from povgen.measure.charts import _draw_map
+    from povgen.measure.plotting import drawn
+
+    measured = StabilityMap("name", "title", "finding", "x", "y", 2.5, "xy", is_bound=True)
+    for x, y in ((0.1, 0.3), (1, 1.2), (10, 10.4), (100, 101)):
+        measured.add("some scene", x, y)
+    measured.limit("ideal", "some scene", 2)  # the tolerance is 0.5 more
+    with drawn(8, 5, tmp_path / "map.png") as figure:
+        ax = figure.subplots()
+        _draw_map(ax, measured)
+        (shaded,) = ax.collections
+        points, *_ = ax.lines
+        exceeds = [shaded.get_paths()[0].contains_point(point) for point in points.get_xydata()]
+    assert exceeds == [False, False, False, True]
 
 
 def test_rounding_decides_for_few_rays():

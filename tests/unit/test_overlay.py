@@ -133,8 +133,8 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
     assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
 
 
-def test_marks_and_curves_have_a_light_edge(monkeypatch):
-    """From the middle outwards: the colour, four fifths white, and the picture; each edge is a pixel wide."""
+def test_marks_have_a_dark_edge_and_curves_a_light_one(monkeypatch):
+    """From the middle outwards: the colour, the edge, and the picture; each edge is a pixel wide."""
     line = 0.5j + np.linspace(-1, 1, 2000)
     monkeypatch.setattr(overlay, "loci", lambda scene, step: [([line], overlay.ALPHA_COLOUR)])
     monkeypatch.setattr(overlay, "positions", lambda scene: [])
@@ -144,13 +144,13 @@ def test_marks_and_curves_have_a_light_edge(monkeypatch):
     monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
     picture, place = drawn(scene, size, overlay=True), camera.pixels(scene, size)
     wide = 960 / 180
-    for colour, inner, outer, part, middle in (
-        (overlay.POINT_COLOUR, 0.8, 1.3, place.imag < 0, -0.5j),
-        (overlay.ALPHA_COLOUR, 0.5, 0.9, (place.imag > 0) & (abs(place.real) < 0.9), place.real + 0.5j),
+    for colour, around, inner, outer, part, middle in (
+        (overlay.POINT_COLOUR, overlay.EDGE[:3], 0.9, 1.3, place.imag < 0, -0.5j),
+        (overlay.ALPHA_COLOUR, 231, 0.5, 0.9, (place.imag > 0) & (abs(place.real) < 0.9), place.real + 0.5j),
     ):
         away = abs(place - middle) / scene.view * 960 / wide
         edge = 0.51 / wide
-        for near, far, expected in ((0, inner, colour[:3]), (inner, outer, 231), (outer, 99, 120)):
+        for near, far, expected in ((0, inner, colour[:3]), (inner, outer, around), (outer, 99, 120)):
             ring = part & (away > near + edge * (near > 0)) & (away < far - edge)
             assert ring.any() and abs(picture[ring] - expected).max() <= 1
 
