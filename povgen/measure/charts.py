@@ -193,9 +193,7 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         ):
             values = [float(row[column]) for row in rows]
             bars = ax.barh(places, values, color=colours)
-            ax.bar_label(
-                bars, [f"{x:.1f}" if x >= 0.1 else f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values], padding=4
-            )
+            ax.bar_label(bars, [f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values], padding=4)
             ax.set(xlabel=form, title=title)
             ax.set_xlim(right=1.12 * max(values, default=1))
             ax.spines["left"].set_visible(False)

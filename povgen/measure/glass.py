@@ -11,8 +11,8 @@ from povgen.optics.prism import Prism
 
 WAVELENGTHS = {"450 nm": 450e-9, "550 nm": 550e-9, "650 nm": 650e-9}
 LIGHT = {"450 nm": "#1f4fd8", "550 nm": "#2e9e2e", "650 nm": "#d11919"}  # the light's own colours
-GREENS = ("#76c276", "#4aa64a", "#2e8b2e", "#145214")  # of 550 nm, the darker the farther away the object
-BLUES = ("#0b2f55", "#0b5fa5", "#3f86c8", "#7fb2de")  # prisms, the lighter the larger alpha
+FAR = ("#e0a100", "#d1603d", "#7b4b94", "#0b2f55")  # the darker, the farther away the object
+BLUES = ("#0b1f3a", "#0b4a85", "#1f74c4", "#4f9be0")  # prisms, the lighter the larger alpha
 Z2 = 1.0  # metres
 ALPHA = 66  # degrees
 
@@ -39,7 +39,7 @@ def draw_polarisation(ax: Axes) -> None:
     for alpha, colour in zip((0, 66, 120, 180), BLUES, strict=True):
         J = jones([0, 0, -1], [0, np.radians(alpha) / 2], Prism(1.0))
         ax.plot(angle, transmission(J, np.radians(angle)), color=colour, linewidth=2, label=f"α = {alpha}°")
-    ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share that passes")
+    ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share of the light that passes")
     ax.set(xlim=(0, 180), ylim=(0.6, 1), title="The larger α, the less polarisation matters")
     ax.set_xticks(range(0, 181, 30))
     ax.grid(alpha=0.25)
@@ -48,9 +48,10 @@ def draw_polarisation(ax: Axes) -> None:
 def draw_blur(ax: Axes) -> None:
     """Draw blur against pitch, for several distances of the object."""
     pitch = np.geomspace(0.03e-3, 10e-3, 300)
-    for z1, colour in zip((0.3, 1.0, 3.0, 10.0), GREENS, strict=True):
-        ax.loglog(1e3 * pitch, minutes(pitch, z1), color=colour, linewidth=2, label=f"z₁ = {z1:g} m")
+    for z1, colour in zip((0.3, 1.0, 3.0, 10.0), FAR, strict=True):
         best = float(best_pitch(550e-9, z1))
+        name = f"z₁ = {z1:g} m: {1e3 * best:.1f} mm"
+        ax.loglog(1e3 * pitch, minutes(pitch, z1), color=colour, linewidth=2, label=name)
         ax.plot(1e3 * best, minutes(best, z1), "o", color=colour, markersize=9)
     ax.axhline(1, color=GREY, linestyle=":")
     ax.text(0.033, 0.93, "what an eye resolves", color=GREY, va="top")

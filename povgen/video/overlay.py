@@ -93,16 +93,16 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     if rendering.overlay and ghosts(scene):
         texts.append(("predicted ghosts", GHOST_COLOUR))
     if rendering.overlay:
-        names = {"L": "object", "E": "eye"}
-        if letters := [name for name in _named(scene) if name in names]:
-            opposite = " and ".join(names[name] for name in letters)
-            texts.append((f"{', '.join(letters)}: opposite {opposite}", POINT_COLOUR))
-    if rendering.overlay:
         texts.append(("path as z₁ changes", ALPHA_COLOUR))
     if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
         texts.append(("path as α changes", R_COLOUR))
     if rendering.overlay and scene.sheets[0].line:
         texts.append((scene.sheets[0].line[0], LINE_COLOUR))
+    if rendering.overlay:
+        names = {"L": "object", "E": "eye"}
+        if letters := [name for name in _named(scene) if name in names]:
+            opposite = " and ".join(names[name] for name in letters)
+            texts.append((f"{', '.join(letters)}: opposite {opposite}", POINT_COLOUR))
     if rendering.annotated:
         texts += [OUTLINES[name][:2] for name in scene.outlines]
     return texts

@@ -4,7 +4,7 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 
-from povgen import Chess, MovieSpec, Spheres, movie, render
+from povgen import Chess, MovieSpec, Rendering, Spheres, movie, render
 from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.measure.probes import Positions
@@ -60,7 +60,8 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     plain = render(scene, size=size, antialias="off")
     monkeypatch.setattr(povray.Runner, "run", None)  # no need to render again
     both = render(scene, size=size, antialias="off", caption="full", overlay=True)
-    top = len(overlay.strip([overlay.Item("P", "P", overlay.P_COLOUR)] * 3, *size)) * 2  # the key has two lines
+    explained = overlay.key(scene, Rendering(overlay=True))
+    top = len(overlay.strip([overlay.Item(text, text, colour) for text, colour in explained], *size))
     assert len(both) > len(plain) + top
     within = both[top : top + size[1]]
     assert (within != plain).any() and (within == plain).all(-1).mean() > 0.5
