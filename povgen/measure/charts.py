@@ -397,7 +397,7 @@ def _draw_map(ax: Axes, measured: StabilityMap) -> None:
     if "y" not in measured.log_axes:  # from 0, or from the least value below it, to five times the tolerance
         bottom, top = 1.5 * min(0, *(y for *_, y in measured.rows)), min(top, 5 * measured.tolerance)
     if measured.limits:
-        marks.insert(0, "◆ povgen warns or refuses from here on")
+        marks.insert(0, "◆ the limit that povgen uses")
         top = max(top, 1.15 * measured.tolerance)
         _shade(ax, measured.beyond, np.array(ax.get_xlim()), np.full(2, measured.tolerance), top)
     ax.set_ylim(bottom, top)
