@@ -41,6 +41,8 @@ def test_charts_are_written(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == files
     assert all(np.ptp(iio.imread(path)) > 200 for path in tmp_path.glob("*.png"))
     rows = list(csv.DictReader((tmp_path / "diffraction.csv").open()))
-    assert {row["line"] for row in rows} == {name for name in (*curves(glass.draw_blur), *glass.WAVELENGTHS) if name[0] != "_"}
+    assert {row["line"] for row in rows} == {
+        name for name in (*curves(glass.draw_blur), *glass.WAVELENGTHS) if name[0] != "_"
+    }
     green = [float(row["y"]) for row in rows if row["line"] == "550 nm"]
     assert green == pytest.approx(curves(glass.draw_best_pitch)["550 nm"][:, 1], rel=1e-5)
