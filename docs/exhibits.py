@@ -65,9 +65,11 @@ def exhibits() -> dict[str, Exhibit]:
 
 
 def _address_without_view(scene: Scene) -> str:
-    """Return the page's address of a scene; the page has a view of its own."""
+    """Return the page's address of a scene; the page has a view of its own, and no direct image."""
     shown = ["--predicted-image"] if getattr(scene, "predicted_image", False) else []
-    return address(type(scene)(**{name: getattr(scene, name) for name in scene.model_fields_set - {"view"}}), shown)
+    return address(
+        type(scene)(**{name: getattr(scene, name) for name in scene.model_fields_set - {"view", "direct_image"}}), shown
+    )
 
 
 def _of(words: list[str]) -> Exhibit:

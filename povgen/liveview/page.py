@@ -148,8 +148,11 @@ def check_options(movies: bool, options: dict[str, Any]) -> None:
 
 
 def _for_page(spec: MovieSpec) -> MovieSpec:
-    """Return the movie whose frames the page can seek by the parameter's value, with the view of the page."""
-    fixed = {name: value for name, value in spec.fixed.items() if name != "view"}
+    """Return the movie whose frames the page can seek by the parameter's value, with the view of the page.
+
+    The page has no direct image.
+    """
+    fixed = {name: value for name, value in spec.fixed.items() if name not in ("view", "direct_image")}
     return spec.replace(ease=False, hold=0.0, fixed=fixed)
 
 
