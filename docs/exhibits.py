@@ -67,9 +67,8 @@ def exhibits() -> dict[str, Exhibit]:
 def _address_without_view(scene: Scene) -> str:
     """Return the page's address of a scene; the page has a view of its own, and no direct image."""
     shown = ["--predicted-image"] if getattr(scene, "predicted_image", False) else []
-    return address(
-        type(scene)(**{name: getattr(scene, name) for name in scene.model_fields_set - {"view", "direct_image"}}), shown
-    )
+    names = scene.model_fields_set - {"view", "direct_image"}
+    return address(type(scene)(**{name: getattr(scene, name) for name in names}), shown)
 
 
 def _of(words: list[str]) -> Exhibit:

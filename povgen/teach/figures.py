@@ -38,7 +38,7 @@ from povgen.teach.drawing import (
     xy,
 )
 from povgen.video import overlay
-from povgen.video.outline import predicted_outlines
+from povgen.video.outline import outlines
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}
@@ -161,7 +161,7 @@ def vary_alpha(rendering: Rendering) -> Drawn:
     point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
     point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), "#b000a0")
     for ax, scene in zip(panels, scenes, strict=True):
-        outline = predicted_outlines(scene, 0.005)
+        outline = outlines(scene, 0.005)
         for size, colour in ((2.4, "white"), (1.2, "#e100c4")):
             ax.plot(*xy(outline), ".", markersize=size, markeredgewidth=0, color=colour)
     return Drawn(figure, {"pieces": measured})

@@ -1,4 +1,4 @@
-"""The outlines of chess pieces where the equations predict them, from the pieces' distance fields."""
+"""The outlines of chess pieces where the equations say that they appear, from the pieces' distance fields."""
 
 import base64
 import zlib
@@ -15,8 +15,8 @@ from povgen.scene.scenes import Chess
 FINEST = 16  # points of an outline between two voxels, at most
 
 
-def predicted_outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
-    """Return points of the pieces' predicted outlines in the plane z = 0, tiles, about `step` apart.
+def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
+    """Return points of the outlines with which the pieces appear in the plane z = 0, tiles, about `step` apart.
 
     Only points that are visible in the window. Raises PovrayError if POV-Ray is missing and a piece is not povgen's.
     """

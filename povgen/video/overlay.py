@@ -23,9 +23,8 @@ HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the light edge of line
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-LINE_COLOUR = (
-    R_COLOUR  # of the line about which a sheet mirrors or turns light; a scene with it has no curve of this colour
-)
+# of the line about which a sheet mirrors or turns light; a scene with this line has no path as alpha changes
+LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E
 EDGE = (*DARK, 255)  # of points
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
@@ -191,13 +190,13 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
 
 def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
     """Draw the outlines of the pieces: where they are predicted, or where the eye sees them without sheets."""
-    from povgen.video.outline import predicted_outlines
+    from povgen.video.outline import outlines
 
     if outline == "direct_image":
         scene = scene.replace(sheet="none", window=(), predicted_image=False, view=scene.view)
     thick = max(len(picture) / 260, 1.2)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
-    points = _pixels(predicted_outlines(scene, step), scene, picture)
+    points = _pixels(outlines(scene, step), scene, picture)
     _, line, edge = OUTLINES[outline]
     for radius, colour in ((0.95, edge), (0.5, line)):
         _discs(picture, points, radius * thick, colour)

@@ -81,7 +81,7 @@ def test_each_piece_has_a_predicted_image():
     columns = differs(plain, predicted)
     assert columns.min() < 40 and columns.max() > 56
     turned, still = (Chess(sheet="ideal", alpha=alpha, x=[-0.6, 0.6], z1=[2, 3]) for alpha in (90, 0))
-    before, after = (outline.predicted_outlines(scene, 0.02) for scene in (still, turned))
+    before, after = (outline.outlines(scene, 0.02) for scene in (still, turned))
     left = np.flatnonzero(before.real < 0)  # the first piece's points come first
     assert left.tolist() == [*range(len(left))]
     for z1, points in ((2, before[left]), (3, np.delete(before, left))):
