@@ -1,20 +1,16 @@
 """Charts of what was measured, and the same data as CSV."""
 
 import csv
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from io import StringIO
 from itertools import product
 from pathlib import Path
-from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError
-from povgen.files import save
-from povgen.measure.measured import Measured
 from povgen.measure.plotting import (
     GREY,
     IDEAL,
@@ -28,55 +24,45 @@ from povgen.measure.plotting import (
     name_lines,
     plain_ticks,
     point_to_better,
+    save_table,
 )
 from povgen.measure.speed import Point, pareto_front
-from povgen.measure.stability_map import RENDERED, StabilityMap
 from povgen.measure.tolerance import Change, percentile
 from povgen.settings import QUALITIES, Rendering
 from povgen.sheets.prisms import ERRORS
-
-
-def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
-    """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
-    for measured in maps:
-        _save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
-        with drawn(8, 5, folder / f"{measured.name}.png") as figure:
-            _draw_map(figure.subplots(), measured)
-        for limit in measured.limits:
-            done(limit)
-
 
 COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
 
 
 def save_frames(points: list[Point], folder: Path) -> None:
-    """Write frames.csv and, for each size, charts of RMS and FLIP against CPU seconds, each with its Pareto front."""
+    """Write frames.csv and, for each size, a chart of RMS against CPU seconds, with the Pareto fronts."""
     rows = [(p.method, p.sampling, *p.size, p.cpu, p.rms, p.flip, p.flip_detailed) for p in points]
-    _save_table(folder / "frames.csv", COLUMNS, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
+    save_table(folder / "frames.csv", COLUMNS, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
     for size in dict.fromkeys(p.size for p in points):
-        of_size = [p for p in points if p.size == size]
         name = f"frames-{size[0]}x{size[1]}"
-        with drawn(12, 10, folder / f"{name}.png", folder / f"{name}.svg") as figure:
-            axes, labelled = figure.subplots(2, 2, sharex=True, sharey="col"), []
-            for row, sheet in zip(axes, ("detailed", "ideal"), strict=True):
-                shown = [p for p in of_size if p.method.endswith("ideal") == (sheet == "ideal")]
-                row[0].set_title(_finding(sheet, shown))
-                for ax, error in zip(row, ("rms", "flip"), strict=True):
-                    labelled.append((ax, _scatter(ax, shown, error, sheet)))
-            for ax, label in zip(axes[0], ("RMS error (1: white)", "mean FLIP"), strict=True):
-                ax.set(ylabel=label)
-            for ax, label in zip(axes[1], ("RMS error (1: white)", "mean FLIP"), strict=True):
-                ax.set(xlabel=f"CPU seconds for a frame of {size[0]}x{size[1]}", ylabel=label)
-            axes[0, 0].text(0.98, 0.02, "grey: other samplings", transform=axes[0, 0].transAxes, color=GREY, ha="right")
+        with drawn(12, 6.2, folder / f"{name}.png", folder / f"{name}.svg") as figure:
+            axes, labelled = figure.subplots(1, 2, sharex=True, sharey=True), []
+            for ax, sheet in zip(axes, ("detailed", "ideal"), strict=True):
+                shown = [p for p in points if p.size == size and p.method.endswith("ideal") == (sheet == "ideal")]
+                ax.set(title=_finding(sheet, shown), xlabel=f"CPU seconds for a frame of {size[0]}x{size[1]}")
+                labelled.append((ax, _scatter(ax, shown, sheet)))
+            axes[0].set(ylabel="error: RMS difference from the converged picture (1: white)")
+            key = [
+                "large, with a name: povgen's qualities",
+                "small, grey: other samplings",
+                "gl: povgen's shaders, without a GPU",
+                "live view: the same in a browser",
+            ]
+            axes[1].text(0.98, 0.98, "\n".join(key), transform=axes[1].transAxes, color="#444444", ha="right", va="top")
             _draw_labels(figure, labelled)
 
 
 def _finding(sheet: str, points: list[Point]) -> str:
-    """Return what a chart's row of these points shows."""
+    """Return what a panel of these points shows."""
     if sheet == "detailed":
-        return "Prisms: gl needs about a tenth of POV-Ray's CPU time for the same error"
+        return "Prisms: gl takes about a tenth of POV-Ray's time"
     ours, theirs = (min((p.rms for p in points if p.method == name), default=0) for name in ("gl ideal", "ideal"))
-    return "Ideal sheet: gl is cheaper, except for the least errors" if ours > theirs else "Ideal sheet: gl is cheaper"
+    return "Ideal sheet: gl is faster, except for the least errors" if ours > theirs else "Ideal sheet: gl is faster"
 
 
 def read_frames(file: Path) -> list[Point]:
@@ -102,8 +88,8 @@ class Label(NamedTuple):
     bold: bool = False
 
 
-def _scatter(ax: Axes, points: list[Point], error: str, sheet: str) -> list[Label]:
-    """Draw error against CPU seconds: povgen's qualities large, other samplings small. Return the points' labels.
+def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
+    """Draw RMS against CPU seconds: povgen's qualities large, other samplings small. Return the points' labels.
 
     The model's colour and the marker tell the renderer; what povgen does not render is grey.
     """
@@ -117,20 +103,20 @@ def _scatter(ax: Axes, points: list[Point], error: str, sheet: str) -> list[Labe
         of_method = [p for p in points if p.method == method]
         renderer = {sheet: "POV-Ray", f"gl {sheet}": "gl", f"live {sheet}": "live view"}.get(method)
         marker = {"POV-Ray": "o", "gl": "D", "live view": "^"}.get(renderer or "", "x")
-        ax.plot([p.cpu for p in of_method], [getattr(p, error) for p in of_method], marker, color="#aaaaaa", ms=5)
-        best = pareto_front(of_method, error)
+        ax.plot([p.cpu for p in of_method], [p.rms for p in of_method], marker, color="#aaaaaa", ms=5)
+        best = pareto_front(of_method, "rms")
         own = colour if renderer in ("POV-Ray", "gl") else GREY
-        ax.plot([p.cpu for p in best], [getattr(p, error) for p in best], "-", color=own, alpha=0.45, zorder=1)
+        ax.plot([p.cpu for p in best], [p.rms for p in best], "-", color=own, alpha=0.45, zorder=1)
         if renderer:
-            labels.append(Label(best[-1].cpu, getattr(best[-1], error), renderer, own, bold=True))
+            labels.append(Label(best[-1].cpu, best[-1].rms, renderer, own, bold=True))
         else:
             names = {"intersections": "prisms by hand"}
             if method != "prisms":  # beside the points of intersections
-                labels.append(Label(best[-1].cpu, getattr(best[-1], error), names.get(method, method.split()[0]), GREY))
+                labels.append(Label(best[-1].cpu, best[-1].rms, names.get(method, method.split()[0]), GREY))
         for p in of_method:
             if renderer in ("POV-Ray", "gl") and p.sampling in qualities:
-                ax.plot(p.cpu, getattr(p, error), marker, color=own, markersize=11, markeredgecolor="white")
-                labels.append(Label(p.cpu, getattr(p, error), ", ".join(qualities[p.sampling]), own))
+                ax.plot(p.cpu, p.rms, marker, color=own, markersize=11, markeredgecolor="white")
+                labels.append(Label(p.cpu, p.rms, ", ".join(qualities[p.sampling]), own))
     ax.set(xscale="log", yscale="log")
     plain_ticks(ax.xaxis)
     plain_ticks(ax.yaxis)
@@ -142,7 +128,7 @@ def _scatter(ax: Axes, points: list[Point], error: str, sheet: str) -> list[Labe
 
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
-    _save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
+    save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
     with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
         for ax, n, label, title, better in zip(
             figure.subplots(1, 2),
@@ -175,7 +161,7 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
 
 def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
     """Write beyond.csv and a chart of CPU seconds and error, for windows in series and other ideal sheets."""
-    _save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
+    save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
     with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
         axes = figure.subplots(1, 2, sharey=True)
         names, places, top = [], [], 0.0
@@ -203,29 +189,26 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
     """Write flicker.csv."""
-    _save_table(folder / "flicker.csv", ("antialias", "flicker"), [(name, f"{value:.3g}") for name, value in rows])
+    save_table(folder / "flicker.csv", ("antialias", "flicker"), [(name, f"{value:.3g}") for name, value in rows])
 
 
-def save_workers(rows: list[tuple[int, float, float]], folder: Path) -> None:
-    """Write workers.csv and a chart of a movie's wall seconds, and of the cores' use, against workers."""
-    _save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy"), rows)
-    with drawn(12, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
-        workers, wall, busy = zip(*rows, strict=True)
-        for ax, values, label, title, top in zip(
-            figure.subplots(1, 2),
-            (wall, [100 * share for share in busy]),
-            ("wall seconds for 61 frames of 320x240", "cores busy (%)"),
-            ("More processes at once make a movie sooner …", "… until the cores are busy"),
-            (None, 105),
-            strict=True,
-        ):
-            ax.plot(workers, values, "o-", color=PRISMS)
-            ax.set(xlabel="POV-Ray processes at once", ylabel=label, title=title)
-            ax.set_xscale("log", base=2)
-            ax.set_xticks(workers)
-            ax.xaxis.set_major_formatter("{x:g}")
-            ax.set_ylim(0, top)
-            ax.grid(alpha=0.25)
+def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> None:
+    """Write workers.csv and a chart of a movie's wall seconds against workers."""
+    _, _, _, cores = rows[0]
+    save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy", "cores"), rows)
+    with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
+        workers, wall, busy = np.transpose([row[:3] for row in rows])
+        ax = figure.subplots()
+        ax.plot(workers, wall, "o-", color=PRISMS, label="measured")
+        ax.plot(workers, wall * busy, ":", color=GREY, label="no idle cores")
+        ax.set(xlabel=f"POV-Ray processes at once, on {cores} cores", ylabel="wall seconds for 61 frames of 320x240")
+        ax.set_title("Several processes for each core keep the cores busy")
+        ax.set_xscale("log", base=2)
+        ax.set_xticks(workers)
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.set_ylim(0)
+        ax.grid(alpha=0.25)
+        name_lines(ax)
 
 
 class Tables(NamedTuple):
@@ -234,7 +217,7 @@ class Tables(NamedTuple):
     frames: list[Point]
     prism_counts: list[tuple[str, int, float, float]]
     beyond: list[tuple[str, str, float, float]]
-    workers: list[tuple[int, float, float]]
+    workers: list[tuple[int, float, float, int]]
 
 
 def read_tables(folder: Path) -> Tables:
@@ -243,7 +226,7 @@ def read_tables(folder: Path) -> Tables:
         read_frames(folder / "frames.csv"),
         _read(folder / "prisms.csv", str, int, float, float),
         _read(folder / "beyond.csv", str, str, float, float),
-        _read(folder / "workers.csv", int, float, float),
+        _read(folder / "workers.csv", int, float, float, int),
     )
 
 
@@ -265,16 +248,16 @@ def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
 
 
 ERROR_WORDS = {
-    "turn": "near sheet turned",
-    "tilt_x": "near sheet tilted about x",
-    "tilt_y": "near sheet tilted about y",
-    "far_tilt_x": "far sheet tilted about x",
-    "far_tilt_y": "far sheet tilted about y",
-    "separation": "sheets too far apart",
-    "index": "near sheet's index",
-    "far_index": "far sheet's index",
-    "base_angle": "near prisms' base angle",
-    "far_base_angle": "far prisms' base angle",
+    "turn": "near sheet turned by",
+    "tilt_x": "near sheet tilted about x by",
+    "tilt_y": "near sheet tilted about y by",
+    "far_tilt_x": "far sheet tilted about x by",
+    "far_tilt_y": "far sheet tilted about y by",
+    "separation": "sheets too far apart by",
+    "index": "near sheet's index wrong by",
+    "far_index": "far sheet's index wrong by",
+    "base_angle": "near prisms' base angle wrong by",
+    "far_base_angle": "far prisms' base angle wrong by",
 }
 
 
@@ -285,38 +268,52 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
     """
     small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
     units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
+    effects = {
+        field: {name: abs(units[name][0] * float(getattr(change, field))) for name, change in sensitivities.items()}
+        for field in ("displaced", "turned")
+    }
+    ordered = sorted(sensitivities, key=lambda name: np.nan_to_num(effects["displaced"][name]))
     table: list[tuple[object, ...]] = []
-    with drawn(11, 8.4 if builds else 4.4, path) as figure:
+    with drawn(11.5, 8.4 if builds else 4.4, path) as figure:
         rows = figure.subplots(2 if builds else 1, 2, squeeze=False)
-        for column, (field, unit) in enumerate((("displaced", "arcminutes"), ("turned", "degrees"))):
-            ax = rows[0, column]
-            values = {
-                name: abs(units[name][0] * float(getattr(change, field))) for name, change in sensitivities.items()
-            }
-            worst = max(values, key=lambda name: np.nan_to_num(values[name]))
-            names = [f"{ERROR_WORDS[name]}, {units[name][1].replace(' degree', '°')}" for name in values][::-1]
-            colours = [PRISMS if name == worst else "#a9cbe8" for name in values][::-1]
-            bars = ax.barh(names, list(values.values())[::-1], color=colours)
-            ax.bar_label(bars, [f"{value:.2g}" for value in list(values.values())[::-1]], padding=4)
+        for column, (field, unit, title) in enumerate(
+            (
+                ("displaced", "arcminutes", "What displaces the object"),
+                ("turned", "degrees", "What turns the object"),
+            )
+        ):
+            ax, values = rows[0, column], np.array([effects[field][name] for name in ordered])
+            most = np.nan_to_num(values).max()
+            names = [f"{ERROR_WORDS[name]} {units[name][1].replace(' degree', '°')}" for name in ordered]
+            bars = ax.barh(names, values, color=[PRISMS if value > most / 2 else "#a9cbe8" for value in values])
+            texts = [f"below {most / 100:.1g}" if value < most / 100 else f"{value:.2g}" for value in values]
+            ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.12)
-            ax.tick_params(labelleft=column == 0)
-            ax.set(xlabel=f"{field}, {unit}", title=f"Most {field} by: {ERROR_WORDS[worst]}")
+            ax.tick_params(labelleft=column == 0, left=False)
+            ax.set(xlabel=f"{field}, {unit}", title=title)
             table += [
-                (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{value:.6g}") for name, value in values.items()
+                (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{effects[field][name]:.6g}")
+                for name in effects[field]
             ]
             if builds:
-                ax, most = rows[1, column], percentile(getattr(builds, field), 95)
-                ordered = np.sort(np.nan_to_num(getattr(builds, field), nan=np.inf))
-                ax.plot(ordered, 100 * np.arange(1, len(ordered) + 1) / len(ordered), color=PRISMS, linewidth=2)
-                ax.set(
-                    xlabel=f"{field} at most, {unit}", ylabel="share of the builds, %", ylim=(0, 102), xlim=(0, None)
-                )
-                if np.isfinite(most):
-                    ax.plot([0, most, most], [95, 95, 0], ":", color=GREY)
-                    ax.plot(most, 95, "o", color=PRISMS, markersize=9)
-                ax.set_title(f"95 % of builds: at most {most:.2g} {unit}")
-                table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in getattr(builds, field)]
-    _save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
+                found = getattr(builds, field)
+                limit = percentile(found, 95)
+                _draw_builds(rows[1, column], found[np.isfinite(found)], limit)
+                rows[1, column].set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: at most {limit:.2g} {unit}")
+                table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in found]
+        if builds:
+            rows[1, 0].set(ylabel=f"builds, of {len(builds.displaced)} with random errors")
+    save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
+
+
+def _draw_builds(ax: Axes, values: NDArray[np.float64], limit: float) -> None:
+    """Draw how many builds have which value. Those above the limit are pale."""
+    counts, edges = np.histogram(values, 20)
+    colours = ["#a9cbe8" if middle > limit else PRISMS for middle in (edges[1:] + edges[:-1]) / 2]
+    ax.bar(edges[:-1], counts, np.diff(edges), align="edge", color=colours, edgecolor="white")
+    ax.set_xlim(left=0)
+    if np.isfinite(limit):
+        ax.axvline(limit, color=GREY, linestyle=":")
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
@@ -357,101 +354,3 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
                 if ax.bbox.containsx(box.x0) and ax.bbox.containsx(box.x1) and not any(map(box.overlaps, taken)):
                     break
             taken.append(box)
-
-
-MAP_SYMBOLS = {
-    "z2": "from the sheets to the eye (tiles)",
-    "α": "angle by which rays turn",
-    "N": "prisms of a sheet",
-}
-
-
-def _draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw the worst series of a map, four at most, with their names and limits. Shade what is beyond the tolerance.
-
-    A diamond is at each limit that povgen uses for such a series. It has the series' colour, or is black if it is the
-    limit of all. Colours follow the order of the measurements. If `measured.is_bound`, `_draw_bound` draws the map.
-    """
-    found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name, _, _ in measured.rows}
-    series = [name for name in found if not name.endswith(RENDERED)]
-    _set_axes(ax, measured)
-    if measured.is_bound:
-        _draw_bound(ax, measured)
-        return
-    worst = sorted(series, key=lambda name: -np.nanmean(found[name][1]))
-    named = sorted(worst[:: -(-len(worst) // 4) or 1], key=series.index)
-    marks, bounds = [], {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
-    for name in named:
-        x, y = found[name]
-        if "y" in measured.log_axes:
-            x, y = x[y > 0], y[y > 0]
-        (line,) = ax.plot(x, y, "-" if len(x) > 30 else "o-", markersize=5, label=name)
-        if name + RENDERED in found:
-            ax.plot(*found[name + RENDERED], "x", color=line.get_color(), markersize=8, label="_")
-            marks = ["crosses: POV-Ray's pictures; lines: the ray trace"]
-        if name in bounds:
-            colour = "black" if len(set(bounds.values())) == 1 else line.get_color()
-            place = bounds[name], measured.tolerance
-            ax.plot(*place, "D", color=colour, markeredgecolor="black", markersize=8, label="_")
-    bottom, top = ax.get_ylim()
-    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to five times the tolerance
-        bottom, top = 1.5 * min(0, *(y for *_, y in measured.rows)), min(top, 5 * measured.tolerance)
-    if measured.limits:
-        marks.insert(0, "◆ the limit that povgen uses")
-        top = max(top, 1.15 * measured.tolerance)
-        _shade(ax, measured.beyond, np.array(ax.get_xlim()), np.full(2, measured.tolerance), top)
-    ax.set_ylim(bottom, top)
-    words = {*re.findall(r"\w+", " ".join(named))}
-    symbols = [f"{symbol}: {text}" for symbol, text in MAP_SYMBOLS.items() if symbol in words]
-    _explain(ax, marks, symbols)
-    name_lines(ax, 10)
-
-
-def _set_axes(ax: Axes, measured: StabilityMap) -> None:
-    """Set the title, the labels and the scales of a map's axes."""
-    ax.set(title=measured.finding, xlabel=measured.x, ylabel=measured.y)
-    ax.grid(alpha=0.25)
-    if "x" in measured.log_axes:
-        ax.set_xscale("log")
-        x = [x for _, x, _ in measured.rows]
-        if min(x) > 0.01:
-            plain_ticks(ax.xaxis, (1, 3) if max(x) < 1e5 * min(x) else (1,))
-            ax.xaxis.set_major_formatter(lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}")
-    if "y" in measured.log_axes:
-        ax.set_yscale("log")
-        plain_ticks(ax.yaxis, (1, 3))
-
-
-def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
-    """Draw a point for each row: y against the stated bound x. Shade what exceeds the bound.
-
-    As far as the tolerance exceeds the limit, y may exceed the bound too.
-    """
-    _, x, y = zip(*measured.rows, strict=True)
-    limit = measured.limits[0]
-    ax.plot(x, y, "o", color=IDEAL if limit.sheet == "ideal" else PRISMS, markersize=6)
-    ends = np.array([ax.get_xlim(), ax.get_ylim()])
-    ax.axvline(limit.bound, color=GREY, linestyle=":")
-    across = np.geomspace(ends[0, 0], ends[0, 1], 200)
-    _shade(ax, measured.beyond, across, across + measured.tolerance - limit.bound, ends[1, 1])
-    ax.set(xlim=ends[0], ylim=ends[1])
-    _explain(ax, ["each point: a scene", f"dotted: {limit.bound:g} px, the most without a warning"])
-
-
-def _shade(ax: Axes, text: str, x: NDArray[np.float64], bottom: NDArray[np.float64], top: float) -> None:
-    """Shade what is between two heights, and say what it is."""
-    ax.fill_between(x, bottom, top, color="#c1272d", alpha=0.09, linewidth=0)
-    ax.set_xlim(x[0], x[-1])
-    ax.text(0.5, 0.98, text, transform=ax.transAxes, color="#c1272d", ha="center", va="top", zorder=5)
-
-
-def _explain(ax: Axes, *lines: Sequence[str]) -> None:
-    """Write below the axes what marks and symbols mean."""
-    text = "\n".join(fill("; ".join(line), 105) for line in lines if line)
-    ax.annotate(text, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")
-
-
-def _save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:
-    table = StringIO()
-    csv.writer(table, lineterminator="\n").writerows([head, *rows])
-    save(table.getvalue().encode(), path)

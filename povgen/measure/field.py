@@ -27,7 +27,7 @@ def save_chart(folder: Path) -> None:
     """Write field.png into a folder, and the curl of its last panel into field.csv."""
     with drawn(12, 10, folder / "field.png") as figure:
         draw_rays(figure.add_subplot(2, 2, 1))
-        draw_wave_front(figure.add_subplot(2, 2, 2, projection="3d"))
+        draw_wave_front(figure.add_subplot(2, 2, 2))
         draw_pieces(figure.add_subplot(2, 2, 3))
         curl = figure.add_subplot(2, 2, 4)
         draw_curl(curl)
@@ -87,35 +87,31 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 
 def draw_rays(ax: Axes) -> None:
-    """Draw, as the eye sees it, where light from a point goes: the ray trace through the ideal sheet."""
-    light = light_of(Chess(sheet="ideal", alpha=ALPHA), 1.0, 150)
-    for P, Q in zip(light.at(0), light.at(-1.5), strict=True):
-        ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "->", "color": IDEAL})
+    """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
+    for radius, count in ((0.35, 12), (0.85, 20)):
+        at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
+        before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
+        for P, Q in zip(at_sheet, before, strict=True):
+            ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "-|>", "color": IDEAL})
     ax.plot(0, 0, "o", color="black", markersize=9)
-    ax.text(0, -1.58, f"black: the point, {Z1:g} tiles behind the sheet", ha="center", va="bottom")
-    ax.set(xlim=(-1.6, 1.6), ylim=(-1.6, 1.6), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
+    text = f"black: the point, {Z1:g} tiles behind the sheet\narrows: from the sheet to 1.5 tiles before it"
+    ax.text(0, -1.65, text, ha="center", va="bottom")
+    ax.set(xlim=(-1.65, 1.65), ylim=(-1.65, 1.65), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
     ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
 
 
-def draw_wave_front(ax: Any) -> None:  # noqa: ANN401  (matplotlib's axes in space)
-    """Draw a surface perpendicular to the rays: after a turn round the axis it is not where it began."""
-    turns, radii = np.linspace(0, 2 * pi, 97), np.linspace(0, 0.6, 13)
-    w = wave_front(radii, turns, 1.0)
-    x, y = radii * np.cos(turns)[:, None], radii * np.sin(turns)[:, None]
-    ax.plot_surface(x, y, w, color="#f3c9bb", edgecolor=IDEAL, linewidth=0.3, rstride=4, cstride=2, alpha=0.7)
-    ax.plot([radii[-1]] * 2, [0, 0], w[[0, -1], -1], "-o", color="black", linewidth=3, markersize=4)
-    ax.text2D(0.5, 0.9, f"black: a gap of {w[0, -1] - w[-1, -1]:.2f} tiles", transform=ax.transAxes, ha="center")
-    ax.view_init(elev=22, azim=-60)
-    ticks = [-0.5, 0, 0.5]
+def draw_wave_front(ax: Axes) -> None:
+    """Draw paths round the axis that are perpendicular to the rays: after a turn they are not where they began."""
+    turns, radii = np.linspace(0, 2 * pi, 97), np.array([0, 0.2, 0.4, 0.6])
+    heights = wave_front(radii, turns, 1.0)
+    for radius, height in zip(radii[1:], heights.T[1:], strict=True):
+        name = f"radius {radius:g} tiles:\nends {height[0] - height[-1]:.2f} nearer"
+        ax.plot(np.degrees(turns), height - height[0], color=IDEAL, linewidth=2)
+        ax.text(364, height[-1] - height[0], name, color=IDEAL, va="center")
     ax.set(
-        xlabel="x, tiles",
-        ylabel="y, tiles",
-        zlabel="before the sheet, tiles",
-        xticks=ticks,
-        yticks=ticks,
-        zlim=(0, 1.1),
+        xlabel="angle on the circle, degrees", ylabel="distance before the sheet, from the start (tiles)", xlim=(0, 360)
     )
-    ax.set_title("So the ends of a surface perpendicular to it do not meet", fontsize=11)
+    ax.set_title("So a path perpendicular to the light does not close", fontsize=11)
 
 
 def draw_pieces(ax: Axes) -> None:

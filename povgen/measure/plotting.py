@@ -1,7 +1,7 @@
 """Drawing with matplotlib: the style of povgen's charts and figures, and how they become files."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -34,7 +34,7 @@ except ImportError:
 # for the modules that draw
 __all__ = [
     "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "Text", "drawn",
-    "name_lines", "plain_ticks", "point_to_better", "save_drawing", "save_lines", "style", "withStroke",
+    "name_lines", "plain_ticks", "point_to_better", "save_drawing", "save_lines", "save_table", "style", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
 GREY = "#777777"
@@ -91,7 +91,8 @@ def name_lines(ax: Axes, size: float = 10) -> None:
             named.append((end.clip(0, 1), line))
     named.sort(key=lambda each: each[0][1])
     heights = [end[1] for end, _ in named]
-    for _ in range(200):  # a pair that is too near moves apart by equal steps
+    for _ in range(200):  # a pair that is too near moves apart by equal steps, and all stay beside the axes
+        heights = [min(max(height, room / 2), 1 - room / 2) for height in heights]
         for n in range(len(heights) - 1):
             short = room - (heights[n + 1] - heights[n])
             if short > 0:
@@ -141,17 +142,23 @@ def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
     axis.set_minor_formatter("")
 
 
+def save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:
+    """Write a .csv file."""
+    table = StringIO()
+    csv.writer(table, lineterminator="\n").writerows([head, *rows])
+    save(table.getvalue().encode(), path)
+
+
 def save_lines(path: Path, *panels: Axes) -> None:
     """Write the points of all labelled lines to a .csv file: line, and the labels and values of both axes."""
-    table = StringIO()
-    rows = csv.writer(table, lineterminator="\n")
-    rows.writerow(("line", "quantity along x", "x", "quantity along y", "y"))
-    for ax in panels:
-        for line in ax.lines:
-            if not str(line.get_label()).startswith("_"):
-                for x, y in np.array(line.get_xydata()):
-                    rows.writerow((line.get_label(), ax.get_xlabel(), f"{x:.6g}", ax.get_ylabel(), f"{y:.6g}"))
-    save(table.getvalue().encode(), path)
+    rows = [
+        (line.get_label(), ax.get_xlabel(), f"{x:.6g}", ax.get_ylabel(), f"{y:.6g}")
+        for ax in panels
+        for line in ax.lines
+        if not str(line.get_label()).startswith("_")
+        for x, y in np.array(line.get_xydata())
+    ]
+    save_table(path, ("line", "quantity along x", "x", "quantity along y", "y"), rows)
 
 
 def save_drawing(figure: Figure, *paths: Path) -> None:

@@ -288,8 +288,8 @@ def position_error(scenes: list[Positions]) -> float:
     return px(rms(off))
 
 
-def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float, float]]:
-    """Yield the number of workers, a movie's wall seconds, and the fraction of the cores' time that was used.
+def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float, float, int]]:
+    """Yield the number of workers, a movie's wall seconds, the fraction of the cores' time used, and the cores.
 
     The movie has 61 small frames. povgen's cache is not used.
     """
@@ -299,7 +299,7 @@ def measure_workers(done: Callable[[str], object]) -> Iterator[tuple[int, float,
             before, start = _cpu(), time.monotonic()
             movie(MOVIE, folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count, progress=False)
             wall = time.monotonic() - start
-            yield count, wall, (_cpu() - before) / wall / cores
+            yield count, wall, (_cpu() - before) / wall / cores, cores
         done(f"a movie with {count} workers")
 
 

@@ -28,13 +28,15 @@ CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
-    x, y = "magnification M of what is seen", "difference from the paper's equation 7 (px)"
-    finding = "What the ideal sheet magnifies much is less exact"
-    result = StabilityMap("pole", "(a) near the pole, ideal sheet", finding, x, y, 1, "xy")
+    x, y = "magnification of what is seen", "difference from the paper's equation 7 (px)"
+    finding = "The more the ideal sheet magnifies, the less exact is the place"
+    title = "(a) near the pole, ideal sheet"
+    result = StabilityMap("pole", title, finding, x, y, 1, "xy", "allowed: 1 px", "povgen warns")
     for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 tiles up", 8j)):
-        found = [each for toward in TOWARD_POLE for each in _near_pole(toward, conditions, size, "ideal", E=E)]
-        for M, _, place, thin in sorted(found, key=lambda each: each[0]):
-            result.add(series, M, px(abs(place - thin)))
+        ways = [_near_pole(toward, conditions, size, "ideal", E=E) for toward in TOWARD_POLE]
+        for each in zip(*ways, strict=True):
+            errors = [px(abs(place - thin)) for *_, place, thin in each]
+            result.add(series, min(M for M, *_ in each), float(np.max(errors)))  # NaN, if one of them is
         result.limit("ideal", series, limits.MAX_CONDITION)
     yield result
 
@@ -43,8 +45,20 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "error that povgen states as possible (px)", "error of the predicted position (px)"
     finding = "Few errors exceed what povgen states"
-    title, beyond = "(a) prisms' size and the pole", "more than stated"
-    result = StabilityMap("prediction", title, finding, x, y, limits.MAX_ERROR, "xy", beyond, is_bound=True)
+    title = "(a) prisms' size and the pole"
+    result = StabilityMap(
+        "prediction",
+        title,
+        finding,
+        x,
+        y,
+        limits.MAX_ERROR,
+        "xy",
+        "greater than stated",
+        f"povgen warns above {limits.MAX_ERROR} px",
+        "bound",
+    )
+
     for toward in TOWARD_POLE:
         for series, prisms, z2, P in (
             (toward, 100, 6.0, 0.3 + 0.1j),
@@ -89,7 +103,7 @@ def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: S
     """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
     finding = "Very many prisms: POV-Ray's rounding turns rays"
     y = "pixels with rotated light that are wrong (%)"
-    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy")
+    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy", "allowed: 0.01 %")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
@@ -101,12 +115,14 @@ def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.03, 0.06, 0.09, 0.13, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
     """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
+    x = "air gap between prisms / pitch"
     finding, y = "Too narrow an air gap sends stray light the wrong way", "pixels with stray light that are wrong (%)"
-    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, "air gap between prisms / pitch", y, 0.5, "x")
-    finding, y = "Too wide an air gap loses light", "rotated light that the gap loses (%)"
+    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, x, y, 0.5, "x", "allowed: 0.5 %")
+    finding, y = "Too wide an air gap loses rotated light", "rotated light lost, against the narrowest gap (%)"
     wide = StabilityMap(
-        "gap-wide", "(c) air gap, wide", finding, "air gap between prisms / pitch", y, 3, "x", "too much light lost"
+        "gap-wide", "(c) air gap, wide", finding, x, y, 3, "x", "allowed: 3 %", "too wide", shape="range"
     )
+
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -138,18 +154,11 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     The limit that povgen uses is the trace level that it sets for the scene.
     """
     most = 100 * limits.MAX_LOST_FRACTION
-    finding = "A low max_trace_level leaves pixels black"
-    title, y = "(d) max_trace_level", "lost pixels (%)"
-    result = StabilityMap(
-        "trace-level",
-        title,
-        finding,
-        "max_trace_level: faces that a ray may meet",
-        y,
-        most,
-        "x",
-        "too many pixels black",
-    )
+    finding = "povgen finds the max_trace_level that a scene needs"
+    title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
+    allowed = f"needed, so that at most {most:g} %\nof the pixels stay black"
+    result = StabilityMap("trace-level", title, finding, x, y, most, "x", allowed, "set by povgen", "limits")
+
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("z2 = 2", Directions(sheet="detailed", z2=2)),
@@ -183,19 +192,20 @@ def field_angle(
     y = "pixels without rotated light (%)"
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
-    finding = "Light at large field angles is mostly not rotated"
-    angles = StabilityMap(
-        "field", "(e) field angle", finding, "field angle: of the line of sight to the axis (degrees)", y, most, ""
-    )
+    finding = "More than 12 degrees from the axis, most light is not rotated"
+    x = "field angle: of the line of sight to the axis (degrees)"
+    angles = StabilityMap("field", "(e) field angle", finding, x, y, 50, "", "half of the pixels", shape="range")
+
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
     finding = "A near eye sees little rotated light"
-    title = "(e) distance of the eye"
+    title, x = "(e) distance of the eye", "z2: from the sheets to the eye (tiles)"
     distance = StabilityMap(
-        "distance", title, finding, "z2: from the sheets to the eye (tiles)", y, most, "x", "too little rotated light"
+        "distance", title, finding, x, y, most, "x", f"allowed: {most:g} %", "povgen warns", "range"
     )
+
     for z2 in distances:
         for alpha in (0, 66, 120, 180):
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -242,8 +252,9 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         "worst error (px), known to 0.011 px",
         limits.MAX_CAMERA_ERROR + 0.011,
         "xy",
-        "more than the bound",
-        is_bound=True,
+        "greater than the bound",
+        f"povgen keeps below {limits.MAX_CAMERA_ERROR} px",
+        "bound",
     )
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
@@ -274,7 +285,15 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
     finding, y = "The narrower the prisms, the noisier the picture", "RMS error of the picture (1: white)"
     result = StabilityMap(
-        "aliasing", "(g) aliasing", finding, "pixels per prism", y, 0.21, "x", "as wrong as pixels of random rays"
+        "aliasing",
+        "(g) aliasing",
+        finding,
+        "pixels per prism",
+        y,
+        0.21,
+        "x",
+        "0.21: each pixel a random ray",
+        "povgen warns",
     )
     width = APERTURE / VIEW * size[1]
     for count in counts:
@@ -305,7 +324,8 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
         y,
         1.35,
         "",
-        "moiré is visible",
+        "1.35: moiré begins to be visible",
+        "povgen warns",
     )
     for count in (50, 100, 400):
         contrast = []

@@ -1,13 +1,14 @@
 """Stability maps: measured errors against one quantity, and the limits that follow from them.
 
 A stability map is a series of measurements: an error or loss y against one quantity x, such as the number of prisms.
-`stability` measures the maps, `charts` draws them. A limit is the x up to which (or above which) y is within a
+`stability` measures the maps, `stability_chart` draws them. A limit is the x up to which (or above which) y is within a
 tolerance. Each measured limit is compared with the limit that povgen uses (povgen/limits.py).
 """
 
 import dataclasses
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -21,8 +22,13 @@ class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
-    `tolerance` is the greatest allowed y, and `beyond` says what greater values mean. `finding` is what the map shows,
-    in a sentence. If `is_bound`, x is a bound of y, in the same unit: greater values of y are beyond it.
+    `tolerance` is the greatest allowed y, and `allowed` says so in a drawing. `action` is what povgen does beyond its
+    limit. `finding` is what the map shows, in a sentence. `shape` is how it is drawn:
+
+    - 'lines': each series is a line.
+    - 'range': the mean of the series is a line, in the band that they cover.
+    - 'bound': x is a bound of y, in the same unit. Each row is a point.
+    - 'limits': the limits are drawn, not the series.
     """
 
     name: str
@@ -32,8 +38,9 @@ class StabilityMap:
     y: str
     tolerance: float
     log_axes: str
-    beyond: str = "not accurate enough"
-    is_bound: bool = False
+    allowed: str = ""
+    action: str = "povgen refuses"
+    shape: Literal["lines", "range", "bound", "limits"] = "lines"
     rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
     limits: list[Measured] = dataclasses.field(default_factory=list)
 

@@ -242,7 +242,7 @@ def test_distance_map_is_that_of_the_exact_trace():
 
 
 def test_maps_are_drawn_and_tabled(tmp_path):
-    from povgen.measure.charts import save_maps
+    from povgen.measure.stability_chart import save_maps
 
     found = []
     maps = [*stability.grid(stability.OFF_AXIS[1:2], SIZE), *stability.trace_level((64, 48))]
@@ -257,40 +257,60 @@ def test_maps_are_drawn_and_tabled(tmp_path):
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
 
 
-def test_maps_of_one_subject_have_the_same_colours(tmp_path):
-    """Whichever series is the worst. What is not accurate is shaded up to the top."""
-    from povgen.measure.charts import _draw_map
+@pytest.mark.parametrize(("rising", "bounds", "shaded"), [(True, (3, 5), (3, 100)), (False, (3, 5), (1, 5))])
+@pytest.mark.parametrize("shape", ["lines", "range"])
+def test_values_beyond_the_strictest_limit_are_shaded(shape, rising, bounds, shaded, tmp_path):
     from povgen.measure.plotting import drawn
+    from povgen.measure.stability_chart import draw_map
 
-    colours = []
-    for worst in range(3):
-        measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "")
-        for n in range(3):
-            measured.add(f"N = {n}", 1, 0.1)
-            measured.add(f"N = {n}", 100, 9 if n == worst else 2)
-        measured.limit("ideal", "N = 0", 3)
-        with drawn(8, 5, tmp_path / "map.png") as figure:
-            ax = figure.subplots()
-            _draw_map(ax, measured)
-            colours.append({line.get_label(): line.get_color() for line in ax.lines if line.get_label() != "_"})
-            (shaded,) = ax.collections
-            assert shaded.get_datalim(ax.transData).y1 == pytest.approx(ax.get_ylim()[1])
-    assert colours[0] == colours[1] == colours[2] and len({*colours[0].values()}) == 3
+    measured = StabilityMap("name", "title", "finding", "x", "y", 1.0, "x", shape=shape)
+    for n, bound in enumerate(bounds):
+        measured.add(f"N = {n}", 1, 0.1)
+        measured.add(f"N = {n}", 100, 2 + n)
+        measured.limit("ideal", f"N = {n}", bound, rising=rising)
+    with drawn(8, 5, tmp_path / "map.png") as figure:
+        ax = figure.subplots()
+        draw_map(ax, measured)
+        (span,) = ax.patches
+        left, right = ax.get_xlim()
+        across = span.get_patch_transform().transform(span.get_path().vertices)[:, 0]
+        assert (across.min(), across.max()) == pytest.approx(
+            (max(shaded[0], left), right) if rising else (left, shaded[1])
+        )
+        texts = [text.get_text() for text in ax.texts]
+        assert ("povgen refuses above 3" if rising else "povgen refuses below 5") in texts
+
+
+def test_the_range_of_series_is_drawn_with_its_mean(tmp_path):
+    from povgen.measure.plotting import drawn
+    from povgen.measure.stability_chart import draw_map
+
+    measured = StabilityMap("name", "title", "finding", "x", "y", 10.0, "", shape="range")
+    for name, values in {"a": (1, 2), "b": (3, 6), f"a{RENDERED}": (1.5, 2), f"b{RENDERED}": (3.5, 6)}.items():
+        for x, y in enumerate(values):
+            measured.add(name, x, y)
+    with drawn(8, 5, tmp_path / "map.png") as figure:
+        ax = figure.subplots()
+        draw_map(ax, measured)
+        (band,) = ax.collections
+        mean, pictures, _ = ax.lines
+        assert mean.get_ydata() == pytest.approx([2, 4]) and pictures.get_ydata() == pytest.approx([2.5, 4])
+        assert {y for _, y in band.get_paths()[0].vertices} == {1, 2, 3, 6}
 
 
 def test_what_exceeds_a_bound_is_shaded(tmp_path):
-    from povgen.measure.charts import _draw_map
     from povgen.measure.plotting import drawn
+    from povgen.measure.stability_chart import draw_map
 
-    measured = StabilityMap("name", "title", "finding", "x", "y", 2.5, "xy", is_bound=True)
+    measured = StabilityMap("name", "title", "finding", "x", "y", 2.5, "xy", shape="bound")
     for x, y in ((0.1, 0.3), (1, 1.2), (10, 10.4), (100, 101)):
         measured.add("some scene", x, y)
     measured.limit("ideal", "some scene", 2)  # the tolerance is 0.5 more
     with drawn(8, 5, tmp_path / "map.png") as figure:
         ax = figure.subplots()
-        _draw_map(ax, measured)
+        draw_map(ax, measured)
         (shaded,) = ax.collections
-        points, *_ = ax.lines
+        points, _ = ax.lines
         exceeds = [shaded.get_paths()[0].contains_point(point) for point in points.get_xydata()]
     assert exceeds == [False, False, False, True]
 

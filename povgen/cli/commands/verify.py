@@ -79,8 +79,8 @@ def command(
             shown.update(table, refresh=True)
 
         if folder:
-            from povgen.measure.charts import save_maps
             from povgen.measure.stability import maps
+            from povgen.measure.stability_chart import save_maps
 
             save_maps(maps(sheet), folder, add)
             pictures = sorted(folder.glob("*.png"))

@@ -181,7 +181,7 @@ def place(tmp_path_factory):
     global ROOT, WORK
     from povgen.cli import checkup
     from povgen.liveview import page
-    from povgen.measure import charts, field, glass, speed, stability, verify, verify_gl, verify_live
+    from povgen.measure import charts, field, glass, speed, stability, stability_chart, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, volumes
     from povgen.scene import spec
@@ -223,7 +223,7 @@ def place(tmp_path_factory):
         for module in (verify_gl, verify_live):
             patch.setattr(module, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
-        patch.setattr(charts, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
+        patch.setattr(stability_chart, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
         for name in ("samplings", "flicker", "prism_counts", "beyond", "workers"):
             patch.setattr(speed, f"measure_{name}", lambda *_: [])
         for name in ("save_frames", "save_prism_counts", "save_beyond", "save_workers"):

@@ -1,0 +1,168 @@
+"""Drawings of stability maps, and their tables."""
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from textwrap import fill
+
+import numpy as np
+
+from povgen.measure.measured import Measured
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn, name_lines, plain_ticks, save_table
+from povgen.measure.probes import Floats
+from povgen.measure.stability_map import RENDERED, StabilityMap
+
+RED = "#c1272d"
+SYMBOLS = {
+    "z2": "from the sheets to the eye (tiles)",
+    "α": "angle by which rays turn",
+    "N": "prisms of a sheet",
+    "up": "above the axis (tiles)",
+}
+
+
+def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
+    """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
+    for measured in maps:
+        save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
+        with drawn(8, 5, folder / f"{measured.name}.png") as figure:
+            draw_map(figure.subplots(), measured)
+        for limit in measured.limits:
+            done(limit)
+
+
+def draw_map(ax: Axes, measured: StabilityMap) -> None:
+    """Draw a map as its `shape` says. Values of x that povgen warns of or refuses are shaded."""
+    ax.set(xlabel=measured.x, ylabel=measured.y)
+    ax.set_title(measured.finding, pad=26)  # room for what the shaded part is
+    ax.grid(alpha=0.25)
+    if "x" in measured.log_axes:
+        ax.set_xscale("log")
+    if "y" in measured.log_axes:
+        ax.set_yscale("log")
+    {"lines": _draw_lines, "range": _draw_range, "bound": _draw_bound, "limits": _draw_limits}[measured.shape](
+        ax, measured
+    )
+    if "x" in measured.log_axes:
+        low, high = ax.get_xlim()
+        plain_ticks(ax.xaxis, (1, 3) if high < 1e5 * low else (1,))
+        ax.xaxis.set_major_formatter(
+            lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}" if x > 3e-4 else f"$10^{{{np.log10(x):.0f}}}$"
+        )
+    if "y" in measured.log_axes:
+        plain_ticks(ax.yaxis, (1, 3))
+
+
+def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
+    """Draw each series as a line with its name."""
+    for name, (x, y) in _series(measured).items():
+        shown = y > 0 if "y" in measured.log_axes else np.isfinite(y)
+        ax.plot(x[shown], y[shown], "o-", markersize=5, label=name)
+    _shade_beyond_limit(ax, measured)
+    _explain(ax, *_symbols(" ".join(_series(measured))))
+    name_lines(ax, 10)
+
+
+def _draw_range(ax: Axes, measured: StabilityMap) -> None:
+    """Draw the mean of all series as a line, and the range that they cover as a band. All have the same values of x."""
+    series = _series(measured)
+    traced = {name: values for name, values in series.items() if not name.endswith(RENDERED)}
+    x, y = next(iter(traced.values()))[0], np.array([y for _, y in traced.values()])
+    ax.fill_between(x, y.min(0), y.max(0), color=PRISMS, alpha=0.25, linewidth=0)
+    ax.plot(x, y.mean(0), "o-", color=PRISMS, markersize=5)
+    notes = [f"line: mean for {', '.join(traced)}", "band: from the least to the greatest of them"]
+    if len(series) > len(traced):
+        ax.plot(x, np.mean([series[name + RENDERED][1] for name in traced], 0), "x", color="black", markersize=9)
+        notes.append("crosses: mean of POV-Ray's pictures")
+    _shade_beyond_limit(ax, measured)
+    _explain(ax, *notes, *_symbols(" ".join(traced)))
+
+
+def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
+    """Draw the tolerance as a dotted line. Shade the values of x beyond the limit that povgen uses."""
+    y = [y for *_, y in measured.rows]
+    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to five times the tolerance
+        top = min(ax.get_ylim()[1], 5 * measured.tolerance)
+        ax.set_ylim(1.5 * min(0, *y), max(top, 1.15 * measured.tolerance))
+    left, right = ax.get_xlim()
+    ax.axhline(measured.tolerance, color=GREY, linestyle=":")
+    rising = not measured.limits or measured.limits[0].least
+    at_left = bool(measured.limits) and rising  # where the curves are not
+    ax.annotate(
+        measured.allowed,
+        (0.01 if at_left else 0.99, measured.tolerance),
+        (0, 3 if measured.limits else -3),
+        ax.get_yaxis_transform(),
+        "offset points",
+        color="#444444",
+        fontsize=10,
+        ha="left" if at_left else "right",
+        va="bottom" if measured.limits else "top",
+    )
+    if measured.limits:
+        bounds = [limit.bound for limit in measured.limits]
+        bound, word = (min(bounds), "above") if rising else (max(bounds), "below")
+        ax.axvline(bound, color=RED)
+        ax.axvspan(bound, right if rising else left, color=RED, alpha=0.09, linewidth=0)
+        ax.set_xlim(left, right)
+        text = f"{measured.action} {word} {bound:,g}"
+        ax.annotate(text, (bound, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=RED, ha="center")
+
+
+def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
+    """Draw a point for each row: y against its bound x. Shade what exceeds the bound.
+
+    As far as the tolerance exceeds the limit, y may exceed the bound too.
+    """
+    _, x, y = zip(*measured.rows, strict=True)
+    limit = measured.limits[0]
+    ax.plot(x, y, "o", color=IDEAL if limit.sheet == "ideal" else PRISMS, markersize=6)
+    left, right, top = *ax.get_xlim(), ax.get_ylim()[1]
+    ax.set(xlim=(left, right), ylim=ax.get_ylim())
+    across = np.geomspace(left, right, 200)
+    ax.fill_between(across, across + measured.tolerance - limit.bound, top, color=RED, alpha=0.09, linewidth=0)
+    ax.text(0.11, 0.97, measured.allowed, transform=ax.transAxes, color=RED, va="top")
+    ax.axvline(limit.bound, color=RED)
+    above = ax.get_xaxis_transform()
+    ax.annotate(measured.action, (limit.bound, 1), (0, 3), above, "offset points", color=RED, ha="center")
+    _explain(ax, "each point: a scene")
+
+
+def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
+    """Draw, for each series, its measured limit and the limit that povgen uses. The greatest stand at the top."""
+    limits = sorted(measured.limits, key=lambda limit: limit.value)
+    rows = np.arange(len(limits))
+    values, bounds = np.array([(limit.value, limit.bound) for limit in limits]).T
+    ax.hlines(rows, values, bounds, color=GREY)
+    ax.plot(values, rows, "o", color=PRISMS, markersize=8)
+    ax.plot(bounds, rows, "D", color=RED, markersize=7)
+    names = [limit.what.removeprefix(f"{measured.title}: ") for limit in limits]
+    ax.set_yticks(rows, names)
+    ax.set_ylabel("")
+    ax.set_ylim(-0.6, len(limits) - 0.4)
+    for x, text, colour, side in ((values, measured.allowed, PRISMS, "right"), (bounds, measured.action, RED, "left")):
+        offset = -10 if side == "right" else 10
+        ax.annotate(
+            text, (x[-1], rows[-1]), (offset, 0), textcoords="offset points", color=colour, ha=side, va="center"
+        )
+    ax.margins(x=0.2)
+    _explain(ax, *_symbols(" ".join(names)))
+
+
+def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:
+    """Return x and y of each series."""
+    names = dict.fromkeys(name for name, _, _ in measured.rows)
+    found = {name: np.array([row[1:] for row in measured.rows if row[0] == name]).T for name in names}
+    return {name: (x, y) for name, (x, y) in found.items()}
+
+
+def _symbols(text: str) -> list[str]:
+    """Return what the symbols in a text mean: one line, or none."""
+    words = {*re.findall(r"\w+", text)}
+    return ["; ".join(f"{symbol}: {text}" for symbol, text in SYMBOLS.items() if symbol in words)]
+
+
+def _explain(ax: Axes, *lines: str) -> None:
+    """Write below the axes what marks and symbols mean."""
+    text = "\n".join(fill(line, 80) for line in lines if line)
+    ax.annotate(text, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")
