@@ -26,6 +26,8 @@ UNITS = dict.fromkeys(("z", "z1", "z2", "x", "eye", "line", "aperture", "view", 
     "base_angle": "°",
     "wavelength": " nm",
 }
+# of z1 behind a single window, and behind several
+BEHIND, BEHIND_LAST = (Said(f"z₁ = {{}} behind the {window}", full="z₁ = {}") for window in ("window", "last window"))
 # of the place of a window behind the first one: if it is the only one, and otherwise with its number
 SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from povgen.optics import equations
 from povgen.scene.pieces import PIECES
-from povgen.scene.quantities import LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
 from povgen.scene.scenes import Scene
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
@@ -99,7 +99,7 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
         ]
         if np.nanmax(sizes) > LEAST_GROWTH * np.nanmin(sizes):
             times = [f"{size:.1f}" if np.isfinite(size) else "?" for size in sizes]
-            texts = [f"{text}, {size} times as large" for text, size in zip(texts, times, strict=True)]
+            texts = [f"{text}, magnified {size} times" for text, size in zip(texts, times, strict=True)]
         found.append(texts)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
@@ -143,6 +143,8 @@ def _words(scene: Scene, name: str) -> Said:
     number = name[len(plain) :]
     if plain == "z" and number:
         return SECOND if len(scene.window) == 1 else LATER
+    if plain == "z1":
+        return BEHIND_LAST if scene.window else BEHIND
     found = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == plain and each.said]
     if found and not number:
         return found[0]

@@ -67,6 +67,8 @@ def annotated(
     if isinstance(scene, Chess):
         for outline in scene.outlines:
             _outline(scene, outline, shown)
+    if rendering.annotated:
+        _sheet_line(scene, shown)
     if rendering.overlay:
         _overlay(scene, shown)
     return made
@@ -95,7 +97,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
         texts.append(("path as z₁ changes", ALPHA_COLOUR))
     if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
         texts.append(("path as α changes", R_COLOUR))
-    if rendering.overlay and scene.sheets[0].line:
+    if rendering.annotated and scene.sheets[0].line:
         texts.append((scene.sheets[0].line[0], LINE_COLOUR))
     if rendering.overlay:
         names = {"L": "object", "E": "eye"}
@@ -167,8 +169,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
         return _pixels(points, scene, picture)
 
     curves = [(pixels(np.concatenate([*parts, []])), colour) for parts, colour in loci(scene, step / tile)]
-    curves.insert(0, (pixels(_line(scene, step / tile)), LINE_COLOUR))
-    _discs(picture, np.concatenate([points for points, _ in curves]), 0.9 * thick, HALO)
+    _discs(picture, np.concatenate([[], *(points for points, _ in curves)]), 0.9 * thick, HALO)
     for points, colour in curves:
         _discs(picture, points, thick / 2, colour)
     for place in ghosts(scene):
@@ -186,6 +187,19 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
     for name, place in places.items():
         _letter(picture, name, place, [other for other in places.values() if other != place])
+
+
+def _sheet_line(scene: Scene, picture: NDArray[np.uint8]) -> None:
+    """Draw the line in the first window about which its sheet mirrors or turns light, if there is one."""
+    if not scene.sheets[0].line:
+        return
+    _, way = scene.sheets[0].line
+    thick = max(len(picture) / 180, 1.5)
+    step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
+    half = scene.aperture / 2 * abs(way) / max(abs(way.real), abs(way.imag))
+    points = _pixels(np.asarray(way / abs(way) * np.arange(-half, half, step), complex), scene, picture)
+    for radius, colour in ((0.9, HALO), (0.5, LINE_COLOUR)):
+        _discs(picture, points, radius * thick, colour)
 
 
 def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
@@ -257,15 +271,6 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         band = slice(top, top + ROWS)
         opacity = (radius + 0.5 - np.sqrt(nearest[band, :, None])).clip(0, 1) * (colour[3] / 255)
         part[band] = (part[band] * (1 - opacity) + opacity * colour[:3] + 0.5).astype(np.uint8)
-
-
-def _line(scene: Scene, step: float) -> Complexes:
-    """Return points, `step` apart, of the line in the first window about which its sheet mirrors or turns light."""
-    _, way = scene.sheets[0].line or ("", 0)
-    if not way:
-        return np.empty(0, complex)
-    half = scene.aperture / 2 * abs(way) / max(abs(way.real), abs(way.imag))
-    return np.asarray(way / abs(way) * np.arange(-half, half, step), complex)
 
 
 def positions(scene: Scene) -> list[complex]:

@@ -1,6 +1,6 @@
-"""A side view of a scene, to scale: the eye, the windows, the objects, and the image of each if there is one."""
+"""A view of a scene from the side or from above, to scale: the eye, the windows, the objects, and their images."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from povgen.optics.series import image_distance
 from povgen.scene.scenes import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
-HEIGHT = 0.34  # of the side view, as a fraction of the picture's height
+HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
 FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
 LINE, RAY = (150, 155, 165), (200, 205, 215)
@@ -43,27 +43,39 @@ def _image_of_slopes(scene: Scene, z1: float) -> float:
 
 
 class Extent(NamedTuple):
-    """What a side view shows: least and greatest z, and up to which distance from the z axis, tiles."""
+    """What a side view shows: least and greatest z, and up to which distance from the z axis, tiles.
+
+    If the eye moves only sideways, the view is from above, because from the side nothing would move.
+    """
 
     first: float
     last: float
     reach: float
+    from_above: bool
 
 
-def extent(scenes: Iterable[Scene]) -> Extent:
+def extent(scenes: Collection[Scene]) -> Extent:
     """Return what shows the objects and images of all these scenes."""
+    eyes = {scene.E for scene in scenes}
+    from_above = len(eyes) > 1 == len({E.imag for E in eyes})
     ends, heights = [0.0], [0.1]
     for scene in scenes:
         shown, there = _shown(scene)
         ends += [-scene.z2, *scene.places, *(z for _, z, _ in shown), *there]
-        heights += [scene.aperture / 2, abs(scene.E.imag), *(abs(y) for y, _, _ in shown)]
-    return Extent(min(ends), max(ends), max(heights))
+        places = scene.E, *(L for L, _, _ in shown)
+        heights += [scene.aperture / 2, *(abs(_height(place, from_above)) for place in places)]
+    return Extent(min(ends), max(ends), max(heights), from_above)
 
 
-def _shown(scene: Scene) -> tuple[list[tuple[float, float, float]], list[float]]:
-    """Return y, z and z of the image of each object that is not beyond FARTHEST, and z of the images that are not."""
+def _height(place: complex, from_above: bool) -> float:
+    """Return how high a place is in the view, tiles: y, and from above -x."""
+    return -place.real if from_above else place.imag
+
+
+def _shown(scene: Scene) -> tuple[list[tuple[complex, float, float]], list[float]]:
+    """Return L, z and z of the image of each object that is not beyond FARTHEST, and z of the images that are not."""
     most = FARTHEST * scene.z2
-    objects = [(L.imag, scene.places[-1] + z1, z) for (L, z1), z in zip(scene.objects, images(scene), strict=True)]
+    objects = [(L, scene.places[-1] + z1, z) for (L, z1), z in zip(scene.objects, images(scene), strict=True)]
     shown = [each for each in objects if each[1] - scene.places[-1] <= most]
     return shown, [z for _, _, z in shown if abs(z) <= most]
 
@@ -71,39 +83,45 @@ def _shown(scene: Scene) -> tuple[list[tuple[float, float, float]], list[float]]
 def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
     """Return a strip with the side view for a picture of this size. Its height is even.
 
-    z points to the right, y up. Objects beyond FARTHEST, and their images, are left out, and the text says how many.
-    `shows` is the extent if it is not that of this scene alone: that of a movie.
+    z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
+    left out, and the text says how many. `shows` is the extent if it is not that of this scene alone: that of a movie.
     """
     most = FARTHEST * scene.z2
     shown, there = _shown(scene)
-    first, last, reach = shows or extent([scene])
+    shows = shows or extent([scene])
+    first, last, reach, from_above = shows
     rows = 2 * round(HEIGHT * height / 2)
-    size = 0.8 * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
-    scale = min((width - 7 * size) / (last - first), (rows - 3 * size) / (2 * reach))
+    size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
+    scale = min((width - 6 * size) / (last - first), (rows - 3 * size) / (2 * reach))
     left = (width - scale * (last - first)) / 2 - scale * first
     middle = (rows - 1.6 * size) / 2
 
-    def at(z: float, y: float) -> tuple[float, float]:
-        return FINER * (left + scale * z), FINER * (middle - scale * y)
+    def at(z: float, place: complex) -> tuple[float, float]:
+        return FINER * (left + scale * z), FINER * (middle - scale * _height(place, from_above))
 
     image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
     draw = ImageDraw.Draw(image)
     thick = FINER * max(1, round(height / 240))
-    draw.line([at(first, scene.E.imag), at(last, scene.E.imag)], fill=LINE, width=thick // 2)
+    draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
     if len(shown) == 1 and there:
-        for points in _rays(scene):
-            draw.line([at(z, y) for z, y in points], fill=RAY, width=thick, joint="curve")
+        for points in _rays(scene, from_above):
+            draw.line([at(z, place) for z, place in points], fill=RAY, width=thick, joint="curve")
+    half = scene.aperture / 2 * (1 + 1j)
     for z in scene.places:
-        draw.line([at(z, -scene.aperture / 2), at(z, scene.aperture / 2)], fill=SHEET, width=2 * thick)
-    radii = scene.radii
-    for (y, z, seen), radius in zip(shown, radii, strict=False):
-        _object(draw, at(z, y), FINER * scale, radius, isinstance(scene, Chess), OBJECT, thick)
+        draw.line([at(z, -half), at(z, half)], fill=SHEET, width=2 * thick)
+    upright = isinstance(scene, Chess) and not from_above
+    for (L, z, seen), radius in zip(shown, scene.radii, strict=False):
+        _object(draw, at(z, L), FINER * scale, radius, upright, OBJECT, thick)
         if abs(seen) <= most:
-            _object(draw, at(seen, y), FINER * scale, radius, isinstance(scene, Chess), IMAGE, thick)
-    x, y = at(-scene.z2, scene.E.imag)
+            _object(draw, at(seen, L), FINER * scale, radius, upright, IMAGE, thick)
+    x, y = at(-scene.z2, scene.E)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
     image = image.reduce(FINER)
     draw = ImageDraw.Draw(image)
+    said = "from above" if from_above else "from the side"
+    if scene.rotates and not there and len(shown) == len(scene.objects):
+        said += ": no image"
+    write(draw, 0.3 * size, 0.9 * size, said, size)
     labels = [(left + scale * z, text) for z, text in _names(scene, [z for _, z, _ in shown], there, last)]
     _labels(draw, labels, middle + scale * reach + 0.9 * size, size, width)
     return np.asarray(image)
@@ -120,28 +138,27 @@ def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last:
     names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
     if len(objects) < len(scene.objects):
         names.append((last, f"{len(scene.objects) - len(objects)} farther"))
-    elif scene.rotates and not there:
-        names.append((-scene.z2 / 2, "no image"))
     return names
 
 
-def _rays(scene: Scene) -> list[list[tuple[float, float]]]:
-    """Return z and y of the corners of rays from the object's upper end to the eye, and to a point above the eye.
+def _rays(scene: Scene, from_above: bool = False) -> list[list[tuple[float, complex]]]:
+    """Return z and x + iy of the corners of rays from the object to the eye, and to a point beside the eye.
 
-    A ray that does not pass all windows is left out.
+    The rays begin at the upper end of a piece, and in a view from above at its foot. A ray that does not pass all
+    windows is left out.
     """
     L, z1 = scene.objects[0]
-    tip = L + 1j * (ARROW if isinstance(scene, Chess) else 0)
+    tip = L + 1j * (ARROW if isinstance(scene, Chess) and not from_above else 0)
     found = []
-    for eye in (scene.E, scene.E + 0.3j * scene.aperture):
+    for eye in (scene.E, scene.E + (0.3 if from_above else 0.3j) * scene.aperture):
         seen = scene.replace(eye=(eye.real, eye.imag), view=scene.view)
         if not bool(seen.visible(tip, z1)):
             continue
         slope = (complex(seen.apparent_position(tip, z1)) - eye) / scene.z2
-        corners = [(-scene.z2, eye.imag)]
+        corners = [(-scene.z2, eye)]
         for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
-            corners.append((z, float(before.imag)))
-        found.append([*corners, (scene.places[-1] + z1, tip.imag)])
+            corners.append((z, complex(before)))
+        found.append([*corners, (scene.places[-1] + z1, tip)])
     return found
 
 

@@ -317,6 +317,8 @@ def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch
         assert np.ptp(turned.real) > 0.98 * scene.aperture and abs(turned.imag).max() < 2.7 * scene.view / 480
     else:
         assert not len(place)
+    noted = drawn(scene, note="a note")
+    assert (noted == overlay.LINE_COLOUR[:3]).all(-1).any() == bool(name)
 
 
 def test_a_key_explains_outlines_with_a_caption_too():
@@ -397,21 +399,23 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 65.6, 180)],
             [
-                f"rays turned by α = {alpha}°, knight appears turned by {nu}°, {M} times as large"
+                f"rays turned by α = {alpha}°, knight appears turned by {nu}°, magnified {M} times"
                 for alpha, nu, M in ((0, 0, "1.0"), (66, 15, "1.1"), (180, 0, "2.0"))
             ],
         ),
         (
             [Chess(z1=z1, alpha=90, piece="king") for z1 in (0.62, 20)],
             [
-                f"z₁ = {z1} tiles, rays turned by α = 90°, king appears turned by {nu}°, {M} times as large"
+                f"z₁ = {z1} tiles behind the window, "
+                f"rays turned by α = 90°, king appears turned by {nu}°, magnified {M} times"
                 for z1, nu, M in (("0.6", 5, "1.1"), ("20.0", 73, "1.3"))
             ],
         ),
         (
             [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (3, 6, 9)],
             [
-                f"z₁ = {z1} tiles, rays turned by α = 180°, knight appears turned by {turned}, {M} times as large"
+                f"z₁ = {z1} tiles behind the window, "
+                f"rays turned by α = 180°, knight appears turned by {turned}, magnified {M} times"
                 for z1, turned, M in ((3, "0°", "3.0"), (6, "?", "?"), (9, "180°", "5.0"))
             ],
         ),
@@ -440,8 +444,8 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(window=f"z={x},alpha=120", alpha=120, sheet="ideal", z1=2) for x in (0.5, 2)],
             [
-                "windows 0.5 tiles apart, knight appears turned by -15°, 1.7 times as large",
-                "windows 2.0 tiles apart, knight appears turned by 0°, 2.5 times as large",
+                "windows 0.5 tiles apart, knight appears turned by -15°, magnified 1.7 times",
+                "windows 2.0 tiles apart, knight appears turned by 0°, magnified 2.5 times",
             ],
         ),
         (
@@ -453,7 +457,11 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ([Chess(sheet="mirror")], ["mirror line at 33°"]),
         ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
         ([Chess(alpha=66.5)], ["rays turned by α = 66.5°"]),
-        ([Chess(sheet="none", z1=3)], ["z₁ = 3 tiles"]),
+        (
+            [Chess(alpha=0, window="alpha=0,z=1", z1=z1) for z1 in (2, 3)],
+            [f"z₁ = {z1} tiles behind the last window" for z1 in (2, 3)],
+        ),
+        ([Chess(sheet="none", z1=3)], ["z₁ = 3 tiles behind the window"]),
         ([Chess(piece="king"), Chess(piece="pawn")], ["", ""]),
     ],
 )
@@ -469,7 +477,7 @@ def test_a_strip_has_no_line_without_text():
 
 def test_a_note_ends_the_caption():
     scenes = [Chess(z1=z1, sheet="none") for z1 in (2, 3)]
-    for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles"])):
+    for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles behind the window"])):
         noted = Rendering(caption=caption, note="a note")
         assert noted.annotated and captions.captions(scenes, noted)[0].texts == [*texts, "a note"]
     with pytest.raises(InputError, match="note = 'Ж': is not allowed.*Latin"):

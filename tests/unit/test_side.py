@@ -9,6 +9,7 @@ from povgen.settings import Rendering
 from povgen.video import side, still
 
 SIZE = 640, 480
+BETWEEN = slice(36, 140)  # rows without text
 TWO = {"alpha": 120, "window": "alpha=120,z=2", "z2": 8, "z1": 2}
 
 
@@ -35,7 +36,7 @@ def test_distances_have_one_scale(scene):
     strip = side.side_view(scene, *SIZE)
     assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0
     windows, (thing,), (image,) = (middles(strip, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE))
-    (eye, *_) = middles(strip[: len(strip) * 3 // 4], (255, 255, 255))
+    (eye, *_) = middles(strip[BETWEEN], (255, 255, 255))
     places = np.array([-scene.z2, *scene.places, scene.places[-1] + scene.z1, *side.images(scene)])
     pixels = np.array([eye, *windows, thing, image])
     scale = (thing - eye) / (places[-2] - places[0])
@@ -53,35 +54,50 @@ def test_rays_from_the_objects_tip_meet_at_the_images(scene):
     heights = []
     for (z0, y0), (z1, y1), *_, (last, tip) in side._rays(scene):
         heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
-        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L.imag + side.ARROW)
+        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L + 1j * side.ARROW)
     assert heights == pytest.approx([tip, tip])  # the image is upright, and as large as the object
 
 
 def test_a_movie_keeps_its_scale():
     scenes = [Chess(**{**TWO, "window": f"alpha=120,z={z}"}) for z in (0.5, 2, 5)]
     strips = [side.side_view(scene, *SIZE, side.extent(scenes)) for scene in scenes]
-    marks = np.array([middles(strip[: len(strip) * 3 // 4], (255, 255, 255))[:1] for strip in strips])
+    marks = np.array([middles(strip[BETWEEN], (255, 255, 255))[:1] for strip in strips])
     eyes, firsts = marks[:, 0], np.array([middles(strip, side.SHEET)[0] for strip in strips])
     assert np.ptp(eyes) == 0 == np.ptp(firsts)
     seconds = np.array([middles(strip, side.SHEET)[1] for strip in strips])
     assert np.allclose((seconds - firsts) / (firsts - eyes), np.array([0.5, 2, 5]) / 8, atol=0.01)
 
 
+def test_an_eye_that_moves_sideways_is_seen_from_above():
+    scenes = [Chess(sheet="ideal", **TWO, eye=(x, 0)) for x in (-0.8, 0, 0.8)]
+    shows = side.extent(scenes)
+    assert shows.from_above and not side.extent([*scenes, Chess(**TWO, eye=(0, 1))]).from_above
+    strips = [side.side_view(scene, *SIZE, shows) for scene in scenes]
+    left = [strip[BETWEEN, :120] for strip in strips]
+    eyes = [np.flatnonzero((part == 255).all(-1).any(1)).mean() for part in left]
+    scale = np.diff(middles(strips[0], side.SHEET))[0] / 2
+    assert np.diff(eyes) == pytest.approx([0.8 * scale] * 2, abs=1.5)  # to the right is downwards
+    for scene in scenes:
+        for (z0, x0), (z1, x1), *_, (_, foot) in side._rays(scene, from_above=True):
+            assert x0 + (x1 - x0) * (-2 - z0) / (z1 - z0) == pytest.approx(foot)  # at the image
+            assert foot == scene.L
+
+
 def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
     texts = []
     monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size)))
     for scene, expected in (
-        (Chess(alpha=66), {"eye", "sheets", "object", "no image"}),
-        (Chess(alpha=180), {"eye", "sheets", "object", "real image"}),
-        (Chess(alpha=0), {"eye", "sheets", "object", "virtual image"}),
-        (Chess(**TWO), {"eye", "window 1", "window 2", "object", "real image"}),
-        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther"}),
-        (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther"}),
+        (Chess(alpha=66), {"eye", "sheets", "object", "from the side: no image"}),
+        (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
+        (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
+        (Chess(**TWO), {"eye", "window 1", "window 2", "object", "real image", "from the side"}),
+        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "from the side"}),
+        (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):
         texts.clear()
         side.side_view(scene, *SIZE)
         assert {text for _, text, _ in texts} == expected
-        ends = sorted((x, x + size * side.text_width(text)) for x, text, size in texts)
+        ends = sorted((x, x + size * side.text_width(text)) for x, text, size in texts if "side" not in text)
         assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
         assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
 
