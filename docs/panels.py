@@ -95,7 +95,7 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "refraction": [
         Panel(IDEAL.replace(alpha=40), "light turned by 40°"),
-        Panel(CHESS.replace(sheet="refraction", ratio=0.7, alpha=40), "refracted too (index ratio 0.7): smaller"),
+        Panel(CHESS.replace(sheet="refraction", ratio=0.5, alpha=40), "refracted too (index ratio 0.5): smaller"),
     ],
     "pieces": [
         Panel(
