@@ -1,8 +1,8 @@
 """Where the eye sees a point through any list of windows, on numpy arrays.
 
-Points are complex numbers x + iy: x points right and y up, as the eye sees them. z points away from the eye. Lengths
-are in any one unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window, a distance
-z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
+Points are complex numbers x + iy: x points right and y up, as the eye sees them. z points away from the eye. All
+lengths have the same unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window, a
+distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
 A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
 and slope before the window, to its place and slope behind the window. The windows' matrices and those of the distances
@@ -26,7 +26,7 @@ Indices = NDArray[np.intp]
 # The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
 _STEPS = 60  # of Newton's method
-_PRECISION = 1e-11  # a path is found if it misses L by at most this, relative to the distances
+_PRECISION = 1e-11  # a path is found if it misses L by at most this fraction of the distances in the scene
 
 
 class Element(Protocol):
@@ -41,7 +41,7 @@ class Element(Protocol):
         """The ray-transfer matrix, or None if there is none."""
 
     def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
-        """Return the prism or lens sheets of window number `window`, which is at z: the nearest to the eye first."""
+        """Return a window's sheets of prisms or lenses, the nearest first. z is its place, `window` its number."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
         """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
@@ -82,12 +82,12 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
-    positions. The result is the position with the least max(|x|, |y|): if one of the positions is visible in a square
-    window with its centre at 0, this one is visible. The result is NaN if there is no path, and infinite if L appears
-    at infinity.
+    positions. The result is the position with the least max(|x|, |y|). So if any of the positions is visible in a
+    square window with its centre at 0, the result is visible. The result is NaN if there is no path, and infinite if L
+    appears at infinity.
 
-    At a caustic two paths merge. Beyond it, neither exists. There a large object can be seen in part, although its
-    middle cannot. So a path counts too if it misses L by at most `near`, and by less than neighbouring paths do.
+    At a caustic two paths merge. On one side of it there are none. There a large object can be seen in part, although
+    its middle cannot. So a path also counts if it misses L by at most `near`, and by less than neighbouring paths do.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
     distance, total = windows[0][0], matrix(windows)
@@ -120,11 +120,11 @@ def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
 def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
-    With A and B of `depths`, a short step d on the object appears as a d + b conj(d) in the plane of the first window:
-    a = z2 conj(A)/(|A|^2 - |B|^2) and b = -z2 B/(|A|^2 - |B|^2). Then nu = arg(a). The magnification depends on the
-    direction of d: it is between |a| - |b| and |a| + |b|, and M is the mean |a|. For sheets without thickness that
-    rotate light, nu and M are eqs. 8 and 9, corrected (docs/errata.md). If |b| > |a|, the object appears mirrored:
-    nu is NaN, and M is |b|. If |A| = |B|, nu is NaN and M is infinite.
+    With A and B of `depths`, a short step d on the object appears as p d + q conj(d) in the plane of the first window:
+    p = z2 conj(A)/(|A|^2 - |B|^2) and q = -z2 B/(|A|^2 - |B|^2). Then nu = arg(p). The magnification depends on the
+    direction of d: it is between |p| - |q| and |p| + |q|, and M is the mean |p|. For sheets without thickness that
+    rotate light, nu and M are eqs. 8 and 9, corrected (docs/errata.md). If |q| > |p|, the object appears mirrored:
+    nu is NaN, and M is |q|. If |A| = |B|, nu is NaN and M is infinite.
     """
     A, B = depths(z1, windows)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -134,10 +134,10 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
 
 
 def infinite_z1(windows: Windows) -> Floats:
-    """Return the distances z1 > 0 at which objects appear at infinity; none if a window has no matrix.
+    """Return the z1 > 0 at which objects appear at infinity, or come closest to it; none if a window has no matrix.
 
-    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. If its solutions are complex, the result
-    is their real part: there |A|^2 - |B|^2 is closest to 0.
+    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. If its solutions are complex, no object
+    appears at infinity. The result is then their real part, where |A|^2 - |B|^2 is closest to 0.
     """
     total = matrix(windows)
     if total is None:

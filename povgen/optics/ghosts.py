@@ -1,6 +1,6 @@
 """The ghosts of lenses: images formed by light that leaves the glass through a lens not opposite the one it enters.
 
-Points, slopes and lengths are as in `apparent`. Matrices, orders and slopes in the middle are as in `paraxial`.
+Points, slopes and lengths are as in `apparent`. Matrices, `order` and `middle` are those of `paraxial.small_angles`.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from povgen.optics.paraxial import free, layer, over_a_period, solved, transfer
 from povgen.optics.profile import Profile
 
 _SLOPES = np.linspace(-0.6, 0.6, 31)  # across the ridges: `_usual_slope` chooses one of these for a `Ghost`
-_ROUNDS = 3  # a ghost's matrix depends on its slopes, and these on the matrix: so many iterations
+_ROUNDS = 3  # iterations: a ghost's matrix depends on its slopes, and the slopes on the matrix
 
 
 @lru_cache(10_000)
@@ -34,7 +34,7 @@ def shares(profile: Profile, slope: float) -> dict[int, float]:
 def field(profile: Profile) -> float:
     """Return the slope up to which more light takes the designed path than the path of any ghost.
 
-    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p.
+    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p and the index n.
     """
     for slope in np.arange(0, 1, 0.002):
         found = shares(profile.scaled(1.0), float(slope))
@@ -46,7 +46,7 @@ def field(profile: Profile) -> float:
 class Ghost(NamedTuple):
     """An image of a point, formed by light that leaves the glass through a lens not opposite the one it enters."""
 
-    # for each sheet: by how many cells a ray from the eye leaves the glass above the cell where it enters
+    # for each sheet: how many cells farther across its ridges a ray from the eye leaves the glass than it enters it
     orders: tuple[int, ...]
     position: complex  # where the eye sees the point, in the plane of the window
     share: float  # the fraction of light that takes this path: the product of the sheets' `shares`

@@ -1,13 +1,14 @@
 """What sheets of prisms and lenses do to light at small angles.
 
-Points are complex numbers x + iy, and a ray's slope is (dx + i dy)/dz, as in `apparent`. Lengths are in any one unit. A
-ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope before a sheet, to its place and slope behind the
-sheet.
+Points are complex numbers x + iy, and a ray's slope is (dx + i dy)/dz, as in `apparent`. All lengths have the same
+unit. A ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope before a sheet, to its place and slope
+behind the sheet.
 
-Prisms of finite size have a matrix for small angles. Across the ridges (the prisms' long edges) a sheet reverses the
-slope of light. The place of this reversal is the sheet's middle plane. Along the ridges the sheet acts as a slab of
-glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`). Other
-shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the derivation.
+Prisms of finite size have a matrix for small angles. Across the ridges (the edges that run across the window) a sheet
+reverses the slope of light. The place of this reversal is the sheet's middle plane. Along the ridges the sheet acts as
+a slab of glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`).
+Other shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the
+derivation.
 
 Other sheets, such as arrays of lenses, have a `Profile`, their cross-section. Its matrix is fitted to rays on its
 designed path: `small_angles`.
@@ -30,7 +31,7 @@ Matrix = NDArray[np.float64]  # (..., 5, 5)
 # The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values that differ by at most
 # FAN from a middle one. For each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_WIDTH = 61.0  # periods: the width of the sheet through which rays are traced; odd, so that a cell is in the middle
+_WIDTH = 61.0  # the width of the sheet through which rays are traced, in periods (cells); odd: one is in the middle
 
 
 def free(distance: float) -> Matrix:
@@ -55,7 +56,7 @@ class SmallAngles(NamedTuple):
     deviation: float = 0.0
     reach: float = 0.0  # the greatest difference of a ray's displacement from shift*t + offset
     blur: float = 0.0  # the RMS difference of a ray's slope from factor*t + deviation
-    bend: float = 0.0  # if the two faces differ in pitch: deviation grows by bend times the distance from the middle
+    bend: float = 0.0  # growth of deviation per distance from the sheet's middle, if its two faces differ in pitch
 
     def scaled(self, pitch: float) -> "SmallAngles":
         """Return the same for a sheet that is larger by the factor `pitch`."""
@@ -66,10 +67,10 @@ class SmallAngles(NamedTuple):
 def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) -> SmallAngles:
     """Return what a sheet of this shape does to light on its designed path.
 
-    For a profile, rays whose slopes across the ridges are within FAN of `middle` are traced, and straight lines are
-    fitted to their slopes and places behind the sheet. So the fit includes the spherical aberration of these rays.
-    With an `order` other than 0, the result is for a *ghost*: for rays that do not leave the glass through the cell in
-    which they enter it, but `order` cells farther across the ridges. It is NaN if there are no such rays.
+    For a profile, rays whose slopes across the ridges differ from `middle` by at most FAN are traced, and straight
+    lines are fitted to their slopes and places behind the sheet. So the fit includes the spherical aberration of these
+    rays. With an `order` other than 0, the result is for a *ghost*: for rays that leave the glass `order` cells farther
+    across the ridges than the cell in which they enter it. It is NaN if there are no such rays.
     """
     if isinstance(shape, Prism):
         return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
@@ -83,8 +84,9 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 def slope_error(shape: Prism | Profile, slope: complex) -> float:
     """Return the RMS difference between the slopes of light behind a sheet and the slope that `small_angles` predicts.
 
-    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period. Only
-    rays on the designed path count. The result is NaN if there are none, and 0 for prisms.
+    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period. Only rays
+    on the designed path count. The result is NaN if there are none. For prisms it is 0, because they reverse the slope
+    exactly.
     """
     if isinstance(shape, Prism):
         return 0.0
@@ -158,8 +160,8 @@ def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> Small
 def over_a_period(profile: Profile, slope: complex, count: int) -> tuple[Rays, Booleans]:
     """Trace parallel rays that fill a period of a profile. Return them, and whether each takes the profile's path.
 
-    On this path, a ray meets the edges `profile.path` in this order, and no others, in the same cell or in several.
-    `slope` is the rays' slope, along the ridges + i across.
+    A ray takes the path if it meets the edges `profile.path`, in this order, and no others. The edges may be in several
+    cells. `slope` is the rays' slope, along the ridges + i across.
     """
     return _traced(profile.scaled(1.0), _places(count), np.full(count, slope))
 
@@ -194,7 +196,8 @@ def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     """Return the slopes s (...) with (first + second) s = `to` (...), for maps (..., 2, 2).
 
     A map of rank 1 gives infinity for a `to` outside its range. A map that is 0 gives NaN for `to` = 0, and otherwise
-    infinity. Entries as small as rounding errors count as 0.
+    infinity. The two parts of the map are given separately, because their sizes tell which entries of the sum are only
+    rounding errors. These count as 0.
     """
     size = abs(first) + abs(second)
     maps = np.where(abs(first + second) <= 1e-14 * size.max((-2, -1), keepdims=True), 0, first + second)

@@ -2,11 +2,12 @@
 
 With `--renderer auto` it is also the choice of the renderer.
 
-A sampling is `Rendering.antialias`, as text. The error of positions is predicted: it is the difference between the
-paraxial prediction for the prisms and what is drawn in their place, by eq. 7 (ideal sheet) or on the straight line (no
-sheet). The error of the picture is measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0
-to 1. For this, small blocks of the window are rendered with each candidate. They are compared with the same blocks of
-the converged picture (81 rays a pixel) through the scene's prisms.
+A sampling is a value of `Rendering.antialias`, such as '2x' or '1,0.1,2'. The error of positions is predicted: it is
+the distance from the paraxial prediction for the prisms to the place where the point is drawn instead. That is the
+place by eq. 7 (ideal sheet), or where the straight line from the eye to the point crosses z = 0 (no sheet). The error
+of the picture is measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1. For this,
+small blocks of the window are rendered with each candidate. Each is compared with the same block of the converged
+picture: through the scene's prisms, with 81 rays a pixel.
 """
 
 import re
@@ -41,7 +42,8 @@ FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the
 # filter needs pixels beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
-# Through prisms, the renderer gl uses 2x to 4x: with as many rays, samplings like 1,0.1,3 have a greater error.
+# Through prisms, the renderer gl uses 2x to 4x: with as many rays, samplings like 1,0.1,3 have a greater error. Its
+# blocks are cut out of whole pictures, which have the pixels that the filter needs.
 GL_PRISM_SAMPLINGS = ("off", "2x", "3x", "4x")
 RENDERERS = ("gl", "povray")  # the cheapest first: for the same sheets, gl needs a tenth to a third of the CPU time
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
@@ -50,7 +52,7 @@ BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
 MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
-MARGIN_FACTOR = 1.5  # FLIP plus this many standard errors of the blocks' mean must be within the tolerance
+MARGIN_FACTOR = 1.5  # mean FLIP of the blocks + this factor * its standard error must be within the tolerance
 ALLOWED_TOLERANCES = "allowed: pixels (1px), mean FLIP (0.2flip), or both (1px,0.2flip)"
 
 
@@ -225,7 +227,7 @@ class _Trial:
             if candidate.sheet == "detailed":
                 # FLIP depends on a pixel's surroundings. If a block is surrounded by the mosaic's other blocks, its
                 # FLIP is too high (noise at the edges). If it is surrounded by copies of itself, its FLIP is too low by
-                # the same amount (3 %, mean of 14 scenes). So the two values are averaged.
+                # about as much. Both errors are about 3 % (mean of 14 scenes). So the two values are averaged.
                 blocks = (blocks + _flip(picture, converged, part.side, part.side // 2)) / 2
             margin = MARGIN_FACTOR * float(blocks.std(ddof=1)) / sqrt(blocks.size)
             worst = max(worst, (float(blocks.mean()), margin), key=sum)

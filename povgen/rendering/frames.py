@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
 BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
-SHOWN_FAILURES = 3  # of the failed frames, how many are described
+SHOWN_FAILURES = 3  # a message describes at most so many failed frames
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
@@ -122,7 +122,9 @@ def render_all(
     runner: Runner | None = None,
     part: Callable[[float], None] | None = None,
 ) -> Generator[list[bytes], None, None]:
-    """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background. Keep the order.
+    """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background.
+
+    The lists are in the order of the scenes.
 
     Call `done` after each scene. Call `part` with the fraction of a frame that was rendered since the last call of
     `part`. `workers` frames are rendered at once by `runner`. The default runner is the renderer on this machine. The
@@ -181,12 +183,12 @@ def _renderer(
             from povgen.rendering import light
 
             light.exr()  # raises an error before anything is rendered
-        threads = cores() // max(1, len(scenes))  # cores that no other frame uses
+        threads = cores() // max(1, len(scenes))  # the frames share the cores equally
         return _to_pov, runner or povray.Runner(threads, part), workers or default_workers()
     from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
     from povgen.rendering.volumes import volumes
 
-    workers = workers or max(1, min(cores(), len(scenes)))  # a shard can have no frames
+    workers = workers or max(1, min(cores(), len(scenes)))  # there can be no scenes: `shard`
     runner = runner or gl_runner.Runner(workers, part)
     shown = {name: piece for scene in scenes for name, piece in pieces(scene).items()}
     shapes = volumes(shown, timeout=rendering.timeout)
@@ -241,7 +243,7 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
 def read_png(frame: Path | bytes) -> "NDArray[np.uint8]":
     """Read a PNG file or its bytes. Return the picture: (height, width, 3) bytes of red, green and blue, read-only."""
     import numpy as np
-    from PIL.PngImagePlugin import PngImageFile  # Image.open would refuse large pictures, which are known to be whole
+    from PIL.PngImagePlugin import PngImageFile  # Image.open refuses large pictures; this file is known to be whole
 
     with PngImageFile(BytesIO(frame) if isinstance(frame, bytes) else frame) as image:
         return np.asarray(image)[..., :3]  # no copy: it would take a third of the time that decoding takes

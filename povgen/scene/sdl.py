@@ -39,10 +39,10 @@ COMPILED = TEMPLATES / "__pycache__"
 
 
 class _Compiled(FileSystemBytecodeCache):
-    """Compiled templates, kept as Python keeps compiled modules: beside their source, and only where it may write."""
+    """Compiled templates, stored beside their source, if this process may write there."""
 
     def get_source_checksum(self, source: str) -> str:
-        # a template is compiled again, too, if this module has changed: its options and filters are part of the result
+        # the time of this module belongs to it: the module's options and filters are part of the compiled template
         return super().get_source_checksum(f"{Path(__file__).stat().st_mtime_ns} {source}")
 
     def dump_bytecode(self, bucket: Bucket) -> None:
@@ -89,10 +89,9 @@ def _raw(name: str) -> str:
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:
-    """Return the line that declares a parameter. If it is `free`, a value that was declared before is kept.
+    """Return the line that declares a parameter. If `free`, it can be set on POV-Ray's command line instead.
 
-    This is for parameters that can also be set on POV-Ray's command line. All that depends on a free parameter must be
-    computed in POV-Ray's text.
+    All that depends on a free parameter must be computed in POV-Ray's text.
     """
     declaration = f"#declare {name:10} = {float(value):.15g};"
     if free:
@@ -116,7 +115,7 @@ def to_pov(
     found: Survey | None = None,
     **options: object,
 ) -> str:
-    """Return the scene in POV-Ray's language. Texts of two frames of a movie differ only in declared parameters.
+    """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
 
     The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
     Options are the fields size, quality and antialias of `Rendering`.
@@ -125,8 +124,8 @@ def to_pov(
     replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
     is the result of `scene.survey`, if it is known already. Without it, rays are traced here.
 
-    Raises InputError if an option is not allowed, and for a transparent background, because povgen composes that from
-    two scenes.
+    Raises InputError if an option is not allowed, and for a transparent background, because povgen composes such a
+    picture from two scenes.
     """
     if checked_scene(scene).background == "transparent":
         raise InputError(
@@ -193,7 +192,7 @@ def _is_exact(scene: Scene) -> bool:
 
 
 def _shapes(scene: Scene) -> list[Prisms]:
-    """Return the scene's sheets of prisms: of several with equal layers, shape and tops only the last one."""
+    """Return the sheets of prisms: of several with equal layers, shape and tops, only the last one."""
     found = {
         (sheet.layers, sheet.shape, sheet.values["tops"]): sheet for sheet in scene.sheets if isinstance(sheet, Prisms)
     }
@@ -231,7 +230,8 @@ def _profiles(scene: Scene) -> list[ProfileWindow]:
 def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
     """Return a scene with which POV-Ray finds where grid lines cross a piece's surface, and writes this to `crossings`.
 
-    `grid`: the number of points along x, y and z. What is farther than `limit` (tiles) from the axis is left out.
+    `grid`: the number of points along x, y and z. What is farther than `limit` (tiles) from the piece's axis is left
+    out.
     """
     template = _environment().get_template("probes/crossings.pov.j2")
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)

@@ -105,7 +105,7 @@ class Sweep(Model):
         return self.values or tuple(value for value in (self.start, self.via, self.stop) if value is not None)
 
     def in_frames(self, count: int, ease: bool = False) -> list[Value]:
-        """Return the parameter's value in each of `count` frames. With `ease` it is slow at both ends and at `via`."""
+        """Return the parameter's value in each of `count` frames. With `ease` it is slow at the ends and at `via`."""
         if self.values:
             return list(self.values)
         if self.via is not None:
@@ -140,7 +140,8 @@ class MovieSpec(Model):
         default=False, description="whether the sweeps start and stop gently; not for a sweep with `values`"
     )
     hold: Annotated[float, Field(ge=0, le=10)] = Field(
-        default=0, description="how much longer the first and the last picture are shown, 0 to 10 seconds"
+        default=0,
+        description="how much longer the first picture, the last one and that at `via` are shown, 0 to 10 seconds",
     )
     overlay: bool = Field(default=False, description="whether the movie's file has the overlay; options can change it")
     note: Note = Field(
@@ -152,7 +153,7 @@ class MovieSpec(Model):
     loop: bool = Field(default=False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, object] = Field(
         default={},
-        description="the scene's fixed parameters; windows behind the first one have a table [[window]] each",
+        description="the scene's fixed parameters; each window behind the first one has a table [[window]] of its own",
     )
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = Field(
         description="the swept parameters; for each a table [[sweep]], with two brackets"
@@ -284,8 +285,8 @@ class MovieSpec(Model):
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
         """Return the scene of a frame. Raises InputError.
 
-        Its message names the frame, unless the fixed parameters alone are wrong. The type of a swept value is Any,
-        because the scene's model says whether it is a number or a pair.
+        The error's message names the frame. If the fixed parameters alone are wrong, it does not. The type of a swept
+        value is Any, because the scene's model says whether it is a number or a pair.
         """
         model = SCENES[self.scene]
         own = {name: self._rounded(name, x) for name, x in swept.items() if name not in WINDOW_NUMBERS}
@@ -342,7 +343,7 @@ class MovieSpec(Model):
         return any(sweep.via is not None for sweep in self.sweep)
 
     def rate(self, quality: str) -> float:
-        """Return the frames a second. The time from the first frame to the last is the same at each quality."""
+        """Return the number of frames a second. Without `hold`, a movie takes as long at each quality."""
         rate = preset_of(quality).frame_rate
         if self.exact_frames or any(sweep.values for sweep in self.sweep):
             return self.frame_rate
@@ -366,7 +367,7 @@ def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
 
 
 def _numbers(kind: object) -> int:
-    """Return how many numbers a value of an annotated type has: 0 if there are none, 1 for a list of any length."""
+    """Return how many numbers a value of an annotated type has, 0 if none. A tuple of any length counts as 1."""
     if kind in (int, float):
         return 1
     origin, parts = get_origin(kind), get_args(kind)

@@ -18,12 +18,12 @@ from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
 from povgen.video.text import DARK, LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
-HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the light edge of lines and marks
+HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines and marks
 # Okabe and Ito's yellow, blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-# of the line about which a sheet mirrors or turns light; a scene with this line has no path as alpha changes
+# of the line about which a sheet mirrors or turns light: that of the path as alpha changes, because no scene has both
 LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E
 EDGE = (*DARK, 255)  # of points
@@ -52,8 +52,9 @@ def annotated(
     """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
 
     Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
-    they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is that
-    of the scene alone. `said` is what the key says (`common_key`). Without it, the key says what `key` returns.
+    they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is made
+    for this scene alone; in a movie it depends on all scenes. `said` is what the key says (`common_key`). Without it,
+    the key says what `key` returns.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -121,8 +122,8 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
-    The text's height is a fixed fraction of the picture's height, times `larger`. It is lower only if even 3 lines have
-    too little room.
+    The text's height is a fixed fraction of the picture's height, times `larger`. It is lower only if the items do not
+    fit into 3 lines.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
@@ -161,7 +162,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height = len(picture)
     tile = height / scene.view
-    # thinner for several objects: these can be as small as their marks, and as close together as the line is wide
+    # thinner for several objects, which can be as small as their marks, and no farther apart than the line is wide
     thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
@@ -338,7 +339,8 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
-                # between two points that are far apart add one, unless both are far outside the window's opening
+                # add a point between two that are more than `step` apart, unless both are outside the window's opening
+                # by more than twice their distance
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break

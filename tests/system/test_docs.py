@@ -77,6 +77,13 @@ def links(page):
     return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S))
 
 
+def test_contributing_says_what_every_module_is_for():
+    """But not each command and each kind of sheet: their folders have one file for each."""
+    text = (PROJECT / "CONTRIBUTING.md").read_text()
+    modules = [path for path in (PROJECT / "povgen").rglob("*.py") if path.parent.name not in ("commands", "sheets")]
+    assert [name(path) for path in modules if path.name[0] != "_" and f"`{path.name}`" not in text] == []
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_links_lead_somewhere(page):
     for link in links(page):
