@@ -103,10 +103,12 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 
 gallery: $(GALLERY) $(PRINTED) docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
-docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption full
-docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view
+docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption short \
+  --note 'P is where the two circles cross'
+docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view \
+  --note 'the rays meet again in front of the sheets'
 docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \
-  --eye 0.6,0.1 --caption short --side-view
+  --eye 0.6,0.1 --caption short --side-view --note 'together they form an image in front of them'
 $(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
 docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6

@@ -51,10 +51,11 @@ PIECES = Chess(
 )
 
 
-def measured() -> str:
-    """Return by how much the piece is turned through prisms: measured, and as predicted for prisms of this size."""
-    (found,) = agreement.pieces([CHESS])
-    return f"100 prisms: turned by {found.nu:.1f}°, predicted {CHESS.nu_and_M(CHESS.z1)[0]:.1f}°"
+def measured(scene: Chess) -> str:
+    """Return by how much the piece is turned: measured, and as predicted for these sheets."""
+    (found,) = agreement.pieces([scene])
+    sheets = "ideal sheet" if scene.sheet == "ideal" else "100 prisms"
+    return f"{sheets}: turned by {found.nu:.1f}°, predicted {scene.nu_and_M(scene.z1)[0]:.1f}°"
 
 
 PANELS: dict[str, list[Panel]] = {
@@ -65,7 +66,7 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "prediction": [
         Panel(PREDICTED, "measured"),  # the text is that of `measured`
-        Panel(PREDICTED.replace(sheet="ideal"), f"ideal sheet: predicted {IDEAL.nu_and_M(IDEAL.z1)[0]:.1f}°"),
+        Panel(PREDICTED.replace(sheet="ideal"), "measured"),
     ],
     "single": [
         Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS, MIRROR),
@@ -77,8 +78,8 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
     "black-tops": [
-        Panel(CHESS, "clear tops", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}),
-        Panel(CHESS.replace(tops="black"), "black tops: stray light is absorbed"),
+        Panel(CHESS, "prisms with clear top faces", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}),
+        Panel(CHESS.replace(tops="black"), "black top faces: stray light is absorbed"),
     ],
     "far": [
         Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
@@ -136,7 +137,7 @@ def panel(shown: Panel) -> Picture:
         draw.line(ends, fill=(213, 94, 0), width=3)
     for name, (place, end) in shown.names.items():
         _name(draw, name, pixels(place), pixels(end))
-    text = measured() if shown.text == "measured" else shown.text
+    text = measured(shown.scene.replace(predicted_image=False)) if shown.text == "measured" else shown.text
     texts = [text] if text else []
     made = annotated(np.asarray(image), scene, _rendering(shown), Caption(texts, texts))
     return made[len(_key(shown, width)) :]

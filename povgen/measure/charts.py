@@ -52,6 +52,7 @@ def save_frames(points: list[Point], folder: Path) -> None:
                 "small, grey: other samplings",
                 "gl: povgen's shaders, without a GPU",
                 "live view: the same in a browser",
+                "crosses: other programs, and prisms by hand",
             ]
             axes[1].text(0.98, 0.98, "\n".join(key), transform=axes[1].transAxes, color="#444444", ha="right", va="top")
             _draw_labels(figure, labelled)
@@ -94,18 +95,19 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
     The model's colour and the marker tell the renderer; what povgen does not render is grey.
     """
     labels: list[Label] = []
-    qualities: dict[str, list[str]] = {}
-    for name in QUALITIES:
-        sampling = Rendering(quality=name).suited(sheet != "ideal").sampling
-        qualities.setdefault(sampling, []).append(name)
+    samplings = {name: Rendering(quality=name).suited(sheet != "ideal").sampling for name in QUALITIES}
     colour = IDEAL if sheet == "ideal" else PRISMS
     for method in dict.fromkeys(p.method for p in points):
         of_method = [p for p in points if p.method == method]
         renderer = {sheet: "POV-Ray", f"gl {sheet}": "gl", f"live {sheet}": "live view"}.get(method)
         marker = {"POV-Ray": "o", "gl": "D", "live view": "^"}.get(renderer or "", "x")
-        ax.plot([p.cpu for p in of_method], [p.rms for p in of_method], marker, color="#aaaaaa", ms=5)
+        ax.plot([p.cpu for p in of_method], [p.rms for p in of_method], marker, color="#c4c4c4", ms=4)
         best = pareto_front(of_method, "rms")
         own = colour if renderer in ("POV-Ray", "gl") else GREY
+        same = {"1.5x": "2x"} if renderer == "gl" else {}  # gl draws the same picture for both
+        qualities: dict[str, list[str]] = {}
+        for name, sampling in samplings.items():
+            qualities.setdefault(same.get(sampling, sampling), []).append(name)
         ax.plot([p.cpu for p in best], [p.rms for p in best], "-", color=own, alpha=0.45, zorder=1)
         if renderer:
             labels.append(Label(best[-1].cpu, best[-1].rms, renderer, own, bold=True))
@@ -169,9 +171,12 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         rows = sorted(rows, key=lambda row: (row[0] == "other ideal sheets", row[1], row[0]))
         for kind, name, _, _ in rows:
             windows = "1 window" if name == "1" else f"{name} windows"
-            names.append({"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"{name}, ideal"))
+            names.append({"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"{name} sheet"))
             top -= 1.5 if kind == "detailed" or name == "axis" else 1
             places.append(top)
+        cost = {row[:2]: row[2] for row in rows}
+        before = [cost.get((kind, str(int(name) - 1) if name.isdigit() else "")) for kind, name, _, _ in rows]
+        further = [f" (+{row[2] - less:.2f})" if less else "" for row, less in zip(rows, before, strict=True)]
         colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows]
         for ax, column, title, form in (
             (axes[0], 2, "A further window costs less than the first", "CPU seconds for a frame of 640x480"),
@@ -179,9 +184,10 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         ):
             values = [float(row[column]) for row in rows]
             bars = ax.barh(places, values, color=colours)
-            ax.bar_label(bars, [f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values], padding=4)
+            texts = [f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values]
+            ax.bar_label(bars, [*map("".join, zip(texts, further, strict=True))] if column == 2 else texts, padding=4)
             ax.set(xlabel=form, title=title)
-            ax.set_xlim(right=1.12 * max(values, default=1))
+            ax.set_xlim(right=1.25 * max(values, default=1))
             ax.spines["left"].set_visible(False)
             ax.tick_params(left=False)
         axes[0].set_yticks(places, names)
@@ -200,7 +206,7 @@ def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> Non
         workers, wall, busy = np.transpose([row[:3] for row in rows])
         ax = figure.subplots()
         ax.plot(workers, wall, "o-", color=PRISMS, label="measured")
-        ax.plot(workers, wall * busy, ":", color=GREY, label="no idle cores")
+        ax.plot(workers, wall * busy, ":", color=GREY, label="if no core were idle")
         ax.set(xlabel=f"POV-Ray processes at once, on {cores} cores", ylabel="wall seconds for 61 frames of 320x240")
         ax.set_title("Several processes for each core keep the cores busy")
         ax.set_xscale("log", base=2)
@@ -285,7 +291,7 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
             ax, values = rows[0, column], np.array([effects[field][name] for name in ordered])
             most = np.nan_to_num(values).max()
             names = [f"{ERROR_WORDS[name]} {units[name][1].replace(' degree', '°')}" for name in ordered]
-            bars = ax.barh(names, values, color=[PRISMS if value > most / 2 else "#a9cbe8" for value in values])
+            bars = ax.barh(names, values, color=PRISMS)
             texts = [f"below {most / 100:.1g}" if value < most / 100 else f"{value:.2g}" for value in values]
             ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.12)
@@ -308,12 +314,14 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
 
 def _draw_builds(ax: Axes, values: NDArray[np.float64], limit: float) -> None:
     """Draw how many builds have which value. Those above the limit are pale."""
-    counts, edges = np.histogram(values, 20)
+    width = limit / 12 if 0 < limit < np.inf else np.max(values, initial=1) / 20
+    counts, edges = np.histogram(values, np.arange(0, np.max(values, initial=0) + width, width))
     colours = ["#a9cbe8" if middle > limit else PRISMS for middle in (edges[1:] + edges[:-1]) / 2]
     ax.bar(edges[:-1], counts, np.diff(edges), align="edge", color=colours, edgecolor="white")
     ax.set_xlim(left=0)
     if np.isfinite(limit):
         ax.axvline(limit, color=GREY, linestyle=":")
+        ax.text(0.98, 0.95, "pale: the other 5 of 100", transform=ax.transAxes, ha="right", va="top", color="#444444")
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:

@@ -1,4 +1,4 @@
-"""A chart of the field of light's directions before a sheet: it has a curl, so that light has no wave fronts there.
+"""Charts of the field of light's directions before a sheet: it has a curl, so that light has no wave fronts there.
 
 docs/beyond.md explains it. Lengths are in tiles, but in the panel about prisms in metres and micrometres.
 """
@@ -23,15 +23,18 @@ WAVELENGTH = 550e-9  # metres
 Floats = NDArray[np.float64]
 
 
-def save_chart(folder: Path) -> None:
-    """Write field.png into a folder, and the curl of its last panel into field.csv."""
-    with drawn(12, 10, folder / "field.png") as figure:
-        draw_rays(figure.add_subplot(2, 2, 1))
-        draw_wave_front(figure.add_subplot(2, 2, 2))
-        draw_pieces(figure.add_subplot(2, 2, 3))
-        curl = figure.add_subplot(2, 2, 4)
+def save_charts(folder: Path) -> None:
+    """Write field.png and curl.png into a folder, and the lines of paths and of the curl into .csv files."""
+    with drawn(12, 5.2, folder / "field.png") as figure:
+        rays, wave_front = figure.subplots(1, 2)
+        draw_rays(rays)
+        draw_wave_front(wave_front)
+        save_lines(folder / "field.csv", wave_front)
+    with drawn(12, 5.2, folder / "curl.png") as figure:
+        pieces, curl = figure.subplots(1, 2)
+        draw_pieces(pieces)
         draw_curl(curl)
-        save_lines(folder / "field.csv", curl)
+        save_lines(folder / "curl.csv", curl)
 
 
 def light_of(scene: Scene, radius: float, count: int) -> Traced:
@@ -106,7 +109,7 @@ def draw_wave_front(ax: Axes) -> None:
     heights = wave_front(radii, turns, 1.0)
     for radius, height in zip(radii[1:], heights.T[1:], strict=True):
         name = f"radius {radius:g} tiles:\nends {height[0] - height[-1]:.2f} nearer"
-        ax.plot(np.degrees(turns), height - height[0], color=IDEAL, linewidth=2)
+        ax.plot(np.degrees(turns), height - height[0], color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
         ax.text(364, height[-1] - height[0], name, color=IDEAL, va="center")
     ax.set(
         xlabel="angle on the circle, degrees", ylabel="distance before the sheet, from the start (tiles)", xlim=(0, 360)
@@ -124,10 +127,10 @@ def draw_pieces(ax: Axes) -> None:
     ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
     ax.text(170, 88, f"the ideal sheet demands\n{1e6 * demanded[-1]:.0f} µm more after a turn", color=IDEAL, ha="right")
     ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
-    ax.text(350, 14, "prisms make pieces, with jumps", color=PRISMS, ha="right")
-    ax.text(5, 140, f"circle of {1e3 * RADIUS:g} mm, pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m", color=GREY)
+    ax.text(350, 14, "prisms: pieces, with jumps between them", color=PRISMS, ha="right")
+    ax.text(5, 140, f"radius {1e3 * RADIUS:g} mm, pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m", color=GREY)
     ax.set(xlabel="angle on the circle, degrees", ylabel="optical path, µm", xlim=(0, 360))
-    ax.set_title("Prisms make good the gap by jumps of the optical path", fontsize=11)
+    ax.set_title("Ideal sheet: the path grows. Prisms: it jumps back", fontsize=11)
 
 
 def draw_curl(ax: Axes) -> None:
@@ -137,7 +140,8 @@ def draw_curl(ax: Axes) -> None:
     for z2, grey in distances.items():
         curl = equations.curl(Z1, z2, np.radians(alphas))
         ax.plot(alphas, curl, color=grey, linewidth=2, label=f"z₂ = {z2:g} tiles")
-        ax.text(alphas[curl.argmax()], curl.max() + 0.04, f"z₂ = {z2:g} tiles", color=grey, ha="center")
+        highest = curl[:130].argmax()
+        ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g}", color=grey, ha="right")
     for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
         for alpha in range(15, 180, 30):
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
@@ -146,6 +150,8 @@ def draw_curl(ax: Axes) -> None:
                 ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)  # type: ignore[arg-type]
     ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
     ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
-    ax.text(4, 1.50, "lines: the formula", color=GREY)
-    ax.set(xlabel="α, degrees", ylabel="curl on the axis, per tile", xlim=(0, 180), ylim=(0, 1.75))
-    ax.set_title(f"Sheets give light a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)
+    ax.text(4, 1.50, "lines: the formula; z₂: distance before the sheet, tiles", color=GREY)
+    ax.set(
+        xlabel="α, degrees", ylabel="curl on the axis (rotation of the field), per tile", xlim=(0, 180), ylim=(0, 1.75)
+    )
+    ax.set_title(f"Light has a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)

@@ -50,7 +50,7 @@ def draw_blur(ax: Axes) -> None:
     pitch = np.geomspace(0.03e-3, 10e-3, 300)
     for z1, colour in zip((0.3, 1.0, 3.0, 10.0), FAR, strict=True):
         best = float(best_pitch(550e-9, z1))
-        name = f"z₁ = {z1:g} m: {1e3 * best:.1f} mm"
+        name = f"z₁ = {z1:g} m: best {1e3 * best:.1f} mm"
         ax.loglog(1e3 * pitch, minutes(pitch, z1), color=colour, linewidth=2, label=name)
         ax.plot(1e3 * best, minutes(best, z1), "o", color=colour, markersize=9)
     ax.axhline(1, color=GREY, linestyle=":")

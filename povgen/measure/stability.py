@@ -23,16 +23,16 @@ from povgen.scene.warnings import possible_error, warnings
 
 TINY = (320, 240)
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
-CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 7.5, 0.5))
+CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 5, 0.5))
 
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
     x, y = "magnification of what is seen", "difference from the paper's equation 7 (px)"
-    finding = "The more the ideal sheet magnifies, the less exact is the place"
+    finding = "The stronger the magnification, the less exact the position"
     title = "(a) near the pole, ideal sheet"
     result = StabilityMap("pole", title, finding, x, y, 1, "xy", "allowed: 1 px", "povgen warns")
-    for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 tiles up", 8j)):
+    for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 up", 8j)):
         ways = [_near_pole(toward, conditions, size, "ideal", E=E) for toward in TOWARD_POLE]
         for each in zip(*ways, strict=True):
             errors = [px(abs(place - thin)) for *_, place, thin in each]
@@ -57,6 +57,7 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
         "greater than stated",
         f"povgen warns above {limits.MAX_ERROR} px",
         "bound",
+        "each point: a scene; open: povgen warns",
     )
 
     for toward in TOWARD_POLE:
@@ -101,7 +102,7 @@ def _near_pole(
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
     """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
-    finding = "Very many prisms: POV-Ray's rounding turns rays"
+    finding = "Very many prisms: POV-Ray's rounding sends rays astray"
     y = "pixels with rotated light that are wrong (%)"
     result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy", "allowed: 0.01 %")
     for count in counts:
@@ -118,7 +119,7 @@ def gap_width(
     x = "air gap between prisms / pitch"
     finding, y = "Too narrow an air gap sends stray light the wrong way", "pixels with stray light that are wrong (%)"
     narrow = StabilityMap("gap", "(c) air gap, narrow", finding, x, y, 0.5, "x", "allowed: 0.5 %")
-    finding, y = "Too wide an air gap loses rotated light", "rotated light lost, against the narrowest gap (%)"
+    finding, y = "Too wide an air gap loses rotated light", "rotated light lost (%); below 0: gained"
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", finding, x, y, 3, "x", "allowed: 3 %", "too wide", shape="range"
     )
@@ -154,23 +155,23 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     The limit that povgen uses is the trace level that it sets for the scene.
     """
     most = 100 * limits.MAX_LOST_FRACTION
-    finding = "povgen finds the max_trace_level that a scene needs"
+    finding = "povgen allows each ray enough steps (max_trace_level)"
     title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
     allowed = f"needed, so that at most {most:g} %\nof the pixels stay black"
     result = StabilityMap("trace-level", title, finding, x, y, most, "x", allowed, "set by povgen", "limits")
 
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
-        ("z2 = 2", Directions(sheet="detailed", z2=2)),
-        ("z2 = 6", Directions(sheet="detailed")),
-        ("z2 = 6, α = 150°", Directions(sheet="detailed", alpha=150)),
-        ("z2 = 6, N = 1000", Directions(sheet="detailed", prisms=1000)),
-        ("z2 = 6, eye 3 up", Directions(sheet="detailed", eye=3j)),
-        ("z2 = 1.5, eye 5.1 up, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
-        ("z2 = 0.92, eye 8.2 up, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
-        ("z2 = 60", Directions(sheet="detailed", z2=60)),
-        ("z2 = 60, eye 8 up", Directions(sheet="detailed", z2=60, eye=8j)),
-        ("single, z2 = 2", Directions(sheet="single", z2=2)),
+        ("eye 2 away", Directions(sheet="detailed", z2=2)),
+        ("eye 6 away", Directions(sheet="detailed")),
+        ("eye 6 away, α = 150°", Directions(sheet="detailed", alpha=150)),
+        ("eye 6 away, N = 1000", Directions(sheet="detailed", prisms=1000)),
+        ("eye 6 away, 3 up", Directions(sheet="detailed", eye=3j)),
+        ("eye 1.5 away, 5.1 up, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
+        ("eye 0.92 away, 8.2 up, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
+        ("eye 60 away", Directions(sheet="detailed", z2=60)),
+        ("eye 60 away, 8 up", Directions(sheet="detailed", z2=60, eye=8j)),
+        ("one sheet, eye 2 away", Directions(sheet="single", z2=2)),
     ):
         inside, direction = camera.rays(scene, size)
         found = scene.trace(camera.along(scene, direction), 255)
@@ -249,12 +250,13 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         "(f) cells of the ideal camera",
         "The ideal sheet's picture keeps its error bound",
         x,
-        "worst error (px), known to 0.011 px",
+        "worst error (px)",
         limits.MAX_CAMERA_ERROR + 0.011,
         "xy",
         "greater than the bound",
-        f"povgen keeps below {limits.MAX_CAMERA_ERROR} px",
+        f"povgen's own cells: below {limits.MAX_CAMERA_ERROR} px",
         "bound",
+        "each point: a scene; open: with larger cells than povgen's; errors are known to 0.011 px",
     )
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
@@ -293,7 +295,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
         0.21,
         "x",
         "0.21: each pixel a random ray",
-        "povgen warns",
+        "nearly random: povgen warns",
     )
     width = APERTURE / VIEW * size[1]
     for count in counts:
@@ -303,9 +305,9 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
             render(scene, size=size, antialias=antialias)[window] / 255 for antialias in ("off", "1,0.001,4")
         )
         off = coarse - fine
-        result.add("pixels", width / count, rms(off))
-        result.add("blocks of 12x12 pixels", width / count, rms(_blocks(off, 12)))
-    result.limit("detailed", "pixels", limits.MIN_PIXELS_PER_PRISM, "px", rising=False)
+        result.add("single pixels", width / count, rms(off))
+        result.add("means of 12x12 pixels", width / count, rms(_blocks(off, 12)))
+    result.limit("detailed", "single pixels", limits.MIN_PIXELS_PER_PRISM, "px", rising=False)
     yield result
 
 
@@ -315,7 +317,7 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8, 15, 30), size: Size 
     For each block of pixels, the fraction of rays on the designed path is found. The contrast is the RMS difference of
     this fraction between neighbouring blocks.
     """
-    finding, y = "Sheets that are nearly parallel show moiré", "contrast / contrast at 30°"
+    finding, y = "Sheets that are nearly parallel show moiré", "contrast of bands, relative to that at 30°"
     result = StabilityMap(
         "moire",
         "(h) sheets nearly parallel",

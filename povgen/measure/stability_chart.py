@@ -14,9 +14,9 @@ from povgen.measure.stability_map import RENDERED, StabilityMap
 
 RED = "#c1272d"
 SYMBOLS = {
-    "z2": "from the sheets to the eye (tiles)",
     "α": "angle by which rays turn",
     "N": "prisms of a sheet",
+    "away": "from the sheets (tiles)",
     "up": "above the axis (tiles)",
 }
 
@@ -59,7 +59,7 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
         shown = y > 0 if "y" in measured.log_axes else np.isfinite(y)
         ax.plot(x[shown], y[shown], "o-", markersize=5, label=name)
     _shade_beyond_limit(ax, measured)
-    _explain(ax, *_symbols(" ".join(_series(measured))))
+    _explain(ax, measured.note, *_symbols(" ".join(_series(measured))))
     name_lines(ax, 10)
 
 
@@ -68,12 +68,16 @@ def _draw_range(ax: Axes, measured: StabilityMap) -> None:
     series = _series(measured)
     traced = {name: values for name, values in series.items() if not name.endswith(RENDERED)}
     x, y = next(iter(traced.values()))[0], np.array([y for _, y in traced.values()])
+    rendered = len(series) > len(traced)
     ax.fill_between(x, y.min(0), y.max(0), color=PRISMS, alpha=0.25, linewidth=0)
-    ax.plot(x, y.mean(0), "o-", color=PRISMS, markersize=5)
-    notes = [f"line: mean for {', '.join(traced)}", "band: from the least to the greatest of them"]
-    if len(series) > len(traced):
+    ax.plot(x, y.mean(0), "-" if rendered else "o-", color=PRISMS, markersize=5)
+    notes = [
+        f"line: mean for {', '.join(traced)}, by povgen's ray trace",
+        "band: from the least to the greatest of them",
+    ]
+    if rendered:
         ax.plot(x, np.mean([series[name + RENDERED][1] for name in traced], 0), "x", color="black", markersize=9)
-        notes.append("crosses: mean of POV-Ray's pictures")
+        notes.append("crosses: the mean in POV-Ray's pictures")
     _shade_beyond_limit(ax, measured)
     _explain(ax, *notes, *_symbols(" ".join(traced)))
 
@@ -105,7 +109,8 @@ def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
         ax.axvline(bound, color=RED)
         ax.axvspan(bound, right if rising else left, color=RED, alpha=0.09, linewidth=0)
         ax.set_xlim(left, right)
-        text = f"{measured.action} {word} {bound:,g}"
+        unit = {"deg": "°"}.get(measured.limits[0].unit, f" {measured.limits[0].unit}".rstrip())
+        text = f"{measured.action} {word} {bound:,g}{unit}"
         ax.annotate(text, (bound, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=RED, ha="center")
 
 
@@ -116,7 +121,9 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     """
     _, x, y = zip(*measured.rows, strict=True)
     limit = measured.limits[0]
-    ax.plot(x, y, "o", color=IDEAL if limit.sheet == "ideal" else PRISMS, markersize=6)
+    colour = IDEAL if limit.sheet == "ideal" else PRISMS
+    faces = [colour if bound <= 1.001 * limit.bound else "white" for bound in x]
+    ax.scatter(x, y, color=faces, edgecolors=colour, zorder=3)
     left, right, top = *ax.get_xlim(), ax.get_ylim()[1]
     ax.set(xlim=(left, right), ylim=ax.get_ylim())
     across = np.geomspace(left, right, 200)
@@ -125,7 +132,7 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     ax.axvline(limit.bound, color=RED)
     above = ax.get_xaxis_transform()
     ax.annotate(measured.action, (limit.bound, 1), (0, 3), above, "offset points", color=RED, ha="center")
-    _explain(ax, "each point: a scene")
+    _explain(ax, measured.note)
 
 
 def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
@@ -134,8 +141,8 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
     rows = np.arange(len(limits))
     values, bounds = np.array([(limit.value, limit.bound) for limit in limits]).T
     ax.hlines(rows, values, bounds, color=GREY)
-    ax.plot(values, rows, "o", color=PRISMS, markersize=8)
-    ax.plot(bounds, rows, "D", color=RED, markersize=7)
+    ax.plot(values, rows, "o", color=PRISMS, markersize=6)
+    ax.plot(bounds, rows, "D", color=RED, markersize=8, fillstyle="none", markeredgewidth=1.8)
     names = [limit.what.removeprefix(f"{measured.title}: ") for limit in limits]
     ax.set_yticks(rows, names)
     ax.set_ylabel("")

@@ -23,11 +23,11 @@ class StabilityMap:
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
     `tolerance` is the greatest allowed y, and `allowed` says so in a drawing. `action` is what povgen does beyond its
-    limit. `finding` is what the map shows, in a sentence. `shape` is how it is drawn:
+    limit. `finding` is what the map shows, in a sentence. `note` stands below the drawing. `shape` is how it is drawn:
 
     - 'lines': each series is a line.
     - 'range': the mean of the series is a line, in the band that they cover.
-    - 'bound': x is a bound of y, in the same unit. Each row is a point.
+    - 'bound': x is a bound of y, in the same unit. Each row is a point, open if x exceeds the limit.
     - 'limits': the limits are drawn, not the series.
     """
 
@@ -41,6 +41,7 @@ class StabilityMap:
     allowed: str = ""
     action: str = "povgen refuses"
     shape: Literal["lines", "range", "bound", "limits"] = "lines"
+    note: str = ""
     rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
     limits: list[Measured] = dataclasses.field(default_factory=list)
 

@@ -172,6 +172,7 @@ def vary_z1(rendering: Rendering) -> Drawn:
     scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)]
     measured = agreement.pieces(scenes)
     titles = [f"$z_1$ = {piece.z1:g} tiles: turned by {piece.nu:.0f}°" for piece in measured]
+    titles[0] = r"$\alpha$ = 90°, " + titles[0]
     figure, panels = _montage(scenes, rendering, titles)
     inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.24
     _draw_frames([inset], [scenes[-1].replace(view=4 * half)], rendering, half)
@@ -348,5 +349,11 @@ def _circles(ax: Axes) -> None:
             label(ax, equations.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
     for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)
-        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
-        write(ax, xy(point + offset), text, fontsize=11, zorder=5, bbox=box)
+        write(
+            ax,
+            xy(point + offset),
+            text,
+            fontsize=11,
+            zorder=5,
+            path_effects=[withStroke(linewidth=3, foreground="white")],
+        )

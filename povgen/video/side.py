@@ -15,7 +15,7 @@ from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
 FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
-LINE, RAY = (150, 155, 165), (200, 205, 215)
+LINE, RAY = (130, 135, 145), (230, 235, 245)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 ARROW = 1.2  # height of the arrow that stands for a piece, tiles
 
@@ -104,8 +104,8 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     thick = FINER * max(1, round(height / 240))
     draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
     if len(shown) == 1 and there:
-        for points in _rays(scene, from_above):
-            draw.line([at(z, place) for z, place in points], fill=RAY, width=thick, joint="curve")
+        for points, colour in zip(_rays(scene, from_above), (RAY, LINE), strict=False):  # the ray to the eye is bright
+            draw.line([at(z, place) for z, place in points], fill=colour, width=thick, joint="curve")
     half = scene.aperture / 2 * (1 + 1j)
     for z in scene.places:
         draw.line([at(z, -half), at(z, half)], fill=SHEET, width=2 * thick)
@@ -133,7 +133,9 @@ def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last:
     `objects` and `there` are z of what is shown. `last` is the greatest z.
     """
     names = [(-scene.z2, "eye")]
-    names += [(z, f"window {n}" if scene.window else "sheets") for n, z in enumerate(scene.places, 1)]
+    names += [
+        (z, ("window 1" if n == 1 else str(n)) if scene.window else "sheets") for n, z in enumerate(scene.places, 1)
+    ]
     names += [(z, "object" if len(objects) == 1 else "objects") for z in objects[-1:]]
     names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
     if len(objects) < len(scene.objects):

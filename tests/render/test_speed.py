@@ -53,7 +53,17 @@ def test_the_command_writes_charts_and_tables(tmp_path, tmp_path_factory, monkey
     names = ("frames-64x48", "frames-80x60", "prisms", "beyond", "workers")
     files = {f"{name}.{kind}" for name in names for kind in ("png", "svg")}
     assert {path.name for path in tmp_path.iterdir()} == files | {
-        *("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv", "machine.txt", "field.png"),
+        *(
+            "frames.csv",
+            "flicker.csv",
+            "prisms.csv",
+            "beyond.csv",
+            "workers.csv",
+            "machine.txt",
+            "field.png",
+            "curl.png",
+            "curl.csv",
+        ),
         *("charts.html", "polarisation.png", "diffraction.png", "polarisation.csv", "diffraction.csv", "field.csv"),
     }
     rows = list(csv.DictReader((tmp_path / "frames.csv").open()))

@@ -83,7 +83,9 @@ def test_a_surface_perpendicular_to_the_rays():
     np.testing.assert_allclose(step_r[0, 1:-1], -along.real[0, 1:-1], atol=1e-3)
 
 
-def test_the_chart(tmp_path, monkeypatch):
+def test_the_charts(tmp_path, monkeypatch):
     monkeypatch.setattr(field, "light_of", lambda scene, radius, count, real=field.light_of: real(scene, radius, 100))
-    field.save_chart(tmp_path)
-    assert iio.imread(tmp_path / "field.png").std() > 10
+    field.save_charts(tmp_path)
+    assert all(iio.imread(tmp_path / f"{name}.png").std() > 10 for name in ("field", "curl"))
+    assert "radius 0.6 tiles" in (tmp_path / "field.csv").read_text()
+    assert "z₂ = 4 tiles" in (tmp_path / "curl.csv").read_text()

@@ -90,7 +90,7 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Chess(alpha=66), {"eye", "sheets", "object", "from the side: no image"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
-        (Chess(**TWO), {"eye", "window 1", "window 2", "object", "real image", "from the side"}),
+        (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
         (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "from the side"}),
         (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):

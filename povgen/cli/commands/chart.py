@@ -37,7 +37,7 @@ def command(
     measured = charts.read_tables(tables) if tables else None
     with made_folder(output) as folder:
         glass.save_charts(folder)
-        field.save_chart(folder)
+        field.save_charts(folder)
         if measured:
             charts.redraw(measured, folder)
         elif not optics:

@@ -229,7 +229,7 @@ def place(tmp_path_factory):
         for name in ("save_frames", "save_prism_counts", "save_beyond", "save_workers"):
             patch.setattr(charts, name, lambda *_: None)
         patch.setattr(glass, "save_charts", lambda folder: None)
-        patch.setattr(field, "save_chart", lambda folder: None)
+        patch.setattr(field, "save_charts", lambda folder: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.build is build
