@@ -104,7 +104,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 gallery: $(GALLERY) $(PRINTED) docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
 docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption short \
-  --note 'P is where the two circles cross'
+  --note 'the foot appears at P, where the two circles cross'
 docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view \
   --note 'the rays meet again in front of the sheets'
 docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \

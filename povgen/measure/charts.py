@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from io import StringIO
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -267,10 +268,11 @@ ERROR_WORDS = {
 }
 
 
-def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, path: Path) -> None:
+def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, given: str, path: Path) -> None:
     """Write a chart of how far each error displaces and turns the object, and of how the builds are distributed.
 
-    Its values stand beside it, in a .csv file of the same name.
+    `given` states the standard deviations of the builds' errors. The chart's values stand beside it, in a .csv file of
+    the same name.
     """
     small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
     units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
@@ -283,20 +285,20 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
     with drawn(11.5, 8.4 if builds else 4.4, path) as figure:
         rows = figure.subplots(2 if builds else 1, 2, squeeze=False)
         for column, (field, unit, title) in enumerate(
-            (
-                ("displaced", "arcminutes", "What displaces the object"),
-                ("turned", "degrees", "What turns the object"),
-            )
+            (("displaced", "arcminutes", "Displaced most"), ("turned", "degrees", "Turned most"))
         ):
             ax, values = rows[0, column], np.array([effects[field][name] for name in ordered])
             most = np.nan_to_num(values).max()
+            worst = ERROR_WORDS[ordered[int(np.nan_to_num(values).argmax())]].removesuffix(" by")
             names = [f"{ERROR_WORDS[name]} {units[name][1].replace(' degree', '°')}" for name in ordered]
             bars = ax.barh(names, values, color=PRISMS)
-            texts = [f"below {most / 100:.1g}" if value < most / 100 else f"{value:.2g}" for value in values]
+            texts = [
+                f"below {most / 100:.1g}" if value < most / 100 else f"{value:#.2g}".rstrip(".") for value in values
+            ]
             ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.12)
             ax.tick_params(labelleft=column == 0, left=False)
-            ax.set(xlabel=f"{field}, {unit}", title=title)
+            ax.set(xlabel=f"{field}, {unit}", title=f"{title}: {worst}")
             table += [
                 (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{effects[field][name]:.6g}")
                 for name in effects[field]
@@ -308,7 +310,8 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, p
                 rows[1, column].set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: at most {limit:.2g} {unit}")
                 table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in found]
         if builds:
-            rows[1, 0].set(ylabel=f"builds, of {len(builds.displaced)} with random errors")
+            rows[1, 0].set(ylabel=f"builds, of {len(builds.displaced)}")
+            figure.supxlabel(fill(f"standard deviations of the builds' errors: {given}", 110), fontsize=10)
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 
 

@@ -91,15 +91,16 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 def draw_rays(ax: Axes) -> None:
     """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
-    for radius, count in ((0.35, 12), (0.85, 20)):
+    for radius, count in ((0.2, 8), (0.6, 18)):
+        ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), ":", color=GREY)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
         for P, Q in zip(at_sheet, before, strict=True):
             ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "-|>", "color": IDEAL})
     ax.plot(0, 0, "o", color="black", markersize=9)
     text = f"black: the point, {Z1:g} tiles behind the sheet\narrows: from the sheet to 1.5 tiles before it"
-    ax.text(0, -1.65, text, ha="center", va="bottom")
-    ax.set(xlim=(-1.65, 1.65), ylim=(-1.65, 1.65), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
+    ax.text(0, -1.25, text, ha="center", va="bottom")
+    ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
     ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
 
 
@@ -108,13 +109,13 @@ def draw_wave_front(ax: Axes) -> None:
     turns, radii = np.linspace(0, 2 * pi, 97), np.array([0, 0.2, 0.4, 0.6])
     heights = wave_front(radii, turns, 1.0)
     for radius, height in zip(radii[1:], heights.T[1:], strict=True):
-        name = f"radius {radius:g} tiles:\nends {height[0] - height[-1]:.2f} nearer"
+        name = f"radius {radius:g} tiles:\n{height[0] - height[-1]:.2f} nearer"
         ax.plot(np.degrees(turns), height - height[0], color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
         ax.text(364, height[-1] - height[0], name, color=IDEAL, va="center")
     ax.set(
         xlabel="angle on the circle, degrees", ylabel="distance before the sheet, from the start (tiles)", xlim=(0, 360)
     )
-    ax.set_title("So a path perpendicular to the light does not close", fontsize=11)
+    ax.set_title("A path perpendicular to the rays, once round the axis, ends nearer", fontsize=11)
 
 
 def draw_pieces(ax: Axes) -> None:
@@ -128,7 +129,12 @@ def draw_pieces(ax: Axes) -> None:
     ax.text(170, 88, f"the ideal sheet demands\n{1e6 * demanded[-1]:.0f} µm more after a turn", color=IDEAL, ha="right")
     ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
     ax.text(350, 14, "prisms: pieces, with jumps between them", color=PRISMS, ha="right")
-    ax.text(5, 140, f"radius {1e3 * RADIUS:g} mm, pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m", color=GREY)
+    ax.text(
+        5,
+        130,
+        f"circle on the sheet: radius {1e3 * RADIUS:g} mm\npitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m",
+        color=GREY,
+    )
     ax.set(xlabel="angle on the circle, degrees", ylabel="optical path, µm", xlim=(0, 360))
     ax.set_title("Ideal sheet: the path grows. Prisms: it jumps back", fontsize=11)
 
@@ -150,8 +156,9 @@ def draw_curl(ax: Axes) -> None:
                 ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)  # type: ignore[arg-type]
     ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
     ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
-    ax.text(4, 1.50, "lines: the formula; z₂: distance before the sheet, tiles", color=GREY)
+    ax.text(4, 1.50, "lines: the formula", color=GREY)
+    ax.text(4, 1.42, "z₂: distance before the sheet, tiles", color=GREY)
     ax.set(
         xlabel="α, degrees", ylabel="curl on the axis (rotation of the field), per tile", xlim=(0, 180), ylim=(0, 1.75)
     )
-    ax.set_title(f"Light has a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)
+    ax.set_title(f"Rays have a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)

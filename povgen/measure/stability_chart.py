@@ -47,7 +47,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
         low, high = ax.get_xlim()
         plain_ticks(ax.xaxis, (1, 3) if high < 1e5 * low else (1,))
         ax.xaxis.set_major_formatter(
-            lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}" if x > 3e-4 else f"$10^{{{np.log10(x):.0f}}}$"
+            lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}" if low > 1e-4 else f"$10^{{{np.log10(x):.0f}}}$"
         )
     if "y" in measured.log_axes:
         plain_ticks(ax.yaxis, (1, 3))
@@ -141,8 +141,8 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
     rows = np.arange(len(limits))
     values, bounds = np.array([(limit.value, limit.bound) for limit in limits]).T
     ax.hlines(rows, values, bounds, color=GREY)
+    ax.plot(bounds, rows, "D", color=RED, markersize=9, fillstyle="none", markeredgewidth=1.8)
     ax.plot(values, rows, "o", color=PRISMS, markersize=6)
-    ax.plot(bounds, rows, "D", color=RED, markersize=8, fillstyle="none", markeredgewidth=1.8)
     names = [limit.what.removeprefix(f"{measured.title}: ") for limit in limits]
     ax.set_yticks(rows, names)
     ax.set_ylabel("")
@@ -153,7 +153,7 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
             text, (x[-1], rows[-1]), (offset, 0), textcoords="offset points", color=colour, ha=side, va="center"
         )
     ax.margins(x=0.2)
-    _explain(ax, *_symbols(" ".join(names)))
+    _explain(ax, measured.note, *_symbols(" ".join(names)))
 
 
 def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:

@@ -370,6 +370,10 @@ class Scene(ParametersOfSheets):
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
             turn = numpy.radians(self.alpha if alpha is None else alpha)
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
+        if (
+            alpha is not None and numpy.ndim(alpha) and apparent.matrix(self.elements) is None
+        ):  # the search is for a single alpha
+            return numpy.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
         return apparent.position(L, self.E, z1, self._with_alpha(alpha), near)
 
     def visible(

@@ -154,9 +154,7 @@ def vary_alpha(rendering: Rendering) -> Drawn:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
     scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
     measured = agreement.pieces(scenes)
-    titles = [
-        f"{_at_angle(piece)}\nturned by {piece.nu:z.1f}°, predicted {piece.nu_predicted:z.1f}°" for piece in measured
-    ]
+    titles = [f"{_at_angle(piece)}\nturned by {piece.nu:z.1f}°, ideal {piece.nu_predicted:z.1f}°" for piece in measured]
     figure, panels = _montage(scenes, rendering, titles, ideal=True)
     point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
     point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), "#b000a0")

@@ -104,7 +104,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
         names = {"L": "object", "E": "eye"}
         if letters := [name for name in _named(scene) if name in names]:
             things = " and ".join(names[name] for name in letters)
-            texts.append((f"{', '.join(letters)}: straight before {things}", POINT_COLOUR))
+            texts.append((f"{', '.join(letters)}: before {things}", POINT_COLOUR))
     if rendering.annotated:
         texts += [OUTLINES[name][:2] for name in scene.outlines]
     return texts
@@ -177,14 +177,14 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
         _discs(picture, pixels(np.array([place])), 1.5 * thick, HALO)
         _discs(picture, pixels(np.array([place])), 0.9 * thick, GHOST_COLOUR)
     named = _named(scene)
-    for name, place in named.items():
-        if name != "P":
-            for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
-                _discs(picture, pixels(np.array([place])), radius * thick, colour)
     for place in positions(scene):
         # small, so that spheres stay visible
         for radius, colour in ((1.9, HALO), (1.5, EDGE), (1.1, P_COLOUR)):
             _discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
+    for name, place in named.items():
+        if name != "P":
+            for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
+                _discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
     places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
     for name, place in places.items():
         _letter(picture, name, place, [other for other in places.values() if other != place])

@@ -92,9 +92,9 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     first, last, reach, from_above = shows
     rows = 2 * round(HEIGHT * height / 2)
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
-    scale = min((width - 6 * size) / (last - first), (rows - 3 * size) / (2 * reach))
+    scale = min((width - 6 * size) / (last - first), (rows - 3.4 * size) / (2 * reach))
     left = (width - scale * (last - first)) / 2 - scale * first
-    middle = (rows - 1.6 * size) / 2
+    middle = rows / 2
 
     def at(z: float, place: complex) -> tuple[float, float]:
         return FINER * (left + scale * z), FINER * (middle - scale * _height(place, from_above))
@@ -106,9 +106,9 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     if len(shown) == 1 and there:
         for points, colour in zip(_rays(scene, from_above), (RAY, LINE), strict=False):  # the ray to the eye is bright
             draw.line([at(z, place) for z, place in points], fill=colour, width=thick, joint="curve")
-    half = scene.aperture / 2 * (1 + 1j)
+    half = scene.aperture / 2
     for z in scene.places:
-        draw.line([at(z, -half), at(z, half)], fill=SHEET, width=2 * thick)
+        draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
     upright = isinstance(scene, Chess) and not from_above
     for (L, z, seen), radius in zip(shown, scene.radii, strict=False):
         _object(draw, at(z, L), FINER * scale, radius, upright, OBJECT, thick)
@@ -118,28 +118,27 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
     image = image.reduce(FINER)
     draw = ImageDraw.Draw(image)
-    said = "from above" if from_above else "from the side"
-    if scene.rotates and not there and len(shown) == len(scene.objects):
-        said += ": no image"
-    write(draw, 0.3 * size, 0.9 * size, said, size)
-    labels = [(left + scale * z, text) for z, text in _names(scene, [z for _, z, _ in shown], there, last)]
-    _labels(draw, labels, middle + scale * reach + 0.9 * size, size, width)
+    write(draw, 0.3 * size, 0.9 * size, "from above" if from_above else "from the side", size)
+    numbers = [(z, f"window {n}" if n == 1 else str(n)) for n, z in enumerate(scene.places, 1)]
+    windows = numbers if scene.window else [(0.0, "sheets")]
+    for names, aside in ((windows, -1), (_names(scene, [z for _, z, _ in shown], there, last), 1)):
+        labels = [(left + scale * z, text) for z, text in names]
+        _labels(draw, labels, middle + aside * (scale * (reach if aside > 0 else half) + 0.9 * size), size, width)
     return np.asarray(image)
 
 
 def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last: float) -> list[tuple[float, str]]:
-    """Return the texts below the side view, each with the z to which it belongs: of the eye, windows, objects, image.
+    """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
 
     `objects` and `there` are z of what is shown. `last` is the greatest z.
     """
     names = [(-scene.z2, "eye")]
-    names += [
-        (z, ("window 1" if n == 1 else str(n)) if scene.window else "sheets") for n, z in enumerate(scene.places, 1)
-    ]
     names += [(z, "object" if len(objects) == 1 else "objects") for z in objects[-1:]]
     names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
     if len(objects) < len(scene.objects):
         names.append((last, f"{len(scene.objects) - len(objects)} farther"))
+    elif scene.rotates and not there:
+        names.append((-scene.z2 / 2, "rays do not meet"))
     return names
 
 

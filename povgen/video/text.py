@@ -16,7 +16,7 @@ TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
 FONTS = {"text": fonts.TEXT, "symbol": fonts.SYMBOLS}
 SYMBOL_SIZE = 1.2  # the symbols' letters are larger, because they are low for their size
 # A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, and not a. Its subscript is text.
-SYMBOL = re.compile("(?<![\\w-])([B-Zb-zα-ω])(?![A-Za-z0-9-])")
+SYMBOL = re.compile("(?<![\\w'’-])([B-Zb-zα-ω])(?![A-Za-z0-9-])")
 
 
 def _runs(text: str) -> list[tuple[str, str]]:

@@ -72,6 +72,15 @@ def test_the_eye_sees_a_point_where_its_ray_meets_it(values, rng):
     assert both.shape == (2, 3) and both[1, 2] == pytest.approx(scene.apparent_position(0.2j, 3.0))
 
 
+@pytest.mark.parametrize("sheet", [each for each in SHEETS if "alpha" in each], ids=lambda sheet: sheet["sheet"])
+def test_alpha_can_be_an_array(sheet):
+    scene, alphas, L = Chess(**sheet), np.array([[-20.0], [10], [170]]), np.array([0.1j, 0.3])
+    places, visible = scene.seen(L, 2, alphas)
+    one = [[Chess(**sheet | {"alpha": alpha}).seen(point, 2) for point in L] for alpha in alphas[:, 0]]
+    np.testing.assert_allclose(places, [[place for place, _ in row] for row in one], rtol=1e-9)
+    assert (visible == [[seen for _, seen in row] for row in one]).all()
+
+
 def test_what_the_eye_sees_has_an_apparent_position(rng):
     """Of several paths it is the one nearest to the middle of the window, so that no other one is seen alone."""
     other = count = 0

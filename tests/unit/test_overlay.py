@@ -16,7 +16,7 @@ from povgen.scene import camera
 from povgen.scene.scenes import VIEW
 from povgen.settings import Rendering
 from povgen.video import captions, encode, overlay, still
-from povgen.video.text import STRIP, TEXT, _font, text_width
+from povgen.video.text import STRIP, TEXT, _font, _runs, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
 
@@ -232,6 +232,12 @@ def test_the_caption_is_legible_and_whole(size):
             assert strip.max() == 255
             assert (strip[:, [0, -1]] < 40).all()  # no letter touches the edge
             assert len(strip) <= size[1] / 4
+
+
+def test_letters_of_words_are_no_symbols():
+    for word in ("object's", "object’s", "x-axis", "z1b", "a"):
+        assert _runs(word) == [(word, "text")]
+    assert _runs("f₁, α") == [("f", "symbol"), ("₁, ", "text"), ("α", "symbol")]
 
 
 def test_text_has_one_size_in_all_pictures(monkeypatch):

@@ -9,7 +9,7 @@ from povgen.settings import Rendering
 from povgen.video import side, still
 
 SIZE = 640, 480
-BETWEEN = slice(36, 140)  # rows without text
+BETWEEN = slice(44, 138)  # rows without text
 TWO = {"alpha": 120, "window": "alpha=120,z=2", "z2": 8, "z1": 2}
 
 
@@ -85,9 +85,9 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
 
 def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
     texts = []
-    monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size)))
+    monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size, middle)))
     for scene, expected in (
-        (Chess(alpha=66), {"eye", "sheets", "object", "from the side: no image"}),
+        (Chess(alpha=66), {"eye", "sheets", "object", "rays do not meet", "from the side"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
         (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
@@ -96,10 +96,11 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
     ):
         texts.clear()
         side.side_view(scene, *SIZE)
-        assert {text for _, text, _ in texts} == expected
-        ends = sorted((x, x + size * side.text_width(text)) for x, text, size in texts if "side" not in text)
-        assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
-        assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
+        assert {text for _, text, *_ in texts} == expected
+        for above in (True, False):
+            ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if (y < 80) == above)
+            assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
+            assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
 
 
 def test_it_is_added_below_the_picture(tmp_path):
