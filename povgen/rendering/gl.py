@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from io import BytesIO
 from itertools import product
-from math import hypot, isqrt
+from math import isqrt
 from pathlib import Path
 from struct import pack
 from typing import Any
@@ -207,30 +207,27 @@ def extend(distance: NDArray[np.float64], most: float) -> NDArray[np.float64]:
 
     Two sweeps: each adds the steps from the neighbours before. The result may be less than the distance, not more.
     """
-    for _ in range(2):
-        known = distance < most
-        for z in range(len(distance)):
-            if z:
-                before = np.pad(np.maximum(distance[z - 1], 0), 1, constant_values=np.inf)
-                rows, columns = distance[z].shape
-                for y, x in product(range(3), range(3)):
-                    near = before[y : y + rows, x : x + columns] + NEAR * hypot(1, y - 1, x - 1)
-                    np.minimum(distance[z], near, out=distance[z], where=~known[z])
-            _extend_rows(distance[z], known[z])
-        distance = distance[::-1, ::-1, ::-1]
-    return distance
-
-
-def _extend_rows(distance: NDArray[np.float64], known: NDArray[np.bool_]) -> None:
-    along = NEAR * np.arange(distance.shape[1])
-    for y, row in enumerate(distance):
-        near = np.maximum(row, 0)
-        if y:
-            before = np.pad(np.maximum(distance[y - 1], 0), 1, constant_values=np.inf)
-            for x in range(3):
-                np.minimum(near, before[x : x + len(row)] + NEAR * hypot(1, x - 1), out=near, where=~known[y])
-        near = np.minimum.accumulate(near - along) + along
-        row[~known[y]] = near[~known[y]]
+    nz, ny, nx = distance.shape
+    # inside a border of voxels that are infinitely far away, each voxel has all neighbours
+    bordered = np.pad(distance, 1, constant_values=np.inf)
+    layer, rows = ny + 2, bordered.reshape(-1, nx + 2)
+    step1, step2, step3 = NEAR * np.sqrt([1, 2, 3])
+    along = NEAR * np.arange(nx)
+    for sweep in (rows, rows[::-1, ::-1]):
+        # The rows with the same 2z + y do not depend on each other, so they are computed at once.
+        for t in range(3, 2 * nz + ny + 1):
+            start = max(1, (t - ny + 1) // 2) * ny + t
+            stop = min(nz, (t - 1) // 2) * ny + t + 1
+            here, *near = (sweep[start - back : stop - back : ny] for back in (0, 1, layer, layer - 1, layer + 1))
+            face, edge = (np.maximum(np.minimum(*pair), 0) for pair in (near[:2], near[2:]))
+            ahead = np.minimum(face + step1, edge + step2)[:, 1:-1]
+            aside = np.minimum(face + step2, edge + step3)
+            here = here[:, 1:-1]
+            unknown, found = here >= most, np.maximum(here, 0)
+            for before in (ahead, aside[:, :-2], aside[:, 2:]):
+                np.minimum(found, before, out=found, where=unknown)
+            np.copyto(here, np.minimum.accumulate(found - along, axis=1) + along, where=unknown)
+    return bordered[1:-1, 1:-1, 1:-1]
 
 
 def write_png(file: Path, bands: Iterator[NDArray[np.uint8]], size: tuple[int, int]) -> None:
