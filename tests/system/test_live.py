@@ -46,7 +46,7 @@ def page(browser, file):
 @pytest.mark.parametrize("scene", verify_live.SCENES, ids=lambda scene: f"{scene.name} {scene.sheet}")
 def test_the_view_draws_the_same_as_opengl(browser, scene):
     view = View(browser, scene)
-    figures = list(verify_live.same([(view, Drawn(scene))], (96, 72)))
+    figures = list(verify_live.same([(view, Drawn(scene))], (80, 60)))
     view.page.close()
     assert len(figures) == 3 and all(figure.holds for figure in figures), figures
 
@@ -55,7 +55,7 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     path = picture(tmp_path)
     scene = Chess(sheet="ideal", sky=path, floor=path, view=6)
     view = View(browser, scene)
-    figures = list(verify_live.same([(view, Drawn(scene))], (96, 72)))
+    figures = list(verify_live.same([(view, Drawn(scene))], (80, 60)))
     view.page.close()
     assert all(figure.holds for figure in figures), figures
 
@@ -64,7 +64,7 @@ def test_another_scene_is_not_the_same(browser):
     """The check can fail: alpha is wrong by a tenth of a degree, and the sky is black."""
     view = View(browser, Chess())
     drawn = Drawn(Chess(alpha=66.1, background="black"))
-    assert not any(figure.holds for figure in verify_live.same([(view, drawn)], (96, 72)))
+    assert not any(figure.holds for figure in verify_live.same([(view, drawn)], (80, 60)))
     view.page.close()
 
 
@@ -336,9 +336,11 @@ def test_without_decompression_the_page_says_so(browser, file):
 
 
 def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file):
+    small = {"width": 64, "height": 48}  # many rays, for the sums
+    page.set_viewport_size(small)
     page.evaluate("PACE.RAYS = 64; view.again()")
     at_rest(page)
-    other = browser.new_page(viewport={"width": 160, "height": 120})
+    other = browser.new_page(viewport=small)
     other.add_init_script(
         """const all = WebGL2RenderingContext.prototype.getExtension;
         WebGL2RenderingContext.prototype.getExtension = function (name) {
@@ -387,6 +389,7 @@ def test_a_notebook_shows_the_view(browser, monkeypatch):
     page.set_content(f"<p>A notebook</p>{without_widget(monkeypatch)}")
     frame = page.frames[1]
     frame.evaluate(NAMES)
+    frame.evaluate("PACE.RAYS = 1")
     frame.wait_for_function("view.gl")
     assert frame.evaluate("[view.canvas.width, view.canvas.height]") == [96, 72]
     at_rest(frame)
