@@ -132,7 +132,7 @@ def test_directions_disagree_with_another_glass(monkeypatch):
 
 
 def test_positions_agree_with_the_predictions():
-    holding(verify_gl.positions(6, (320, 240)), 3)
+    holding(verify_gl.positions(6, (240, 180)), 3)
 
 
 @pytest.fixture(scope="module")
