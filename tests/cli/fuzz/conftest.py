@@ -184,7 +184,7 @@ def place(tmp_path_factory):
     from povgen.measure import charts, field, glass, speed, stability, stability_chart, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, results, volumes
-    from povgen.scene import spec
+    from povgen.scene import quantities, spec
     from povgen.teach import figures
     from povgen.video import build, encode
 
@@ -213,6 +213,8 @@ def place(tmp_path_factory):
         patch.setattr(frames, "is_whole", lambda *_: True)  # though smaller than was asked for
         patch.setattr(light, "unpacked", lambda *_: np.zeros((48, 64, 3), np.float32))
         patch.setattr(encode, "encode", encoded)
+        patch.setattr(encode, "check_encoder", lambda: None)
+        patch.setattr(quantities, "RAYS", 500)
         patch.setattr(results, "PATIENCE", np.inf)  # no other process: it takes longer to start than most cases
         patch.setattr(cluster, "_connected", lambda _: mock.MagicMock())
         patch.setattr(cluster.Cluster, "_start", lambda _, coroutine: coroutine.close() or Future())
@@ -236,6 +238,7 @@ def place(tmp_path_factory):
         assert build.encode is encode and page.build is build
         skeletons()  # takes longer than a case may
         yield
+    quantities.seen.cache_clear()
     os.chdir(started)
 
 
