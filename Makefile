@@ -21,7 +21,8 @@ GALLERY := $(addprefix docs/gallery/,rotation.webp $(addsuffix .png,prisms predi
 PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
 # these compare scenes side by side
 PANELS := $(addprefix docs/gallery/,$(addsuffix .png,prisms prediction single black-tops far spheres pieces refraction lenticular))
-SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*')
+# without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
+SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
 # This file says that make created the environment. Only then may make remove it. It lies in the environment: if a user
 # replaces the environment by another, the file is gone.
