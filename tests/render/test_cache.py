@@ -417,7 +417,7 @@ def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
     (tmp_path / "out").mkdir()
     target = tmp_path / "out" / "a.gif"
     target.touch(mode=0o600)
-    movie("spheres", target, size=(32, 32), antialias="off", quality="draft")
+    movie([Spheres(), Spheres(alpha=50)], target, size=(32, 32), antialias="off", quality="draft")
     assert seen[0].parent.parent == place and stat.S_IMODE(target.stat().st_mode) == 0o600
     assert target.read_bytes().startswith(b"GIF89a") and os.listdir(tmp_path / "out") == ["a.gif"]
     assert not list(place.glob(f"{files.WORK_PREFIX}*"))
