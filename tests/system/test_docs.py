@@ -54,7 +54,7 @@ def blocks(page):
 def smaller(code):
     """Return code that renders smaller pictures, and fewer for a movie, with nothing else changed."""
     code = re.sub(r"(povgen movie .*--quality draft)", r"\1 --frames 4", code)
-    code = code.replace('quality="high"', 'quality="draft"').replace("(640, 480)", "(96, 72)")
+    code = code.replace('quality="high"', 'quality="high", size=(96, 72)').replace("(640, 480)", "(96, 72)")
     code = code.replace("--quality draft", "--quality draft --size 96x72").replace("STEPS = 10", "STEPS = 2")
     code = code.replace('"quality": "draft"', '"quality": "draft", "size": (96, 72)').replace(
         "(3840, 2160)", "(96, 54)"
