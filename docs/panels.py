@@ -85,7 +85,7 @@ PANELS: dict[str, list[Panel]] = {
         Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
         Panel(
             FAR.replace(sheet="ideal"),
-            "α = 90°: the horizon is upright",
+            "α = 90°: the horizon is vertical",
             (-1.4j, 1.4j),
             {"horizon": (0.55 - 1.1j, 0.03 - 1.1j)},
         ),

@@ -53,8 +53,9 @@ def save_frames(points: list[Point], folder: Path) -> None:
                 "small, grey: other samplings",
                 "gl: povgen's shaders, without a GPU",
                 "live view: the same in a browser",
-                "crosses: other programs, and prisms by hand",
             ]
+            if any(p.size == size and p.method.split()[-1] not in ("detailed", "ideal") for p in points):
+                key.append("crosses (left): other programs, and prisms by hand")
             axes[1].text(0.98, 0.98, "\n".join(key), transform=axes[1].transAxes, color="#444444", ha="right", va="top")
             _draw_labels(figure, labelled)
 
