@@ -107,7 +107,7 @@ def test_charts_are_drawn_again_from_their_tables(tmp_path):
         charts.read_tables(tmp_path)
     page = (tmp_path / "again" / "charts.html").read_text()
     assert (
-        page.count("data:image/png;base64,") == 10 and page.count("<details>") == 4
+        page.count("data:image/png;base64,") == 10 and page.count("<details>") == 5
     )  # diffraction.csv ... are too long
     assert "<td>1,0.9,2</td>" in page and not re.search("(src|href)=.?(http|//)", page)
 
