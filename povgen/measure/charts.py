@@ -312,7 +312,9 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, g
                 table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in found]
         if builds:
             rows[1, 0].set(ylabel=f"builds, of {len(builds.displaced)}")
-            figure.supxlabel(fill(f"standard deviations of the builds' errors: {given}", 110), fontsize=10)
+            figure.supxlabel(
+                fill(f"standard deviations of the builds' errors, degrees and tiles: {given}", 130), fontsize=10
+            )
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 
 

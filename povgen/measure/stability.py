@@ -45,12 +45,11 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "error that povgen states as possible (px)", "error of the predicted position (px)"
-    finding = ""  # known when all errors are
     title = "(a) prisms' size and the pole"
     result = StabilityMap(
         "prediction",
         title,
-        finding,
+        "",  # the finding is known when all errors are
         x,
         y,
         limits.MAX_ERROR,
@@ -60,7 +59,6 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
         "bound",
         "each point: a scene; open: povgen warns",
     )
-
     for toward in TOWARD_POLE:
         for series, prisms, z2, P in (
             (toward, 100, 6.0, 0.3 + 0.1j),
@@ -126,7 +124,6 @@ def gap_width(
     wide = StabilityMap(
         "gap-wide", "(c) air gap, wide", finding, x, y, 3, "x", "allowed: 3 %", "loses light", shape="range"
     )
-
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -158,12 +155,11 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     The limit that povgen uses is the trace level that it sets for the scene.
     """
     most = 100 * limits.MAX_LOST_FRACTION
-    finding = "povgen lets each ray meet enough faces (max_trace_level)"
+    finding = "Each ray can meet enough faces"
     title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
     allowed = f"needed, so that at most {most:g} %\nof the pixels stay black"
     result = StabilityMap("trace-level", title, finding, x, y, most, "x", allowed, "set by povgen", "limits")
     result.note = "unless stated: two sheets, N = 100, α = 66°, eye on the axis"
-
     levels = np.arange(5, limits.MAX_FACES)
     for series, scene in (
         ("eye 2 away", Directions(sheet="detailed", z2=2)),
@@ -171,8 +167,14 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
         ("eye 6 away, α = 150°", Directions(sheet="detailed", alpha=150)),
         ("eye 6 away, N = 1000", Directions(sheet="detailed", prisms=1000)),
         ("eye 6 away, 3 up", Directions(sheet="detailed", eye=3j)),
-        ("eye 1.5 away, 5.1 up, N = 1059", Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059)),
-        ("eye 0.92 away, 8.2 up, N = 678", Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678)),
+        (
+            "eye 1.5 away, 5.1 up, N = 1059, α = 50°",
+            Directions(sheet="detailed", z2=1.5, eye=5.1j, alpha=50, prisms=1059),
+        ),
+        (
+            "eye 0.92 away, 8.2 up, N = 678, α = -71°",
+            Directions(sheet="detailed", z2=0.92, eye=8.2j, alpha=-71, prisms=678),
+        ),
         ("eye 60 away", Directions(sheet="detailed", z2=60)),
         ("eye 60 away, 8 up", Directions(sheet="detailed", z2=60, eye=8j)),
         ("one sheet, eye 2 away", Directions(sheet="single", z2=2)),

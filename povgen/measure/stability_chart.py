@@ -166,7 +166,7 @@ def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:
 def _symbols(text: str) -> list[str]:
     """Return what the symbols in a text mean: one line, or none."""
     words = {*re.findall(r"\w+", text)}
-    return ["; ".join(f"{symbol}: {text}" for symbol, text in SYMBOLS.items() if symbol in words)]
+    return ["; ".join(f"{symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in words)]
 
 
 def _explain(ax: Axes, *lines: str) -> None:
