@@ -51,8 +51,7 @@ def save_frames(points: list[Point], folder: Path) -> None:
             key = [
                 "large, with a name: povgen's qualities",
                 "small, grey: other samplings",
-                "gl: povgen's shaders, without a GPU",
-                "live view: the same in a browser",
+                "line: the least error at this cost",
             ]
             if any(p.size == size and p.method.split()[-1] not in ("detailed", "ideal") for p in points):
                 key.append("crosses (left): other programs, and prisms by hand")
@@ -103,7 +102,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
         of_method = [p for p in points if p.method == method]
         renderer = {sheet: "POV-Ray", f"gl {sheet}": "gl", f"live {sheet}": "live view"}.get(method)
         marker = {"POV-Ray": "o", "gl": "D", "live view": "^"}.get(renderer or "", "x")
-        ax.plot([p.cpu for p in of_method], [p.rms for p in of_method], marker, color="#c4c4c4", ms=4)
+        ax.plot([p.cpu for p in of_method], [p.rms for p in of_method], marker, color="#d4d4d4", ms=4)
         best = pareto_front(of_method, "rms")
         own = colour if renderer in ("POV-Ray", "gl") else GREY
         same = {"1.5x": "2x"} if renderer == "gl" else {}  # gl draws the same picture for both
@@ -112,7 +111,8 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
             qualities.setdefault(same.get(sampling, sampling), []).append(name)
         ax.plot([p.cpu for p in best], [p.rms for p in best], "-", color=own, alpha=0.45, zorder=1)
         if renderer:
-            labels.append(Label(best[-1].cpu, best[-1].rms, renderer, own, bold=True))
+            what = {"gl": "gl (without GPU)", "live view": "live view (browser)"}.get(renderer, renderer)
+            labels.append(Label(best[-1].cpu, best[-1].rms, what, own, bold=True))
         else:
             names = {"intersections": "prisms by hand"}
             if method != "prisms":  # beside the points of intersections
@@ -173,7 +173,9 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         rows = sorted(rows, key=lambda row: (row[0] == "other ideal sheets", row[1], row[0]))
         for kind, name, _, _ in rows:
             windows = "1 window" if name == "1" else f"{name} windows"
-            names.append({"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"{name} sheet"))
+            names.append(
+                {"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"other ideal sheet: {name}")
+            )
             top -= 1.5 if kind == "detailed" or name == "axis" else 1
             places.append(top)
         cost = {row[:2]: row[2] for row in rows}
@@ -181,11 +183,16 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         further = [f" (+{row[2] - less:.2f})" if less else "" for row, less in zip(rows, before, strict=True)]
         colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows]
         for ax, column, title, form in (
-            (axes[0], 2, "A further window costs less than the first", "CPU seconds for a frame of 640x480"),
-            (axes[1], 3, "Only prisms displace what is seen", "position error (px of 1280x960)"),
+            (
+                axes[0],
+                2,
+                "A further window costs less than the first",
+                "CPU seconds for a frame of 640x480 (+: this window)",
+            ),
+            (axes[1], 3, "Only prisms displace what is seen", "distance from the exact position (px of 1280x960)"),
         ):
             values = [float(row[column]) for row in rows]
-            bars = ax.barh(places, values, color=colours)
+            bars = ax.barh(places, [x if x >= 0.01 else 0 for x in values], color=colours)
             texts = [f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values]
             ax.bar_label(bars, [*map("".join, zip(texts, further, strict=True))] if column == 2 else texts, padding=4)
             ax.set(xlabel=form, title=title)
@@ -266,14 +273,18 @@ ERROR_WORDS = {
     "far_index": "far sheet's index wrong by",
     "base_angle": "near prisms' base angle wrong by",
     "far_base_angle": "far prisms' base angle wrong by",
+    "facets": "each facet turned by",
+    "pitches": "each prism's height wrong by a part of",
 }
 
 
-def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, given: str, path: Path) -> None:
+def save_tolerance(
+    sensitivities: Mapping[str, Change], builds: Change | None, given: Mapping[str, float], path: Path
+) -> None:
     """Write a chart of how far each error displaces and turns the object, and of how the builds are distributed.
 
-    `given` states the standard deviations of the builds' errors. The chart's values stand beside it, in a .csv file of
-    the same name.
+    `given` are the standard deviations of the builds' errors, in the errors' units. The chart's values stand beside it,
+    in a .csv file of the same name.
     """
     small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
     units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
@@ -283,14 +294,16 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, g
     }
     ordered = sorted(sensitivities, key=lambda name: np.nan_to_num(effects["displaced"][name]))
     table: list[tuple[object, ...]] = []
-    with drawn(11.5, 8.4 if builds else 4.4, path) as figure:
-        rows = figure.subplots(2 if builds else 1, 2, squeeze=False)
+    with drawn(11.5, 9.2 if builds else 4.8, path) as figure:
+        parts = figure.subfigures(2 if builds else 1, 1, squeeze=False)[:, 0]
+        rows = [part.subplots(1, 2) for part in parts]
+        parts[0].suptitle("One error alone: 1°, 0.01 tiles, or 0.01 of the index", fontsize=11, color="#444444")
         for column, (field, unit, title) in enumerate(
             (("displaced", "arcminutes", "Displaced most"), ("turned", "degrees", "Turned most"))
         ):
-            ax, values = rows[0, column], np.array([effects[field][name] for name in ordered])
+            ax, values = rows[0][column], np.array([effects[field][name] for name in ordered])
             most = np.nan_to_num(values).max()
-            worst = ERROR_WORDS[ordered[int(np.nan_to_num(values).argmax())]].removesuffix(" by")
+            worst = _words(ordered[int(np.nan_to_num(values).argmax())])
             names = [f"{ERROR_WORDS[name]} {units[name][1].replace(' degree', '°')}" for name in ordered]
             bars = ax.barh(names, values, color=PRISMS)
             texts = [
@@ -307,15 +320,26 @@ def save_tolerance(sensitivities: Mapping[str, Change], builds: Change | None, g
             if builds:
                 found = getattr(builds, field)
                 limit = percentile(found, 95)
-                _draw_builds(rows[1, column], found[np.isfinite(found)], limit)
-                rows[1, column].set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: at most {limit:.2g} {unit}")
+                _draw_builds(rows[1][column], found[np.isfinite(found)], limit)
+                rows[1][column].set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: at most {limit:.2g} {unit}")
                 table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in found]
         if builds:
-            rows[1, 0].set(ylabel=f"builds, of {len(builds.displaced)}")
-            figure.supxlabel(
-                fill(f"standard deviations of the builds' errors, degrees and tiles: {given}", 130), fontsize=10
-            )
+            rows[1][0].set(ylabel=f"builds, of {len(builds.displaced)}")
+            scatter = "; ".join(f"{_words(name)} {_with_unit(name, value)}" for name, value in given.items())
+            title = f"{len(builds.displaced)} random builds, each with all the errors named below"
+            parts[1].suptitle(title, fontsize=11, color="#444444")
+            parts[1].supxlabel(fill(f"standard deviations: {scatter}", 140), fontsize=10, color="#444444")
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
+
+
+def _words(name: str) -> str:
+    """Return what an error is, without its size."""
+    return ERROR_WORDS[name].removesuffix(" a part of").removesuffix(" by")
+
+
+def _with_unit(name: str, value: float) -> str:
+    """Return the value of an error with its unit."""
+    return f"{value:g}" + {"degrees": "°", "": ""}.get(ERRORS[name].unit, f" {ERRORS[name].unit}")
 
 
 def _draw_builds(ax: Axes, values: NDArray[np.float64], limit: float) -> None:

@@ -91,14 +91,16 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 def draw_rays(ax: Axes) -> None:
     """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
-    for radius, count in ((0.2, 8), (0.6, 18)):
+    for radius, count, below in ((0.2, 8, -0.37), (0.6, 18, -0.56)):
         ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), ":", color=GREY)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
+        ax.text(0, below, f"radius {radius:g}", color=GREY, fontsize=9, ha="center", va="bottom")
         for P, Q in zip(at_sheet, before, strict=True):
             ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "-|>", "color": IDEAL})
     ax.plot(0, 0, "o", color="black", markersize=9)
-    text = f"black: the point, {Z1:g} tiles behind the sheet\narrows: from the sheet to 1.5 tiles before it"
+    text = f"as the eye sees it; black: the point, {Z1:g} tiles behind the sheet\n"
+    text += "arrows: from the sheet to 1.5 tiles before it"
     ax.text(0, -1.25, text, ha="center", va="bottom")
     ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
     ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
@@ -109,13 +111,13 @@ def draw_wave_front(ax: Axes) -> None:
     turns, radii = np.linspace(0, 2 * pi, 97), np.array([0, 0.2, 0.4, 0.6])
     heights = wave_front(radii, turns, 1.0)
     for radius, height in zip(radii[1:], heights.T[1:], strict=True):
-        name = f"radius {radius:g} tiles:\n{height[0] - height[-1]:.2f} nearer"
-        ax.plot(np.degrees(turns), height - height[0], color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
-        ax.text(364, height[-1] - height[0], name, color=IDEAL, va="center")
-    ax.set(
-        xlabel="angle on the circle, degrees", ylabel="distance before the sheet, from the start (tiles)", xlim=(0, 360)
-    )
-    ax.set_title("A path perpendicular to the rays, once round the axis, ends nearer", fontsize=11)
+        nearer = height[0] - height
+        ax.plot(np.degrees(turns), nearer, color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
+        ax.text(364, nearer[-1], f"radius {radius:g} tiles:\n{nearer[-1]:.2f} nearer", color=IDEAL, va="center")
+    ax.text(10, 0.74, "A wave front is perpendicular to its rays.\nIt would end where it began: at 0.", color=GREY)
+    ax.set(xlabel="angle on the circle, degrees", ylabel="path's shift towards the sheet (tiles)", xlim=(0, 360))
+    ax.set_ylim(bottom=0)
+    ax.set_title("No wave front: a path perpendicular to the rays does not close", fontsize=11)
 
 
 def draw_pieces(ax: Axes) -> None:
@@ -126,28 +128,29 @@ def draw_pieces(ax: Axes) -> None:
     path[1:][abs(np.diff(path)) > 1e-7] = np.nan  # a jump between prisms
     degrees = np.degrees(turns)
     ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
-    ax.text(170, 88, f"the ideal sheet demands\n{1e6 * demanded[-1]:.0f} µm more after a turn", color=IDEAL, ha="right")
+    ax.text(170, 84, "what the ideal sheet's\nrays demand", color=IDEAL, ha="right")
     ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
-    ax.text(350, 14, "prisms: pieces, with jumps between them", color=PRISMS, ha="right")
+    ax.text(350, 14, "prisms: short pieces with jumps between them", color=PRISMS, ha="right")
     ax.text(
         5,
         130,
-        f"circle on the sheet: radius {1e3 * RADIUS:g} mm\npitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m",
+        f"circle on the sheet: radius {1e3 * RADIUS:g} mm\npitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°",
         color=GREY,
     )
     ax.set(xlabel="angle on the circle, degrees", ylabel="optical path, µm", xlim=(0, 360))
-    ax.set_title("Ideal sheet: the path grows. Prisms: it jumps back", fontsize=11)
+    ax.set_title(f"No wave front fits the ideal sheet: {1e6 * demanded[-1]:.0f} µm more after a turn", fontsize=11)
 
 
 def draw_curl(ax: Axes) -> None:
     """Draw the curl on the axis against alpha, by its formula, and as measured in the ray trace."""
     alphas = np.arange(0, 181)
-    distances = {0.0: "#111111", 1.0: "#666666", 4.0: "#8f8f8f"}
-    for z2, grey in distances.items():
+    distances = {0.0: "-", 1.0: "--", 4.0: ":"}
+    for z2, dashes in distances.items():
         curl = equations.curl(Z1, z2, np.radians(alphas))
-        ax.plot(alphas, curl, color=grey, linewidth=2, label=f"z₂ = {z2:g} tiles")
+        ax.plot(alphas, curl, dashes, color="#444444", linewidth=2, label=f"z₂ = {z2:g} tiles")
         highest = curl[:130].argmax()
-        ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g}", color=grey, ha="right")
+        unit = "tile" if z2 == 1 else "tiles"
+        ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g} {unit}", color="#444444", ha="right")
     for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
         for alpha in range(15, 180, 30):
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
@@ -157,8 +160,6 @@ def draw_curl(ax: Axes) -> None:
     ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
     ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
     ax.text(4, 1.50, "lines: the formula", color=GREY)
-    ax.text(4, 1.42, "z₂: distance before the sheet, tiles", color=GREY)
-    ax.set(
-        xlabel="α, degrees", ylabel="curl on the axis (rotation of the field), per tile", xlim=(0, 180), ylim=(0, 1.75)
-    )
-    ax.set_title(f"Rays have a curl, but not at 0° and 180° (z₁ = {Z1:g} tiles)", fontsize=11)
+    ax.text(4, 1.42, f"z₂: distance before the sheet; z₁ = {Z1:g} tiles", color=GREY)
+    ax.set(xlabel="α, degrees", ylabel="curl of the rays' slopes, on the axis (1/tile)", xlim=(0, 180), ylim=(0, 1.75))
+    ax.set_title("The field of rays has a curl, except at α = 0° and 180°", fontsize=11)

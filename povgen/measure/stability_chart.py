@@ -13,6 +13,7 @@ from povgen.measure.probes import Floats
 from povgen.measure.stability_map import RENDERED, StabilityMap
 
 RED = "#c1272d"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SYMBOLS = {
     "α": "angle by which rays turn",
     "N": "prisms of a sheet",
@@ -47,7 +48,9 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
         low, high = ax.get_xlim()
         plain_ticks(ax.xaxis, (1, 3) if high < 1e5 * low else (1,))
         ax.xaxis.set_major_formatter(
-            lambda x, _: f"{x:,.0f}" if x >= 1 else f"{x:g}" if low > 1e-4 else f"$10^{{{np.log10(x):.0f}}}$"
+            lambda x, _: (
+                f"{x:,.0f}" if x >= 1 else f"{x:g}" if low > 1e-4 else "10" + f"{np.log10(x):.0f}".translate(RAISED)
+            )
         )
     if "y" in measured.log_axes:
         plain_ticks(ax.yaxis, (1, 3))
@@ -60,7 +63,17 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
         ax.plot(x[shown], y[shown], "o-", markersize=5, label=name)
     _shade_beyond_limit(ax, measured)
     _explain(ax, measured.note, *_symbols(" ".join(_series(measured))))
-    name_lines(ax, 10)
+    top = ax.get_ylim()[1]
+    if all(y.max() > top for _, y in _series(measured).values()):  # the axes cut all lines: they are apart there
+        for name, (x, y) in _series(measured).items():
+            n = np.flatnonzero(y > top)[-1]
+            cut = x[n] * (x[n + 1] / x[n]) ** ((y[n] - top) / (y[n] - y[n + 1]))  # the axis of x is logarithmic
+            colour = next(line.get_color() for line in ax.lines if line.get_label() == name)
+            ax.annotate(
+                name, (cut, 0.93 * top), (-6, 0), textcoords="offset points", ha="right", color=colour, fontsize=10
+            )
+    elif len(_series(measured)) > 1:
+        name_lines(ax, 10)
 
 
 def _draw_range(ax: Axes, measured: StabilityMap) -> None:
@@ -79,14 +92,18 @@ def _draw_range(ax: Axes, measured: StabilityMap) -> None:
         ax.plot(x, np.mean([series[name + RENDERED][1] for name in traced], 0), "x", color="black", markersize=9)
         notes.append("crosses: the mean in POV-Ray's pictures")
     _shade_beyond_limit(ax, measured)
-    _explain(ax, *notes, *_symbols(" ".join(traced)))
+    if not measured.limits:  # shows where the mean reaches the tolerance
+        reached = np.interp(measured.tolerance, y.mean(0), x)
+        ax.plot([reached] * 2, [0, measured.tolerance], ":", color=GREY)
+        ax.annotate(f"{reached:.0f}", (reached, 0), (4, 4), textcoords="offset points", color="#444444")
+    _explain(ax, measured.note, *notes, *_symbols(" ".join(traced)))
 
 
 def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
     """Draw the tolerance as a dotted line. Shade the values of x beyond the limit that povgen uses."""
     y = [y for *_, y in measured.rows]
-    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to five times the tolerance
-        top = min(ax.get_ylim()[1], 5 * measured.tolerance)
+    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to eight times the tolerance
+        top = min(ax.get_ylim()[1], 8 * measured.tolerance)
         ax.set_ylim(1.5 * min(0, *y), max(top, 1.15 * measured.tolerance))
     left, right = ax.get_xlim()
     ax.axhline(measured.tolerance, color=GREY, linestyle=":")
@@ -110,8 +127,14 @@ def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
         ax.axvspan(bound, right if rising else left, color=RED, alpha=0.09, linewidth=0)
         ax.set_xlim(left, right)
         unit = {"deg": "°"}.get(measured.limits[0].unit, f" {measured.limits[0].unit}".rstrip())
-        text = f"{measured.action} {word} {bound:,g}{unit}"
-        ax.annotate(text, (bound, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=RED, ha="center")
+        _name_limit(ax, bound, f"{measured.action} {word} {bound:,g}{unit}")
+
+
+def _name_limit(ax: Axes, x: float, text: str) -> None:
+    """Write above the axes what the limit at x is."""
+    at_left = ax.transAxes.inverted().transform(ax.transData.transform((x, ax.get_ylim()[0])))[0] < 0.3
+    side = "left" if at_left else "center"
+    ax.annotate(text, (x, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=RED, ha=side)
 
 
 def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
@@ -122,16 +145,17 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     _, x, y = zip(*measured.rows, strict=True)
     limit = measured.limits[0]
     colour = IDEAL if limit.sheet == "ideal" else PRISMS
-    faces = [colour if bound <= 1.001 * limit.bound else "white" for bound in x]
-    ax.scatter(x, y, color=faces, edgecolors=colour, zorder=3)
+    beyond = measured.tolerance - limit.bound
+    edges = [RED if error > bound + beyond else colour for bound, error in zip(x, y, strict=True)]
+    faces = [edge if bound <= 1.001 * limit.bound else "white" for bound, edge in zip(x, edges, strict=True)]
+    ax.scatter(x, y, color=faces, edgecolors=edges, zorder=3)
     left, right, top = *ax.get_xlim(), ax.get_ylim()[1]
     ax.set(xlim=(left, right), ylim=ax.get_ylim())
     across = np.geomspace(left, right, 200)
-    ax.fill_between(across, across + measured.tolerance - limit.bound, top, color=RED, alpha=0.09, linewidth=0)
+    ax.fill_between(across, across + beyond, top, color=RED, alpha=0.09, linewidth=0)
     ax.text(0.11, 0.97, measured.allowed, transform=ax.transAxes, color=RED, va="top")
     ax.axvline(limit.bound, color=RED)
-    above = ax.get_xaxis_transform()
-    ax.annotate(measured.action, (limit.bound, 1), (0, 3), above, "offset points", color=RED, ha="center")
+    _name_limit(ax, limit.bound, measured.action)
     _explain(ax, measured.note)
 
 
@@ -141,18 +165,22 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
     rows = np.arange(len(limits))
     values, bounds = np.array([(limit.value, limit.bound) for limit in limits]).T
     ax.hlines(rows, values, bounds, color=GREY)
-    ax.plot(bounds, rows, "D", color=RED, markersize=9, fillstyle="none", markeredgewidth=1.8)
+    ax.plot(bounds, rows, "D", color=RED, markersize=9, markerfacecolor="white", markeredgewidth=1.8)
     ax.plot(values, rows, "o", color=PRISMS, markersize=6)
     names = [limit.what.removeprefix(f"{measured.title}: ") for limit in limits]
     ax.set_yticks(rows, names)
     ax.set_ylabel("")
     ax.set_ylim(-0.6, len(limits) - 0.4)
-    for x, text, colour, side in ((values, measured.allowed, PRISMS, "right"), (bounds, measured.action, RED, "left")):
-        offset = -10 if side == "right" else 10
+    for x, mark, text, colour in ((0, "●", measured.allowed, PRISMS), (1, "◇", measured.action, RED)):
         ax.annotate(
-            text, (x[-1], rows[-1]), (offset, 0), textcoords="offset points", color=colour, ha=side, va="center"
+            f"{mark} {text}",
+            (x, 1),
+            (0, 6),
+            "axes fraction",
+            "offset points",
+            color=colour,
+            ha="right" if x else "left",
         )
-    ax.margins(x=0.2)
     _explain(ax, measured.note, *_symbols(" ".join(names)))
 
 

@@ -78,14 +78,18 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
         y = n - count / 2
         profile = [(y, -half_base), (y, half_base), (y + height, half_top), (y + height, -half_top)]
         near, back = ([(x, *corner) for corner in profile] for x in (-half, half))
-        faces(ax, [back, *([near[k - 1], near[k], back[k], back[k - 1]] for k in range(4)), near], "#cfe2f3", 0.35)
+        passed = y <= ray.path[1][1] <= y + height  # the ray passes this prism
+        shown = [back, *([near[k - 1], near[k], back[k], back[k - 1]] for k in range(4)), near]
+        faces(ax, shown, "#9fc5e8" if passed else "#e3eef8", 0.5 if passed else 0.25)
     mirror = [(x, ray.crossing[1], z) for x, z in ((-half, -2.6), (half, -2.6), (half, 2.6), (-half, 2.6))]
     faces(ax, [mirror], "#999999", 0.35, edge=GREY)
     path(ax, [ray.crossing, ray.straight], GREY, 1.2, ":", head=True)
     path(ax, [ray.path[0], ray.crossing, ray.mirrored], "black", 1.3, "--", head=True)
     path(ax, ray.path, RAY, 2.2, head=True)
+    for place, number in zip(ray.path[1:4], "123", strict=True):
+        write(ax, projected(place) + (-0.05, -0.28), number, fontweight="bold", fontsize=8)
     coordinate_axes(ax, (0.6, -3.3, 5.2))
-    for end, text, up in ((ray.path[-1], "real path", -0.3), (ray.mirrored, "mirrored", 0.25)):
+    for end, text, up in ((ray.path[-1], "real path:\ndisplaced", -0.45), (ray.mirrored, "mirrored", 0.25)):
         write(ax, projected(end) + (0.15, up), text, ha="left", fontsize=8)
     write(ax, projected(ray.straight) + (0.15, 0), "without\nthe sheet", ha="left", fontsize=8)
     corner = projected((-half, ray.crossing[1], 2.6))
@@ -112,7 +116,7 @@ def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
     middle = (before[0] + after[0]) / 2
     text = "1, 3: refraction at the facets\n2: total reflection at the base\n$h$: height of a prism"
     write(ax, (middle, low - 0.5), text, va="top", ha="center", ma="left", fontsize=8, linespacing=1.5)
-    side = after[0] + 0.05
+    side = after[0] + 0.2
     ax.annotate(
         "", (side, low), (side, low + prism.height), arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0}
     )
@@ -187,8 +191,14 @@ def geometry(rendering: Rendering) -> Drawn:
     figure = Figure(figsize=(WIDTH, 6.3))
     _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
     _projection(figure.add_axes((0.02, 0.02, 0.46, 0.46)), z2 / z1, alpha)
-    _circles(figure.add_axes((0.52, 0.01, 0.46, 0.46)))
+    _circles(figure.add_axes((0.52, 0.0, 0.46, 0.43)))
     _letters(figure, (0.02, 0.96), (0.02, 0.46), (0.51, 0.46))
+    for x, y, text in (
+        (0.08, 0.96, "a ray from the object to the eye"),
+        (0.08, 0.46, "seen along z"),
+        (0.57, 0.46, r"$P$ is where red ($r = p_2/p_1$) crosses blue ($\alpha$)"),
+    ):
+        figure.text(x, y, text, fontsize=9)
     traced = agreement.trace_through_P(alpha, z1, z2)
     return Drawn(figure, {"alpha": degrees(alpha), "traced": traced}, lines=True)
 

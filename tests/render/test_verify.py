@@ -296,7 +296,7 @@ def test_the_range_of_series_is_drawn_with_its_mean(tmp_path):
         ax = figure.subplots()
         draw_map(ax, measured)
         (band,) = ax.collections
-        mean, pictures, _ = ax.lines
+        mean, pictures, *_ = ax.lines
         assert mean.get_ydata() == pytest.approx([2, 4]) and pictures.get_ydata() == pytest.approx([2.5, 4])
         assert {y for _, y in band.get_paths()[0].vertices} == {1, 2, 3, 6}
 

@@ -7,7 +7,7 @@ import pytest
 
 from povgen import Chess, InputError
 from povgen.liveview.values import values
-from povgen.measure import tolerance
+from povgen.measure import charts, plotting, tolerance
 from povgen.optics import paraxial
 from povgen.optics.faces import Sheet, single_prisms
 from povgen.optics.prism import Prism
@@ -206,6 +206,21 @@ def test_random_builds_agree_with_the_sensitivities():
     np.testing.assert_allclose(change.displaced, unit * drawn, rtol=0.05, atol=0.02)
     assert tolerance.percentile(change.displaced, 50) == pytest.approx(unit * np.quantile(drawn, 0.5), rel=0.1)
     assert tolerance.percentile(np.array([1, np.nan]), 99) == np.inf
+
+
+def test_the_chart_of_builds_names_every_error(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
+    given = dict.fromkeys(tolerance.DEVIATIONS, 0.05)
+    one, several = tolerance.Change(2.0, 1.0, 0.0, 0.0), tolerance.Change(*np.ones((4, 5)))
+    charts.save_tolerance({"turn": one, "separation": one}, several, given, tmp_path / "builds.png")
+    below = figures[0].subfigs[1].get_supxlabel().replace("\n", " ")
+    assert below.count(";") == len(given) - 1
+    assert (
+        "each facet turned 0.05°" in below and "far apart 0.05 tiles" in below and "prism's height wrong 0.05" in below
+    )
+    rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
+    assert rows[1] == '"turn, 1 degree","displaced, arcminutes",2' and sum("random build" in row for row in rows) == 10
 
 
 @pytest.mark.parametrize(

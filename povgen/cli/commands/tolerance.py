@@ -51,7 +51,7 @@ def command(
         unit = {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of")
         table.add_row(f"{unit} {name}", *(f"{float(value):.3g}" for value in change))
     console.print(table)
-    differing, given = None, ""
+    differing = None
     if spread.deviation:
         differing = tolerance.builds(made, spread, count, scheduler)
         given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
@@ -61,5 +61,5 @@ def command(
             table.add_row(f"{percentile} %: at most", *row)
         console.print(table)
     if output:
-        save_tolerance(found, differing, given, output)
+        save_tolerance(found, differing, spread.deviation, output)
         tell(f"wrote {output}")
