@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import COLOURS, PRISMS, Axes, drawn, name_lines, plain_ticks, save_lines
+from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, name_lines, plain_ticks, save_lines
 from povgen.optics.faces import Sheet
 from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism
@@ -116,10 +116,7 @@ def chart() -> None:
                 origin = np.column_stack((np.zeros(n), u, np.zeros(n))) - direction
                 found.append(100 * trace(origin, direction, (Sheet(0.0, 0.0, shape),), 61 * PITCH).designed.mean())
             draw(left, angles, found, name)
-        left.set(
-            xlabel="field angle (degrees); n = 1.517 unless stated",
-            ylabel="light on the designed path of one sheet (%)",
-        )
+        left.set(xlabel="field angle (degrees)", ylabel="light on the designed path of one sheet (%)")
         left.set(xlim=(0, 30), ylim=(0, 100), title="Dove prisms keep more light on the designed path")
         pitches = np.geomspace(0.1, 10, 15)  # mm
         for name in DRAWN:
@@ -129,10 +126,11 @@ def chart() -> None:
                 blurs.append(np.hypot(seen(blur(*rays(made, 20_000))), seen(0.532 * 550e-9 * OBJECT / (pitch * 1e-3))))
             draw(right, pitches, blurs, name)
         right.set(xscale="log", yscale="log", xlim=(0.1, 10), ylim=(1, 100))
-        right.set(
-            xlabel="pitch (mm); point 1 m behind the window, eye 1 m before it", ylabel="RMS blur (minutes of arc)"
-        )
+        right.set(xlabel="pitch (mm)", ylabel="RMS blur (minutes of arc)")
         right.set_title("Up to a pitch of 5 mm, prisms are sharper than lenses")
+        right.axvline(5, color=GREY, linestyle=":")
+        conditions = "refractive index 1.517; right: a point 1 m behind the window, the eye 1 m before it"
+        figure.supxlabel(conditions, fontsize=10, color="#444444")
         for ax in (left, right):
             ax.grid(alpha=0.25)
         for axis in (right.xaxis, right.yaxis):
