@@ -191,7 +191,7 @@ def geometry(rendering: Rendering) -> Drawn:
     figure = Figure(figsize=(WIDTH, 6.3))
     _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
     _projection(figure.add_axes((0.02, 0.02, 0.46, 0.46)), z2 / z1, alpha)
-    _circles(figure.add_axes((0.52, 0.0, 0.46, 0.43)))
+    _circles(figure.add_axes((0.52, 0.005, 0.46, 0.43)))
     _letters(figure, (0.02, 0.96), (0.02, 0.46), (0.51, 0.46))
     for x, y, text in (
         (0.08, 0.96, "a ray from the object to the eye"),
