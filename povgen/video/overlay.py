@@ -104,7 +104,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
         names = {"L": "object", "E": "eye"}
         if letters := [name for name in _named(scene) if name in names]:
             things = " and ".join(names[name] for name in letters)
-            texts.append((f"{', '.join(letters)}: before {things}", POINT_COLOUR))
+            texts.append((f"{', '.join(letters)}: {things}, projected", POINT_COLOUR))
     if rendering.annotated:
         texts += [OUTLINES[name][:2] for name in scene.outlines]
     return texts
