@@ -208,7 +208,9 @@ def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
     from povgen.video.outline import outlines
 
     if outline == "direct_image":
-        scene = scene.replace(sheet="none", window=(), predicted_image=False, view=scene.view)
+        # the windows stay, because z1 counts from the last one
+        empty = [{"z": window.z, "sheet": "none"} for window in scene.window]
+        scene = scene.replace(sheet="none", window=empty, predicted_image=False, view=scene.view)
     thick = max(len(picture) / 260, 1.2)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     points = _pixels(outlines(scene, step), scene, picture)

@@ -327,6 +327,18 @@ def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch
     assert (noted == overlay.LINE_COLOUR[:3]).all(-1).any() == bool(name)
 
 
+@pytest.mark.parametrize("windows", ["", "alpha=0,z=3", "alpha=0,z=1;alpha=0,z=5"])
+@pytest.mark.parametrize("pieces", [{}, {"piece": ("king", "pawn"), "x": (-0.5, 0.5), "z1": (2, 4)}])
+def test_outlines_through_windows_that_turn_nothing_are_those_without_sheets(windows, pieces):
+    scene = Chess(sheet="ideal", alpha=0, window=windows.split(";") if windows else (), z2=8, **pieces)
+    drawn = []
+    for outline in ("predicted_image", "direct_image"):
+        picture = np.full((240, 320, 3), 120, np.uint8)
+        overlay._outline(scene, outline, picture)
+        drawn.append((picture != 120).any(-1))
+    assert drawn[0].sum() > 300 and (drawn[0] != drawn[1]).sum() < 0.02 * drawn[0].sum()
+
+
 def test_a_key_explains_outlines_with_a_caption_too():
     scene = Chess(predicted_image=True, direct_image=True)
     explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]
