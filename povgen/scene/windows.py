@@ -25,7 +25,7 @@ def as_table(value: object) -> object:
 
 
 def _checked_size(parameter: Parameter) -> AfterValidator:
-    """Return the check of a number that may not be near 0, or of a direction's largest component."""
+    """Return a check that a number, or the largest component of a direction, is not too close to 0."""
 
     def check(value: Any) -> Any:  # noqa: ANN401  (a number or a direction)
         if max(abs(x) for x in (value if isinstance(value, tuple) else [value])) < parameter.size:
@@ -59,7 +59,7 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
 def _fields(required: bool) -> dict[str, Any]:
     """Return the fields that scenes have for the parameters of all kinds of sheets.
 
-    Those of further windows are None if they are not given: they then have the first window's value.
+    A field of a further window that is not given is None. The first window's value is then used.
     """
     found: dict[str, Any] = {}
     for name, several in PARAMETERS.items():
@@ -67,7 +67,7 @@ def _fields(required: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # what the paper's sheets have needs no names of kinds
+        # a parameter of the paper's sheets, with one text for all kinds, is described without names of kinds
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -79,7 +79,7 @@ def _fields(required: bool) -> dict[str, Any]:
     return found
 
 
-if TYPE_CHECKING:  # mypy takes only names that are written out
+if TYPE_CHECKING:  # mypy accepts only a Literal with values that are written out
     SheetName = str
 else:
     SheetName = Literal[tuple(SHEETS)]
@@ -90,11 +90,11 @@ ParametersOfSheets: Any = create_model("ParametersOfSheets", __base__=Model, **_
 class Window(_OfWindow):
     """A window behind the first one, and parallel to it. Its size and its frame are those of the first.
 
-    A parameter of its sheet that is not given is that of the first window.
+    If a parameter of its sheet is not given, the first window's value is used.
     """
 
     z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
-    sheet: SheetName | None = Field(default=None, description="model of its sheets (default: the scene's)")
+    sheet: SheetName | None = Field(default=None, description="kind of its sheet (default: the first window's)")
 
     if TYPE_CHECKING:  # the fields that come from the sheets' parameters
 
@@ -131,8 +131,8 @@ def _windows(value: object) -> object:
 
 
 WINDOW = (
-    "a further window, such as alpha=120,z=2: how many tiles it is behind the first window, and what differs from the "
-    f"first: sheet, and the parameters of its sheet; up to {MAX_WINDOWS - 1} windows, in order of z"
+    "a further window, such as alpha=120,z=2. z: its distance behind the first window, tiles; then what differs from "
+    f"the first window: sheet, and the parameters of its sheet; up to {MAX_WINDOWS - 1} further windows, in order of z"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],

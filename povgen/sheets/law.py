@@ -10,8 +10,8 @@ A law is three expressions, for x, y and z. They may contain
 - decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
   not negative).
 
-x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where the
-new direction has z > 0. Light itself runs the other way along the same path.
+x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where z of
+the new direction, divided by its length, is above 1e-6. Light itself runs the other way along the same path.
 """
 
 import ast
@@ -36,7 +36,7 @@ FUNCTIONS = {
 RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # characters of a law, and levels of its tree
 LARGEST = 1e30  # number in a law: shaders compute with 32-bit numbers
-LEAST_Z = 1e-6  # of the new direction, relative to its length: with less, no light passes
+LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
 _SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
 
 
@@ -66,8 +66,8 @@ class Law:
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
-        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` has each
-        parameter's number by its name; angles are in radians.
+        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` has
+        the numbers of the parameters by their names in the law; angles are in radians.
         """
         import numpy as np
 
@@ -92,12 +92,12 @@ class Law:
 
     @cached_property
     def _extracted(self) -> tuple[list[ast.expr], list[ast.expr]]:
-        """The `constants`, and the expressions with names in their place."""
+        """The `constants` (see below), and the three expressions with names in place of the constants."""
         constants: list[ast.expr] = []
         return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
 
     def expressions(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the three expressions, with each name n replaced by `name(n)`, also that of a function."""
+        """Return the three expressions. Each name n in them, also of a function, is replaced by `name(n)`."""
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
@@ -105,7 +105,7 @@ class Law:
         return [_written(part, name) for part in self._extracted[0]]
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
-        """Return the numbers of the `constants`. `values` has each parameter's number by its name."""
+        """Return the numbers of the `constants`. `values` has the parameters' numbers by name."""
         import numpy as np
 
         with np.errstate(all="ignore"):
@@ -171,7 +171,7 @@ class _Reader:
 
 
 def _depth(tree: ast.AST) -> int:
-    """Return how many levels a tree has, without recursion."""
+    """Return how many levels a tree has. The count uses no recursion, which a deep tree would exceed."""
     depth, level = 0, [tree]
     while level:
         depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]
@@ -179,7 +179,7 @@ def _depth(tree: ast.AST) -> int:
 
 
 class _Extract(ast.NodeTransformer):
-    """Replace the parts that `Law.constants` returns by the names c0, c1, ..., and collect them."""
+    """Put the names c0, c1, ... in place of the parts that `Law.constants` returns, and collect these parts."""
 
     def __init__(self, constants: list[ast.expr]) -> None:
         self.constants = constants
@@ -204,7 +204,10 @@ class _Rename(ast.NodeTransformer):
 
 
 class _Numpy(ast.NodeTransformer):
-    """Make all numbers numpy's, for which 1/0 is infinite, as in the other languages. abs does not change them."""
+    """Turn every number into a number of numpy, for which 1/0 is infinite, as in the other languages.
+
+    This is done by numpy's abs. Numbers in the tree are not negative, so it leaves their values as they are.
+    """
 
     def visit_Constant(self, node: ast.Constant) -> ast.Call:
         return ast.Call(ast.Name("abs", ast.Load()), [node], [])
@@ -217,7 +220,7 @@ def _compiled(parts: Iterable[ast.expr]) -> Any:  # noqa: ANN401  (a code object
 
 
 def _evaluated(code: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    """Return the numbers of expressions, a tuple, for the numbers of all names in them."""
+    """Evaluate the code of several expressions. `values` has a number for each name. Return a tuple."""
     import numpy as np
 
     names = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}

@@ -24,16 +24,16 @@ Kind = Literal["number", "whole number", "direction", "choice", "text", "table",
 class Said(NamedTuple):
     """How a caption says a parameter's value."""
 
-    words: str  # {} is the value, with its unit, and {ratio} the value of the parameter `ratio`
-    factor: float = 1  # of the value that is said
-    full: str = ""  # the words of a full caption, which has less room for each value, if they differ
+    words: str  # {} stands for the value with its unit, {NAME} for the value of the sheet's parameter NAME
+    factor: float = 1  # the caption states the value times this factor
+    full: str = ""  # other words for a full caption, which has less room for each value; empty: the same words
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
 
-    Several kinds can have a parameter of the same name. It may then differ only in `text` and `said`.
+    Several kinds of sheets can have a parameter with the same name. These may differ only in `text` and `said`.
     """
 
     name: str
@@ -45,8 +45,8 @@ class Parameter:
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
     size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
-    symbol: str = ""  # on the teaching page; otherwise its name
-    said: Said | None = None  # in captions; otherwise as `symbol = value`
+    symbol: str = ""  # on the teaching page; empty: the name
+    said: Said | None = None  # how captions state it; None: as `symbol = value`
 
     @property
     def about(self) -> str:
@@ -55,13 +55,13 @@ class Parameter:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names by which a law calls its numbers. A direction has three numbers."""
+        """The names of this parameter's numbers in a law. A direction has three numbers."""
         if self.kind == "direction":
             return tuple(f"{self.name}_{component}" for component in "xyz")
         return (self.name,)
 
-    def numbers(self, value: Any) -> tuple[float, ...]:  # noqa: ANN401  (what the kind says)
-        """Return the numbers in a law for a value: angles in radians."""
+    def numbers(self, value: Any) -> tuple[float, ...]:  # noqa: ANN401  (its type depends on `kind`)
+        """Convert a value of this parameter to the numbers in a law. Angles become radians."""
         if self.kind == "direction":
             return tuple(value)
         return (value * (pi / 180) if self.unit.startswith("degrees") else float(value),)
@@ -69,7 +69,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The sheet, or the pair of sheets, in a window.
+    """What a window holds: a sheet, or a pair of sheets, which is called a sheet here too.
 
     `values` are the values of its parameters. Lengths are in tiles, angles in degrees.
     """
@@ -85,9 +85,9 @@ class Sheet:
     rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
     layers: ClassVar[int] = 0  # how many sheets of prisms or lenses it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
-    # values when the user chooses this kind on the teaching page; otherwise the parameters' defaults
+    # values at the start on the teaching page; a parameter that is missing here has its default
     opening: ClassVar[Mapping[str, Any]] = {}
-    # for movies on the page: first and last value of a parameter; otherwise those of the paper's movies
+    # first and last value of a parameter in the page's movies; if it is missing here, those of the paper's movies
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
@@ -100,17 +100,17 @@ class Sheet:
 
     @property
     def line(self) -> tuple[str, complex] | None:
-        """What the line in the sheet is about which it mirrors or turns light, and its direction x + iy; or None."""
+        """The name and the direction x + iy of the line about which the sheet mirrors or turns light. Or None."""
         return None
 
     @property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix (`optics.apparent`), of glass for small angles; None if the sheet has none."""
+        """The ray-transfer matrix (`optics.apparent`); for glass it holds for small angles. None if there is none."""
         return None
 
     @property
     def is_exact(self) -> bool:
-        """Whether the sheet is built without errors."""
+        """Whether the sheet has no errors of manufacture."""
         return True
 
     @property
@@ -167,14 +167,14 @@ class Ideal(Sheet):
 
     @cached_property
     def transfer(self) -> "Matrix | None":
-        """The matrix if the slope behind the sheet is a linear function of the slope before it and of the place.
+        """The matrix if the slope behind the sheet is linear in the slope before it and in the place, plus a constant.
 
         Five rays determine it. If one of 20 other rays disagrees, there is no matrix.
         """
         import numpy as np
 
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # A number can be an array, with a value for each of several sheets. Its axes follow the axis of the rays.
+        # A number can be an array, with a value for each of several sheets. Results have its axes after the rays'.
         rays = (slice(None), *[None] * len(shape))
         s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
         steps = s[1:] - s[0]

@@ -196,7 +196,7 @@ def geometry(rendering: Rendering) -> Drawn:
     for x, y, text in (
         (0.08, 0.96, "a ray from the object to the eye"),
         (0.08, 0.46, "seen along z"),
-        (0.57, 0.46, r"$P$ is where red ($r = p_2/p_1$) crosses blue ($\alpha$)"),
+        (0.57, 0.46, r"$P$ is where orange ($r = p_2/p_1$) crosses blue ($\alpha$)"),
     ):
         figure.text(x, y, text, fontsize=9)
     traced = agreement.trace_through_P(alpha, z1, z2)
