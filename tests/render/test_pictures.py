@@ -237,13 +237,15 @@ def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     assert overlap > 0.8  # the outline is flat, and right for the piece's axis
 
 
-@pytest.mark.parametrize("scene", [Chess(alpha=120, sheet="mirror", z1=4), Chess(window=[{"z": 2}])])
-def test_the_direct_image_lies_on_the_piece_without_sheets(scene):
+@pytest.mark.parametrize(
+    ("scene", "distance"), [(Chess(alpha=120, sheet="mirror", z1=4), 4), (Chess(z1=3, window=[{"z": 2}]), 5)]
+)
+def test_the_direct_image_lies_on_the_piece_without_sheets(scene, distance):
     grey = np.full((HEIGHT, WIDTH, 3), 128, np.uint8)
     line = overlay.annotated(grey, scene.replace(direct_image=True), Rendering(size=SIZE))[..., 0] > 128
     inside = Image.fromarray(line.astype(np.uint8)).copy()
     ImageDraw.floodfill(inside, (0, 0), 2)
-    enclosed, piece = np.array(inside) == 0, brown(picture(scene.replace(sheet="none", window=[])))
+    enclosed, piece = np.array(inside) == 0, brown(picture(Chess(sheet="none", z1=distance)))
     assert (enclosed & piece).sum() > 0.8 * ((enclosed | piece) & ~line).sum()
 
 
