@@ -82,7 +82,7 @@ test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
 # numpy has no large matrices here: its further threads would only wait, and take CPU time for that.
 test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 
-test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, within a minute
+test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, in one to two minutes
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
@@ -102,10 +102,10 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
 	{ echo "# The figures of the paper"; echo; cat docs/figures/figure?.md; } > docs/figures/README.md
 
-gallery: $(GALLERY) $(PRINTED) docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
+gallery: $(GALLERY) $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
 docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption short \
-  --note 'the foot appears at P, where the two circles cross'
+  --note 'the foot appears at P, where the curves cross'
 docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view \
   --note 'the rays meet again in front of the sheets'
 docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \
@@ -124,10 +124,10 @@ docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready 
 docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 
-docs/tolerances/builds.png: $(SOURCES) | $(VENV)/charts-ready
-	$(POVGEN) tolerance chess --prisms 100 --alpha 90 --z1 10 --z2 10 --builds 300 --deviation turn=0.05 \
-	  --deviation tilt_x=0.01 --deviation tilt_y=0.01 --deviation far_tilt_x=0.01 --deviation far_tilt_y=0.01 \
-	  --deviation separation=0.02 -o $@
+docs/tolerances/builds.png: DEVIATIONS = --builds 300 --deviation turn=0.05 --deviation tilt_x=0.01 --deviation tilt_y=0.01 \
+  --deviation far_tilt_x=0.01 --deviation far_tilt_y=0.01 --deviation separation=0.02
+docs/tolerances/errors.png docs/tolerances/builds.png: $(SOURCES) | $(VENV)/charts-ready
+	$(POVGEN) tolerance chess --prisms 100 --alpha 90 --z1 10 --z2 10 $(DEVIATIONS) -o $@
 
 docs/seminar.ipynb: docs/seminar.md docs/notebook.py | $(VENV)/test-ready  ## the seminar as a notebook
 	$(VENV)/bin/python docs/notebook.py

@@ -33,6 +33,7 @@ class Panel(NamedTuple):
     names: dict[str, tuple[complex, complex]] = {}  # the middle of each, and where the line from it ends
     magnify: bool = False
     overlay: bool = False
+    section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
     size: tuple[int, int] = SIZE
 
 
@@ -44,7 +45,7 @@ MIRROR = {"mirror line": (0.9 + 0.25j, 0.9 + 0.03j)}
 BUILT = Chess(alpha=66, z1=10, z2=10, view=3.4)
 FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
-IDEAL = CHESS.replace(sheet="ideal")
+OUTLINED = CHESS.replace(alpha=40, direct_image=True)
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
     sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.66), view=1.8
@@ -78,8 +79,8 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
     "black-tops": [
-        Panel(CHESS, "prisms with clear top faces", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}),
-        Panel(CHESS.replace(tops="black"), "black top faces: stray light is absorbed"),
+        Panel(CHESS, "clear prisms", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}, section="clear top"),
+        Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
     ],
     "far": [
         Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
@@ -95,8 +96,8 @@ PANELS: dict[str, list[Panel]] = {
         Panel(LINE.replace(sheet="ideal"), "α = 120°: they appear on a circle", overlay=True),
     ],
     "refraction": [
-        Panel(IDEAL.replace(alpha=40), "light turned by 40°"),
-        Panel(CHESS.replace(sheet="refraction", ratio=0.5, alpha=40), "refracted too (index ratio 0.5): smaller"),
+        Panel(OUTLINED.replace(sheet="ideal"), "light turned by 40°"),
+        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "and refracted, index behind/before 0.5: smaller"),
     ],
     "pieces": [
         Panel(
@@ -104,11 +105,11 @@ PANELS: dict[str, list[Panel]] = {
         )
     ],
     "lenticular": [
-        Panel(BUILT.replace(prisms=150), "α = 66°, Dove prisms: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=150), "lenses f/3 of the same pitch: blurred"),
+        Panel(BUILT.replace(prisms=150), "Dove prisms, α = 66°: sharp"),
+        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses of the same pitch, f/3: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
-            "lenses f/6: sharper, with ghosts",
+            "f/6: sharper, with ghosts",
             names={"ghost of the floor": (-0.55 - 1.2j, -0.9 - 0.55j)},
         ),
     ],
@@ -135,6 +136,8 @@ def panel(shown: Panel) -> Picture:
         ends = [pixels(z) for z in shown.line]
         draw.line(ends, fill="white", width=6)
         draw.line(ends, fill=(213, 94, 0), width=3)
+    if shown.section:
+        _section(draw, shown.section)
     for name, (place, end) in shown.names.items():
         _name(draw, name, pixels(place), pixels(end))
     text = measured(shown.scene.replace(predicted_image=False)) if shown.text == "measured" else shown.text
@@ -161,6 +164,23 @@ def _name(draw: ImageDraw.ImageDraw, name: str, middle: tuple[float, float], end
         for colour, width in (("white", 5), (DARK, 2)):
             draw.line([tuple(start), end], fill=colour, width=width)
     write(draw, x - half, y, name, LETTERS, edge=2)
+
+
+def _section(draw: ImageDraw.ImageDraw, text: str) -> None:
+    """Draw the section of a Dove prism, with the light's path, at the lower left of a picture."""
+    left, right, top, base = 38, 178, 396, 438
+    slant = base - top  # the facets have 45 degrees
+    draw.rectangle([left - 14, top - 40, right + 14, base + 14], fill=(95, 104, 118))
+    corners = [(left, base), (left + slant, top), (right - slant, top), (right, base)]
+    draw.polygon(corners, fill=(150, 175, 200))
+    y, middle = base - slant / 3, (left + right) / 2  # where light meets the facets, and the base
+    draw.line(
+        [(left - 14, y), (left + base - y, y), (middle, base), (right - base + y, y), (right + 14, y)],
+        fill=(213, 94, 0),
+        width=3,
+    )
+    draw.line(corners[1:3], fill="black" if text.startswith("black") else "white", width=6)
+    write(draw, middle - 16 * text_width(text) / 2, top - 20, text, 16)
 
 
 def _magnified(image: Image.Image, large: Image.Image) -> None:

@@ -51,7 +51,7 @@ def save_frames(points: list[Point], folder: Path) -> None:
             key = [
                 "large, with a name: povgen's qualities",
                 "small, grey: other samplings",
-                "line: the least error at this cost",
+                "lines: no cheaper sampling has a smaller error",
             ]
             if any(p.size == size and p.method.split()[-1] not in ("detailed", "ideal") for p in points):
                 key.append("crosses (left): other programs, and prisms by hand")
@@ -127,6 +127,14 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
     ax.grid(alpha=0.25)
     ax.margins(0.12)
     point_to_better(ax)
+    drafts = {p.method: p for p in points if p.sampling == samplings["draft"]}
+    fast, slow = drafts.get(f"gl {sheet}"), drafts.get(sheet)
+    if fast and slow and max(fast.rms / slow.rms, slow.rms / fast.rms) < 1.1:
+        y = 1.18 * max(fast.rms, slow.rms)
+        look = {"arrowstyle": "<->", "color": "#444444", "shrinkA": 0, "shrinkB": 0}
+        ax.annotate("", (fast.cpu, y), (slow.cpu, y), arrowprops=look)
+        text = f"{slow.cpu / fast.cpu:.0f} times faster"
+        ax.text(np.sqrt(fast.cpu * slow.cpu), 1.03 * y, text, ha="center", va="bottom", color="#444444")
     return labels
 
 
@@ -169,25 +177,29 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
     with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
         axes = figure.subplots(1, 2, sharey=True)
         names, places, top = [], [], 0.0
+        headings: dict[str, float] = {}
         # one to three windows, each of prisms and ideal, then the other sheets
         rows = sorted(rows, key=lambda row: (row[0] == "other ideal sheets", row[1], row[0]))
         for kind, name, _, _ in rows:
             windows = "1 window" if name == "1" else f"{name} windows"
-            names.append(
-                {"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, f"other ideal sheet: {name}")
-            )
-            top -= 1.5 if kind == "detailed" or name == "axis" else 1
+            if kind == "other ideal sheets" and not headings:
+                top -= 1.5
+                headings = {f"{kind}, 1 window:": top}
+            names.append({"detailed": f"{windows}, prisms", "ideal": f"{windows}, ideal"}.get(kind, name))
+            top -= 1.5 if kind == "detailed" else 1
             places.append(top)
         cost = {row[:2]: row[2] for row in rows}
-        before = [cost.get((kind, str(int(name) - 1) if name.isdigit() else "")) for kind, name, _, _ in rows]
-        further = [f" (+{row[2] - less:.2f})" if less else "" for row, less in zip(rows, before, strict=True)]
+        fewer = [
+            [cost[kind, str(n)] for n in range(1, int(name))] if name.isdigit() else [] for kind, name, _, _ in rows
+        ]
+        further = [f" (+{row[2] - less[-1]:.2f})" if less else "" for row, less in zip(rows, fewer, strict=True)]
         colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows]
         for ax, column, title, form in (
             (
                 axes[0],
                 2,
                 "A further window costs less than the first",
-                "CPU seconds for a frame of 640x480 (+: this window)",
+                "CPU seconds for a frame of 640x480 (+: for the last window)",
             ),
             (axes[1], 3, "Only prisms displace what is seen", "distance from the exact position (px of 1280x960)"),
         ):
@@ -199,7 +211,9 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
             ax.set_xlim(right=1.25 * max(values, default=1))
             ax.spines["left"].set_visible(False)
             ax.tick_params(left=False)
-        axes[0].set_yticks(places, names)
+        for place, less in zip(places, fewer, strict=True):
+            axes[0].vlines(less, place - 0.4, place + 0.4, color="white", linewidth=2)
+        axes[0].set_yticks([*places, *headings.values()], [*names, *headings])
 
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
@@ -274,37 +288,25 @@ ERROR_WORDS = {
     "base_angle": "near prisms' base angle wrong by",
     "far_base_angle": "far prisms' base angle wrong by",
     "facets": "each facet turned by",
-    "pitches": "each prism's height wrong by a part of",
+    "pitches": "each prism's height wrong, as a part of it, by",
 }
+EFFECTS = {"displaced": "arcminutes", "turned": "degrees"}  # what is drawn of a `Change`, and its unit
 
 
-def save_tolerance(
-    sensitivities: Mapping[str, Change], builds: Change | None, given: Mapping[str, float], path: Path
-) -> None:
-    """Write a chart of how far each error displaces and turns the object, and of how the builds are distributed.
-
-    `given` are the standard deviations of the builds' errors, in the errors' units. The chart's values stand beside it,
-    in a .csv file of the same name.
-    """
+def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
+    """Write a chart of how far each error alone displaces and turns the object, and its table beside it, as .csv."""
     small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
     units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
     effects = {
         field: {name: abs(units[name][0] * float(getattr(change, field))) for name, change in sensitivities.items()}
-        for field in ("displaced", "turned")
+        for field in EFFECTS
     }
     ordered = sorted(sensitivities, key=lambda name: np.nan_to_num(effects["displaced"][name]))
-    table: list[tuple[object, ...]] = []
-    with drawn(11.5, 9.2 if builds else 4.8, path) as figure:
-        parts = figure.subfigures(2 if builds else 1, 1, squeeze=False)[:, 0]
-        rows = [part.subplots(1, 2) for part in parts]
-        parts[0].suptitle("One error alone: 1°, 0.01 tiles, or 0.01 of the index", fontsize=11, color="#444444")
-        for column, (field, unit, title) in enumerate(
-            (("displaced", "arcminutes", "Displaced most"), ("turned", "degrees", "Turned most"))
-        ):
-            ax, values = rows[0][column], np.array([effects[field][name] for name in ordered])
-            most = np.nan_to_num(values).max()
-            worst = _words(ordered[int(np.nan_to_num(values).argmax())])
-            names = [f"{ERROR_WORDS[name]} {units[name][1].replace(' degree', '°')}" for name in ordered]
+    with drawn(11.5, 4.8, path) as figure:
+        for column, (ax, (field, unit)) in enumerate(zip(figure.subplots(1, 2), EFFECTS.items(), strict=True)):
+            values = np.nan_to_num([effects[field][name] for name in ordered])
+            most, worst = values.max(), _words(ordered[int(values.argmax())])
+            names = [f"{ERROR_WORDS[name]} {_with_unit(name, units[name][0])}" for name in ordered]
             bars = ax.barh(names, values, color=PRISMS)
             texts = [
                 f"below {most / 100:.1g}" if value < most / 100 else f"{value:#.2g}".rstrip(".") for value in values
@@ -312,29 +314,40 @@ def save_tolerance(
             ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.12)
             ax.tick_params(labelleft=column == 0, left=False)
-            ax.set(xlabel=f"{field}, {unit}", title=f"{title}: {worst}")
-            table += [
-                (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{effects[field][name]:.6g}")
-                for name in effects[field]
-            ]
-            if builds:
-                found = getattr(builds, field)
-                limit = percentile(found, 95)
-                _draw_builds(rows[1][column], found[np.isfinite(found)], limit)
-                rows[1][column].set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: at most {limit:.2g} {unit}")
-                table += [("random build", f"{field}, {unit}", f"{value:.6g}") for value in found]
-        if builds:
-            rows[1][0].set(ylabel=f"builds, of {len(builds.displaced)}")
-            scatter = "; ".join(f"{_words(name)} {_with_unit(name, value)}" for name, value in given.items())
-            title = f"{len(builds.displaced)} random builds, each with all the errors named below"
-            parts[1].suptitle(title, fontsize=11, color="#444444")
-            parts[1].supxlabel(fill(f"standard deviations: {scatter}", 140), fontsize=10, color="#444444")
+            ax.set(xlabel=f"{field}, {unit}", title=f"{field.capitalize()} most by: {worst}")
+    table = [
+        (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{effects[field][name]:.6g}")
+        for field, unit in EFFECTS.items()
+        for name in effects[field]
+    ]
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
+
+
+def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
+    """Write a chart of how many random builds displace and turn the object by how much, and a table, as .csv.
+
+    `given` are the standard deviations of the builds' errors, in the errors' units.
+    """
+    table: list[tuple[object, ...]] = []
+    with drawn(11.5, 5.2, path) as figure:
+        axes = figure.subplots(1, 2)
+        for ax, (field, unit) in zip(axes, EFFECTS.items(), strict=True):
+            found = getattr(builds, field)
+            limit = percentile(found, 95)
+            _draw_builds(ax, found[np.isfinite(found)], limit)
+            sign = "°" if unit == "degrees" else f" {unit}"
+            ax.set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: {field} by at most {limit:.2g}{sign}")
+            table += [(f"{field}, {unit}", f"{value:.6g}") for value in found]
+        axes[0].set(ylabel=f"builds, of {len(builds.displaced)}")
+        scatter = "; ".join(f"{_words(name)}:\u00a0{_with_unit(name, value)}" for name, value in given.items())
+        text = f"each build has all these errors, at random, with the standard deviations: {scatter}"
+        figure.supxlabel(fill(text, 120), fontsize=10, color="#444444")
+    save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
 
 
 def _words(name: str) -> str:
     """Return what an error is, without its size."""
-    return ERROR_WORDS[name].removesuffix(" a part of").removesuffix(" by")
+    return ERROR_WORDS[name].removesuffix(" by").removesuffix(",")
 
 
 def _with_unit(name: str, value: float) -> str:

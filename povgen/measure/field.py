@@ -19,6 +19,7 @@ from povgen.scene.scenes import Chess, Scene
 ALPHA, Z1 = 66, 2.0  # degrees, tiles
 PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres
 WAVELENGTH = 550e-9  # metres
+DRAWN_RADII = {0.2: 8, 0.6: 18}  # of circles on the sheet, tiles, and how many rays are drawn through each
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ def save_charts(folder: Path) -> None:
         draw_wave_front(wave_front)
         save_lines(folder / "field.csv", wave_front)
     with drawn(12, 5.2, folder / "curl.png") as figure:
-        pieces, curl = figure.subplots(1, 2)
+        pieces, curl = figure.subplots(1, 2, gridspec_kw={"wspace": 0.15})
         draw_pieces(pieces)
         draw_curl(curl)
         save_lines(folder / "curl.csv", curl)
@@ -91,7 +92,7 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 def draw_rays(ax: Axes) -> None:
     """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
-    for radius, count, below in ((0.2, 8, -0.37), (0.6, 18, -0.56)):
+    for (radius, count), below in zip(DRAWN_RADII.items(), (-0.37, -0.56), strict=True):
         ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), ":", color=GREY)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
@@ -110,12 +111,18 @@ def draw_wave_front(ax: Axes) -> None:
     """Draw paths round the axis that are perpendicular to the rays: after a turn they are not where they began."""
     turns, radii = np.linspace(0, 2 * pi, 97), np.array([0, 0.2, 0.4, 0.6])
     heights = wave_front(radii, turns, 1.0)
-    for radius, height in zip(radii[1:], heights.T[1:], strict=True):
+    for radius, height in zip(radii, heights.T, strict=True):
+        if radius not in DRAWN_RADII:
+            continue
         nearer = height[0] - height
         ax.plot(np.degrees(turns), nearer, color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
-        ax.text(364, nearer[-1], f"radius {radius:g} tiles:\n{nearer[-1]:.2f} nearer", color=IDEAL, va="center")
+        ax.text(364, nearer[-1], f"radius {radius:g} tiles:\n{nearer[-1]:.2f} after a turn", color=IDEAL, va="center")
     ax.text(10, 0.74, "A wave front is perpendicular to its rays.\nIt would end where it began: at 0.", color=GREY)
-    ax.set(xlabel="angle on the circle, degrees", ylabel="path's shift towards the sheet (tiles)", xlim=(0, 360))
+    ax.set(
+        xlabel="angle on the circle, degrees",
+        ylabel="how much nearer to the sheet than at the start (tiles)",
+        xlim=(0, 360),
+    )
     ax.set_ylim(bottom=0)
     ax.set_title("No wave front: a path perpendicular to the rays does not close", fontsize=11)
 
@@ -129,6 +136,9 @@ def draw_pieces(ax: Axes) -> None:
     degrees = np.degrees(turns)
     ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
     ax.text(170, 84, "what the ideal sheet's\nrays demand", color=IDEAL, ha="right")
+    most = 1e6 * demanded[-1]
+    ax.annotate("", (360, most), (360, 0), arrowprops={"arrowstyle": "<->", "color": IDEAL, "shrinkA": 0, "shrinkB": 0})
+    ax.annotate(f"{most:.0f} µm", (360, most / 2), (6, 0), textcoords="offset points", color=IDEAL, va="center")
     ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
     ax.text(350, 14, "prisms: short pieces with jumps between them", color=PRISMS, ha="right")
     ax.text(
@@ -137,8 +147,8 @@ def draw_pieces(ax: Axes) -> None:
         f"circle on the sheet: radius {1e3 * RADIUS:g} mm\npitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°",
         color=GREY,
     )
-    ax.set(xlabel="angle on the circle, degrees", ylabel="optical path, µm", xlim=(0, 360))
-    ax.set_title(f"No wave front fits the ideal sheet: {1e6 * demanded[-1]:.0f} µm more after a turn", fontsize=11)
+    ax.set(xlabel="angle on the circle, degrees", ylabel="optical path from the point (µm)", xlim=(0, 360))
+    ax.set_title(f"The optical path grows by {most:.0f} µm in a turn: no wave front fits", fontsize=11)
 
 
 def draw_curl(ax: Axes) -> None:
@@ -149,8 +159,7 @@ def draw_curl(ax: Axes) -> None:
         curl = equations.curl(Z1, z2, np.radians(alphas))
         ax.plot(alphas, curl, dashes, color="#444444", linewidth=2, label=f"z₂ = {z2:g} tiles")
         highest = curl[:130].argmax()
-        unit = "tile" if z2 == 1 else "tiles"
-        ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g} {unit}", color="#444444", ha="right")
+        ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g}", color="#444444", ha="right")
     for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
         for alpha in range(15, 180, 30):
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
@@ -160,6 +169,6 @@ def draw_curl(ax: Axes) -> None:
     ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
     ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
     ax.text(4, 1.50, "lines: the formula", color=GREY)
-    ax.text(4, 1.42, f"z₂: distance before the sheet; z₁ = {Z1:g} tiles", color=GREY)
+    ax.text(4, 1.42, f"z₂: distance before the sheet, tiles; z₁ = {Z1:g}", color=GREY)
     ax.set(xlabel="α, degrees", ylabel="curl of the rays' slopes, on the axis (1/tile)", xlim=(0, 180), ylim=(0, 1.75))
     ax.set_title("The field of rays has a curl, except at α = 0° and 180°", fontsize=11)

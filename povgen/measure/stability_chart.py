@@ -26,14 +26,14 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
     """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
     for measured in maps:
         save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
-        with drawn(8, 5, folder / f"{measured.name}.png") as figure:
+        with drawn(9.5 if measured.shape == "limits" else 8, 5, folder / f"{measured.name}.png") as figure:
             draw_map(figure.subplots(), measured)
         for limit in measured.limits:
             done(limit)
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw a map as its `shape` says. Values of x that povgen warns of or refuses are shaded."""
+    """Draw a map as its `shape` says. Values of x beyond the limit are shaded."""
     ax.set(xlabel=measured.x, ylabel=measured.y)
     ax.set_title(measured.finding, pad=26)  # room for what the shaded part is
     ax.grid(alpha=0.25)
@@ -58,21 +58,19 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
 
 def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
     """Draw each series as a line with its name."""
-    for name, (x, y) in _series(measured).items():
+    series, colours = _series(measured), {}
+    for name, (x, y) in series.items():
         shown = y > 0 if "y" in measured.log_axes else np.isfinite(y)
-        ax.plot(x[shown], y[shown], "o-", markersize=5, label=name)
+        (line,) = ax.plot(x[shown], y[shown], "o-", markersize=5, label=name)
+        colours[name] = line.get_color()
     _shade_beyond_limit(ax, measured)
-    _explain(ax, measured.note, *_symbols(" ".join(_series(measured))))
+    _explain(ax, measured.note, *_symbols(" ".join(series)))
     top = ax.get_ylim()[1]
-    if all(y.max() > top for _, y in _series(measured).values()):  # the axes cut all lines: they are apart there
-        for name, (x, y) in _series(measured).items():
-            n = np.flatnonzero(y > top)[-1]
-            cut = x[n] * (x[n + 1] / x[n]) ** ((y[n] - top) / (y[n] - y[n + 1]))  # the axis of x is logarithmic
-            colour = next(line.get_color() for line in ax.lines if line.get_label() == name)
-            ax.annotate(
-                name, (cut, 0.93 * top), (-6, 0), textcoords="offset points", ha="right", color=colour, fontsize=10
-            )
-    elif len(_series(measured)) > 1:
+    if all(y.max() > top for _, y in series.values()):  # the lines leave the axes, and are apart there
+        for (name, colour), limit in zip(colours.items(), measured.limits, strict=True):
+            at = limit.value, 1.6 * measured.tolerance
+            ax.annotate(name, at, (-6, 0), textcoords="offset points", ha="right", color=colour, fontsize=10)
+    elif len(series) > 1:
         name_lines(ax, 10)
 
 
@@ -92,10 +90,11 @@ def _draw_range(ax: Axes, measured: StabilityMap) -> None:
         ax.plot(x, np.mean([series[name + RENDERED][1] for name in traced], 0), "x", color="black", markersize=9)
         notes.append("crosses: the mean in POV-Ray's pictures")
     _shade_beyond_limit(ax, measured)
-    if not measured.limits:  # shows where the mean reaches the tolerance
-        reached = np.interp(measured.tolerance, y.mean(0), x)
-        ax.plot([reached] * 2, [0, measured.tolerance], ":", color=GREY)
-        ax.annotate(f"{reached:.0f}", (reached, 0), (4, 4), textcoords="offset points", color="#444444")
+    if measured.reached is not None:
+        ax.plot([measured.reached] * 2, [0, measured.tolerance], ":", color=GREY)
+        ax.annotate(
+            f"{measured.reached:.0f}", (measured.reached, 0), (4, 4), textcoords="offset points", color="#444444"
+        )
     _explain(ax, measured.note, *notes, *_symbols(" ".join(traced)))
 
 
@@ -153,6 +152,9 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     ax.set(xlim=(left, right), ylim=ax.get_ylim())
     across = np.geomspace(left, right, 200)
     ax.fill_between(across, across + beyond, top, color=RED, alpha=0.09, linewidth=0)
+    ax.plot(across, across, ":", color=GREY)
+    at = np.sqrt(limit.bound * right)
+    ax.annotate("error = bound", (at, at), (4, -4), textcoords="offset points", color="#444444", va="top", fontsize=10)
     ax.text(0.11, 0.97, measured.allowed, transform=ax.transAxes, color=RED, va="top")
     ax.axvline(limit.bound, color=RED)
     _name_limit(ax, limit.bound, measured.action)
@@ -168,20 +170,33 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
     ax.plot(bounds, rows, "D", color=RED, markersize=9, markerfacecolor="white", markeredgewidth=1.8)
     ax.plot(values, rows, "o", color=PRISMS, markersize=6)
     names = [limit.what.removeprefix(f"{measured.title}: ") for limit in limits]
-    ax.set_yticks(rows, names)
+    left = -8.0
+    for parts in [*zip(*(name.split(", ") for name in names), strict=True)][::-1]:  # a column for each part of a name
+        usual = max(parts, key=parts.count)
+        for row, part in zip(rows, parts, strict=True):
+            colour = GREY if part == usual else "black"
+            ax.annotate(
+                part,
+                (0, row),
+                (left, 0),
+                ax.get_yaxis_transform(),
+                "offset points",
+                color=colour,
+                fontsize=10,
+                ha="right",
+                va="center",
+            )
+        left -= 5 * max(map(len, parts)) + 10
+    ax.set_yticks(rows, [])
     ax.set_ylabel("")
     ax.set_ylim(-0.6, len(limits) - 0.4)
-    for x, mark, text, colour in ((0, "●", measured.allowed, PRISMS), (1, "◇", measured.action, RED)):
-        ax.annotate(
-            f"{mark} {text}",
-            (x, 1),
-            (0, 6),
-            "axes fraction",
-            "offset points",
-            color=colour,
-            ha="right" if x else "left",
-        )
-    _explain(ax, measured.note, *_symbols(" ".join(names)))
+    for height, mark, text, colour in ((20, "●", measured.allowed, PRISMS), (6, "◇", measured.action, RED)):
+        place = (0, 1), (0, height), "axes fraction", "offset points"
+        ax.annotate(f"{mark} {text}", *place, color=colour)
+    # the title and the note begin at the left of the names
+    ax.annotate(ax.get_title("left"), (0, 1), (left, 44), "axes fraction", "offset points", weight="bold", fontsize=12)
+    ax.set_title("")
+    _explain(ax, measured.note, *_symbols(" ".join(names)), left=left)
 
 
 def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:
@@ -197,7 +212,7 @@ def _symbols(text: str) -> list[str]:
     return ["; ".join(f"{symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in words)]
 
 
-def _explain(ax: Axes, *lines: str) -> None:
-    """Write below the axes what marks and symbols mean."""
+def _explain(ax: Axes, *lines: str, left: float = 0) -> None:
+    """Write below the axes what marks and symbols mean, from `left` points beside them on."""
     text = "\n".join(fill(line, 80) for line in lines if line)
-    ax.annotate(text, (0, 0), (0, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")
+    ax.annotate(text, (0, 0), (left, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")

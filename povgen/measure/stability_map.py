@@ -23,7 +23,8 @@ class StabilityMap:
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
     `tolerance` is the greatest allowed y, and `allowed` says so in a drawing. `action` is what povgen does beyond its
-    limit. `finding` is what the map shows, in a sentence. `note` stands below the drawing. `shape` is how it is drawn:
+    limit. `finding` is what the map shows, in a sentence. `note` stands below the drawing. `reached` is the x where the
+    mean of the series first exceeds the tolerance, if the drawing marks it. `shape` is how it is drawn:
 
     - 'lines': each series is a line.
     - 'range': the mean of the series is a line, in the band that they cover.
@@ -42,6 +43,7 @@ class StabilityMap:
     action: str = "povgen refuses"
     shape: Literal["lines", "range", "bound", "limits"] = "lines"
     note: str = ""
+    reached: float | None = None
     rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
     limits: list[Measured] = dataclasses.field(default_factory=list)
 

@@ -18,9 +18,9 @@ from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
-# Of the differences below. They are large, because a sheet that moves sends other rays along the designed path, which
-# changes the fitted turn by some 0.01 degrees. Random errors of single prisms are no step: they blur, in proportion to
-# no single number
+# By how much `sensitivities` changes each error. The steps are large: if a sheet moves, other rays take the designed
+# path, and this alone changes the angle that is fitted to them by some 0.01 degrees. Random errors of prisms have
+# no step, because their blur is proportional to no single number.
 STEPS = {
     name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
@@ -43,7 +43,7 @@ class Spread(Model):
     ] = Field(
         default={},
         description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 counts as one "
-        "above 0; those of facets and pitches are the same in every build, which draws its own prisms",
+        "above 0; for facets and pitches, each build has other random prisms with the same standard deviation",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
@@ -55,15 +55,15 @@ class Change(NamedTuple):
     displaced: Any  # arcminutes, as the eye sees it
     turned: Any  # degrees, counter-clockwise
     magnified: Any  # percent
-    blurred: Any  # of the RMS blur, arcminutes
+    blurred: Any  # change of the RMS blur, arcminutes
 
 
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
-    """Return what a unit of each error changes: a degree, or a tile of `separation`.
+    """Return what a unit of each error changes: a degree, a tile of `separation`, or an index that differs by 1.
 
-    Two scenes are compared: with the error less and greater by a step of `STEPS`, or by a part of it if such a scene is
-    not allowed. The difference is divided by that of the errors. `displaced` has no sign. Raises InputError for other
-    sheets than one pair of prisms, and for an error that can be neither less nor greater.
+    Two scenes are compared: with the error less and greater by a step of `STEPS`, or by a part of it, or by nothing, if
+    such a scene is not allowed. The difference is divided by that of the errors. `displaced` has no sign. Raises
+    InputError for other sheets than one pair of prisms, and for an error that can be neither less nor greater.
     """
     _checked(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
@@ -111,7 +111,7 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
 
 
 def percentile(changes: Floats, share: float) -> float:
-    """Return what so many percent of the builds do not exceed; infinite if in more the object is not seen."""
+    """Return what `share` percent of the builds do not exceed. A build in which the object is not seen is infinite."""
     return float(np.percentile(np.nan_to_num(changes, nan=np.inf), share, method="higher"))
 
 

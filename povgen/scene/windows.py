@@ -1,4 +1,7 @@
-"""The sheets' parameters as fields of scenes; further windows, and how text such as `z=2,sheet=mirror` is read."""
+"""The sheets' parameters as fields of scenes, and the windows behind the first one.
+
+Such a window can be given as text: `z=2,sheet=mirror`.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
@@ -67,7 +70,8 @@ def _fields(required: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # a parameter of the paper's sheets, with one text for all kinds, is described without names of kinds
+        # a description begins with the names of the kinds, unless all kinds have the same text, and one of them is in
+        # the paper
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -93,7 +97,9 @@ class Window(_OfWindow):
     If a parameter of its sheet is not given, the first window's value is used.
     """
 
-    z: Annotated[float, Field(gt=0, le=100)] = Field(description="distance from the first window, above 0 to 100 tiles")
+    z: Annotated[float, Field(gt=0, le=100)] = Field(
+        description="distance from the first window, tiles: greater than 0, at most 100"
+    )
     sheet: SheetName | None = Field(default=None, description="kind of its sheet (default: the first window's)")
 
     if TYPE_CHECKING:  # the fields that come from the sheets' parameters
@@ -131,8 +137,9 @@ def _windows(value: object) -> object:
 
 
 WINDOW = (
-    "a further window, such as alpha=120,z=2. z: its distance behind the first window, tiles; then what differs from "
-    f"the first window: sheet, and the parameters of its sheet; up to {MAX_WINDOWS - 1} further windows, in order of z"
+    "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Of sheet and "
+    "its parameters, what differs from the first window. "
+    f"Up to {MAX_WINDOWS - 1} such windows; that with the smallest z is given first"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],

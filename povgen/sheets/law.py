@@ -67,7 +67,7 @@ class Law:
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
         `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` has
-        the numbers of the parameters by their names in the law; angles are in radians.
+        a number for each name of a parameter in the law; angles are in radians.
         """
         import numpy as np
 
@@ -130,7 +130,9 @@ class _Reader:
         except SyntaxError as error:
             raise self._error(min(max((error.offset or 2) - 2, 0), len(text))) from None
         except (ValueError, RecursionError, MemoryError):  # a NUL, or hundreds of parentheses
-            raise ValueError("not text of expressions; allowed: three, for x, y and z, separated by commas") from None
+            raise ValueError(
+                "cannot be read; allowed: three expressions, for x, y and z, separated by commas"
+            ) from None
         parts = tree.elts if isinstance(tree, ast.Tuple) else [tree]
         if len(parts) != 3:
             raise ValueError(f"{len(parts)} expressions; allowed: three, for x, y and z, separated by commas")
@@ -171,7 +173,7 @@ class _Reader:
 
 
 def _depth(tree: ast.AST) -> int:
-    """Return how many levels a tree has. The count uses no recursion, which a deep tree would exceed."""
+    """Return how many levels a tree has. Recursion into a deep tree would exceed Python's limit, so a loop counts."""
     depth, level = 0, [tree]
     while level:
         depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]

@@ -26,7 +26,7 @@ class Said(NamedTuple):
 
     words: str  # {} stands for the value with its unit, {NAME} for the value of the sheet's parameter NAME
     factor: float = 1  # the caption states the value times this factor
-    full: str = ""  # other words for a full caption, which has less room for each value; empty: the same words
+    full: str = ""  # the words of `--caption full`, which states more values; empty: `words`
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Parameter:
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
     size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
-    symbol: str = ""  # on the teaching page; empty: the name
-    said: Said | None = None  # how captions state it; None: as `symbol = value`
+    symbol: str = ""  # on the teaching page; empty: its name
+    said: Said | None = None  # how captions state it; None: as `NAME = value`
 
     @property
     def about(self) -> str:
@@ -69,7 +69,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What a window holds: a sheet, or a pair of sheets, which is called a sheet here too.
+    """What a window holds: one sheet, or a pair of sheets. The code calls both a sheet.
 
     `values` are the values of its parameters. Lengths are in tiles, angles in degrees.
     """
@@ -87,7 +87,8 @@ class Sheet:
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
     # values at the start on the teaching page; a parameter that is missing here has its default
     opening: ClassVar[Mapping[str, Any]] = {}
-    # first and last value of a parameter in the page's movies; if it is missing here, those of the paper's movies
+    # first and last value of a parameter in the movies that the teaching page plays; a parameter that is missing here
+    # has the values of the paper's movies
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
@@ -124,7 +125,10 @@ class Sheet:
 
     @property
     def thin(self) -> "Ideal":
-        """The ideal sheet that does to light what this sheet does on the designed path."""
+        """The ideal sheet that does to light what this sheet does to rays on the designed path.
+
+        These rays enter at a prism's facet, are reflected at its base, and leave through its other facet.
+        """
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
@@ -167,14 +171,16 @@ class Ideal(Sheet):
 
     @cached_property
     def transfer(self) -> "Matrix | None":
-        """The matrix if the slope behind the sheet is linear in the slope before it and in the place, plus a constant.
+        """The ray-transfer matrix; None if the sheet has none.
 
-        Five rays determine it. If one of 20 other rays disagrees, there is no matrix.
+        A sheet has one if the slope behind it is a linear function, plus a constant, of the slope before the sheet and
+        of the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
         """
         import numpy as np
 
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # A number can be an array, with a value for each of several sheets. Results have its axes after the rays'.
+        # Each of `self.numbers` can be an array, with a value for each of several sheets. What `slope` returns then
+        # has the rays' axis first.
         rays = (slice(None), *[None] * len(shape))
         s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
         steps = s[1:] - s[0]

@@ -158,7 +158,9 @@ def vary_alpha(rendering: Rendering) -> Drawn:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
     scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
     measured = agreement.pieces(scenes)
-    titles = [f"{_at_angle(piece)}\nknight {piece.nu:z.1f}°, ideal {piece.nu_predicted:z.1f}°" for piece in measured]
+    titles = [
+        f"{_at_angle(piece)}\nknight leans {piece.nu:z.1f}° (ideal: {piece.nu_predicted:z.1f}°)" for piece in measured
+    ]
     figure, panels = _montage(scenes, rendering, titles, ideal=True)
     point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
     point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), "#b000a0")
@@ -216,14 +218,14 @@ def spheres(rendering: Rendering) -> Drawn:
         for size, colour in ((3.6, "white"), (2, "black")):
             ax.plot(*xy(places), "o", markersize=size, color=colour, markeredgewidth=0)
     cased = [withStroke(linewidth=2, foreground="white")]
-    for place, meaning in ((scenes[0].L, "$L$: small $z_1$"), (scenes[0].E + 0.2, "$E$: large $z_1$")):
-        write(panels[0], xy(place + 0.25j), meaning, fontsize=9, path_effects=cased)
+    for place, meaning in ((scenes[0].L, "near: $L$"), (scenes[0].E + 0.1, "far: $E$")):
+        write(panels[0], xy(place + 0.25j), meaning, fontsize=11, path_effects=cased)
     for name, place, aside in (("L", scenes[3].L, -0.12), ("E", scenes[3].E, 0.12j)):
         write(panels[3], xy(place + aside), f"${name}$", path_effects=cased)
     position = max(overlay.positions(scenes[3]), key=lambda z: z.real - z.imag)  # on the side of the text
     point_at(panels[3], xy(position), "predicted position", (0.62, -1.15))
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
-    point_at(panels[4], xy(curve), "path as $z_1$ changes", (0.6, -1.15), CONSTANT_ALPHA)
+    point_at(panels[4], xy(curve), "at all distances $z_1$", (0.6, -1.15), CONSTANT_ALPHA)
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
 
 
@@ -358,7 +360,8 @@ def _circles(ax: Axes) -> None:
         if abs(alpha) > 30:
             text = rf"$\alpha$ = {alpha}°" if alpha == 135 else f"{alpha}°".replace("-", "−")
             label(ax, equations.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
-    for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j)):
+    example = complex(equations.P(1 / 2, radians(90)))
+    for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j), (example, "$P$", 0.02 - 0.17j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)
         write(
             ax,

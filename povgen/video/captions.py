@@ -22,7 +22,7 @@ from povgen.video.text import text_width
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
-LEAST_GROWTH = 1.1  # it states the size only if this changes by more than this factor
+LEAST_GROWTH = 1.4  # it states the size only if this changes by more than this factor
 
 Reals = NDArray[np.float64]
 

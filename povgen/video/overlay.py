@@ -1,4 +1,4 @@
-"""Draw on a frame an overlay with predicted positions, and add strips with the key and the caption."""
+"""Draw predicted positions on a picture, and add strips with texts: the key of the colours, and the caption."""
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
@@ -23,9 +23,10 @@ HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-# of the line about which a sheet mirrors or turns light: that of the path as alpha changes, because no scene has both
+# of the line about which a sheet mirrors or turns light. It is also the colour of the curve of P at all alpha, because
+# no scene has both this line and this curve
 LINE_COLOUR = R_COLOUR
-POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E
+POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
 OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colour, and the colour of its edge
@@ -86,7 +87,7 @@ class Item(NamedTuple):
 def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return what the key above the picture says: a text for each colour that is drawn on the picture.
 
-    A picture without a caption and an overlay has no key.
+    Without caption, note, side view and overlay a picture has no key.
     """
     two = scene.rotates
     texts = []
@@ -95,9 +96,9 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     if rendering.overlay and ghosts(scene):
         texts.append(("predicted ghosts", GHOST_COLOUR))
     if rendering.overlay:
-        texts.append(("path as z₁ changes", ALPHA_COLOUR))
+        texts.append((f"{'P' if len(scene.objects) == 1 else 'positions'} at all distances z₁", ALPHA_COLOUR))
     if rendering.overlay and two and len(scene.objects) == 1 and not scene.window:
-        texts.append(("path as α changes", R_COLOUR))
+        texts.append(("P at all α", R_COLOUR))
     if rendering.annotated and scene.sheets[0].line:
         texts.append((scene.sheets[0].line[0], LINE_COLOUR))
     if rendering.overlay:
@@ -111,7 +112,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 
 
 def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return the common key of a movie's frames, or of the pictures of two eyes: each entry that one of them has.
+    """Return the common key of a movie's frames, or of the pictures of two eyes: each entry of one or more of them.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
     """
@@ -122,8 +123,8 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
-    The text's height is a fixed fraction of the picture's height, times `larger`. It is lower only if the items do not
-    fit into 3 lines.
+    The text's height is a fixed fraction of the picture's height, times `larger`. It is greater in small pictures, and
+    lower if the items do not fit.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
@@ -162,7 +163,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
     """Draw the predicted positions, and under them the curves along which these positions move."""
     height = len(picture)
     tile = height / scene.view
-    # thinner for several objects, which can be as small as their marks, and no farther apart than the line is wide
+    # lines are thinner if there are several objects: these can be small, and as near to each other as a line is wide
     thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
@@ -227,7 +228,7 @@ def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Comp
 
 
 def _named(scene: Scene) -> dict[str, complex]:
-    """Return the points of the plane z = 0 that have a letter: L, E, and P of a single object, if in the window."""
+    """Return the points of the plane z = 0 that have a letter and are in the window: L, E, and P of a single object."""
     points = {"L": scene.L, "E": scene.E} if scene.objects else {}
     if len(scene.objects) == 1:
         points |= dict(zip("P", positions(scene), strict=False))
@@ -296,9 +297,9 @@ def ghosts(scene: Scene) -> list[complex]:
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
-    The first curves are for constant alpha, one for each L: z1 changes along them. If there are a single object and a
-    single window, the second curve is for constant r: alpha changes along it. A part is an array of points of the plane
-    z = 0, in tiles, at most `step` apart. It ends where a window frame begins to hide the object.
+    The first curves are for constant alpha, one for each L: z1 changes along them. If there is a single object, and a
+    single window that turns light about the normal, the second curve has all alpha: z1 is constant along it. A part is
+    an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide the object.
     """
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = apparent.infinite_z1(scene.elements)
@@ -342,7 +343,7 @@ def _visible_parts(
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
                 # add a point between two that are more than `step` apart, unless both are outside the window's opening
-                # by more than twice their distance
+                # by more than twice the distance between them
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break

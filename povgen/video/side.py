@@ -15,9 +15,12 @@ from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
 FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
-LINE, RAY = (130, 135, 145), (230, 235, 245)
+LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (165, 175, 195)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 ARROW = 1.2  # height of the arrow that stands for a piece, tiles
+# where the other rays end: so far from the eye, in apertures. The directions differ: then rays without a common point
+# have none in any view.
+ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
 
 
 def images(scene: Scene) -> list[float]:
@@ -103,8 +106,9 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     draw = ImageDraw.Draw(image)
     thick = FINER * max(1, round(height / 240))
     draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
-    if len(shown) == 1 and there:
-        for points, colour in zip(_rays(scene, from_above), (RAY, LINE), strict=False):  # the ray to the eye is bright
+    if len(shown) == 1 and (scene.rotates or there):
+        for eye, points in _rays(scene, from_above)[::-1]:
+            colour = RAY if eye == scene.E else OTHER_RAYS
             draw.line([at(z, place) for z, place in points], fill=colour, width=thick, joint="curve")
     half = scene.aperture / 2
     for z in scene.places:
@@ -142,8 +146,8 @@ def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last:
     return names
 
 
-def _rays(scene: Scene, from_above: bool = False) -> list[list[tuple[float, complex]]]:
-    """Return z and x + iy of the corners of rays from the object to the eye, and to a point beside the eye.
+def _rays(scene: Scene, from_above: bool = False) -> list[tuple[complex, list[tuple[float, complex]]]]:
+    """Return where rays from the object end, at the eye and beside it, and z and x + iy of the corners of each.
 
     The rays begin at the upper end of a piece, and in a view from above at its foot. A ray that does not pass all
     windows is left out.
@@ -151,7 +155,7 @@ def _rays(scene: Scene, from_above: bool = False) -> list[list[tuple[float, comp
     L, z1 = scene.objects[0]
     tip = L + 1j * (ARROW if isinstance(scene, Chess) and not from_above else 0)
     found = []
-    for eye in (scene.E, scene.E + (0.3 if from_above else 0.3j) * scene.aperture):
+    for eye in (scene.E, *(scene.E + complex(way) * scene.aperture for way in ASIDE)):
         seen = scene.replace(eye=(eye.real, eye.imag), view=scene.view)
         if not bool(seen.visible(tip, z1)):
             continue
@@ -159,7 +163,7 @@ def _rays(scene: Scene, from_above: bool = False) -> list[list[tuple[float, comp
         corners = [(-scene.z2, eye)]
         for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
             corners.append((z, complex(before)))
-        found.append([*corners, (scene.places[-1] + z1, tip)])
+        found.append((eye, [*corners, (scene.places[-1] + z1, tip)]))
     return found
 
 

@@ -424,9 +424,8 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(z1=z1, alpha=90, piece="king") for z1 in (0.62, 20)],
             [
-                f"z₁ = {z1} tiles behind the window, "
-                f"rays turned by α = 90°, king appears turned by {nu}°, magnified {M} times"
-                for z1, nu, M in (("0.6", 5, "1.1"), ("20.0", 73, "1.3"))
+                f"z₁ = {z1} tiles behind the window, rays turned by α = 90°, king appears turned by {nu}°"
+                for z1, nu in (("0.6", 5), ("20.0", 73))
             ],
         ),
         (
@@ -449,7 +448,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ([Chess(prisms=n) for n in (200, 1000)], ["200 prisms", "1000 prisms"]),
         (
             [Chess(sheet="refraction", ratio=0.7, alpha=x) for x in (0, 90)],
-            [f"index ratio 0.7, light turned by {x}°" for x in (0, 90)],
+            [f"index behind/before sheet 0.7, light turned by {x}°" for x in (0, 90)],
         ),
         ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
         (
@@ -471,7 +470,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             ["window 3 at 2 tiles", "window 3 at 3 tiles"],
         ),
         ([Spheres(z2=6), Spheres(z2=7)], ["z₂ = 6 tiles", "z₂ = 7 tiles"]),
-        ([Chess(sheet="refraction", ratio=0.7, alpha=40)], ["index ratio 0.7, light turned by 40°"]),
+        ([Chess(sheet="refraction", ratio=0.7, alpha=40)], ["index behind/before sheet 0.7, light turned by 40°"]),
         ([Chess(sheet="mirror")], ["mirror line at 33°"]),
         ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
         ([Chess(alpha=66.5)], ["rays turned by α = 66.5°"]),

@@ -52,10 +52,20 @@ def test_distances_have_one_scale(scene):
 def test_rays_from_the_objects_tip_meet_at_the_images(scene):
     (image,) = side.images(scene)
     heights = []
-    for (z0, y0), (z1, y1), *_, (last, tip) in side._rays(scene):
+    for eye, ((z0, y0), (z1, y1), *_, (last, tip)) in side._rays(scene):
         heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
-        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L + 1j * side.ARROW)
-    assert heights == pytest.approx([tip, tip])  # the image is upright, and as large as the object
+        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L + 1j * side.ARROW) and y0 == eye
+    assert heights == pytest.approx([tip] * 3)  # the image is upright, and as large as the object
+
+
+@pytest.mark.parametrize("z", [0.5, 1.5, 2.5, 5])
+def test_rays_without_a_common_point_have_none_in_any_view(z):
+    found = side._rays(Chess(sheet="ideal", **{**TWO, "window": f"alpha=120,z={z}"}))
+    places = np.array([[y0, y1] for _, ((_, y0), (_, y1), *_) in found])
+    part = np.linspace(0, 1, 400)[:, None]
+    between = places[:, 0] * (1 - part) + places[:, 1] * part  # from the eye's plane to the first window
+    for view in (between.imag, between.real):
+        assert len(found) == 3 and np.ptp(view, axis=1).min() > 0.04
 
 
 def test_a_movie_keeps_its_scale():
@@ -78,7 +88,7 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
     scale = np.diff(middles(strips[0], side.SHEET))[0] / 2
     assert np.diff(eyes) == pytest.approx([0.8 * scale] * 2, abs=1.5)  # to the right is downwards
     for scene in scenes:
-        for (z0, x0), (z1, x1), *_, (_, foot) in side._rays(scene, from_above=True):
+        for _, ((z0, x0), (z1, x1), *_, (_, foot)) in side._rays(scene, from_above=True):
             assert x0 + (x1 - x0) * (-2 - z0) / (z1 - z0) == pytest.approx(foot)  # at the image
             assert foot == scene.L
 

@@ -212,15 +212,32 @@ def test_the_chart_of_builds_names_every_error(tmp_path, monkeypatch):
     figures = []
     monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
     given = dict.fromkeys(tolerance.DEVIATIONS, 0.05)
-    one, several = tolerance.Change(2.0, 1.0, 0.0, 0.0), tolerance.Change(*np.ones((4, 5)))
-    charts.save_tolerance({"turn": one, "separation": one}, several, given, tmp_path / "builds.png")
-    below = figures[0].subfigs[1].get_supxlabel().replace("\n", " ")
+    charts.save_builds(tolerance.Change(*np.ones((4, 5))), given, tmp_path / "builds.png")
+    below = figures[0].get_supxlabel().replace("\n", " ")
     assert below.count(";") == len(given) - 1
-    assert (
-        "each facet turned 0.05°" in below and "far apart 0.05 tiles" in below and "prism's height wrong 0.05" in below
-    )
+    for words in ("each facet turned: 0.05°", "far apart: 0.05 tiles", "height wrong, as a part of it: 0.05"):
+        assert words.replace(": ", ":\u00a0") in below
     rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
-    assert rows[1] == '"turn, 1 degree","displaced, arcminutes",2' and sum("random build" in row for row in rows) == 10
+    assert rows[1:] == ['"displaced, arcminutes",1'] * 5 + ['"turned, degrees",1'] * 5
+
+
+def test_the_chart_of_errors_has_a_bar_for_each_and_names_the_worst(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
+    found = {"turn": tolerance.Change(2.0, -3.0, 0.0, 0.0), "separation": tolerance.Change(-900.0, 1.0, 0.0, 0.0)}
+    charts.save_sensitivities(found, tmp_path / "errors.png")
+    left, right = figures[0].axes
+    assert [bar.get_width() for bar in left.patches] == [2, 9] and [bar.get_width() for bar in right.patches] == [
+        3,
+        0.01,
+    ]
+    assert left.get_title("left") == "Displaced most by: sheets too far apart"
+    assert right.get_title("left") == "Turned most by: near sheet turned"
+    rows = (tmp_path / "errors.csv").read_text("utf-8").splitlines()
+    assert rows[1:3] == [
+        '"turn, 1 degree","displaced, arcminutes",2',
+        '"separation, 0.01 tiles","displaced, arcminutes",9',
+    ]
 
 
 @pytest.mark.parametrize(

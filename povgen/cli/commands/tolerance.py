@@ -25,7 +25,12 @@ def command(
     ] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    output: Annotated[Path | None, output_to("FILE", "also draw a chart into this .png file")] = None,
+    output: Annotated[
+        Path | None,
+        output_to(
+            "FILE", "also draw a chart into this .png file: of random builds, or without --deviation of each error"
+        ),
+    ] = None,
     **values: object,
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
@@ -42,7 +47,7 @@ def command(
     spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
-        from povgen.measure.charts import save_tolerance  # says what is missing before anything is traced
+        from povgen.measure import charts  # says what is missing before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
     console = Console(width=None if sys.stdout.isatty() else 120)
     columns = ("displaced, arcmin", "turned, degrees", "magnified, %", "blurred, arcmin")
@@ -51,7 +56,8 @@ def command(
         unit = {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of")
         table.add_row(f"{unit} {name}", *(f"{float(value):.3g}" for value in change))
     console.print(table)
-    differing = None
+    if output and not spread.deviation:
+        charts.save_sensitivities(found, output)
     if spread.deviation:
         differing = tolerance.builds(made, spread, count, scheduler)
         given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
@@ -60,6 +66,7 @@ def command(
             row = (f"{tolerance.percentile(change, percentile):.3g}" for change in differing)
             table.add_row(f"{percentile} %: at most", *row)
         console.print(table)
+        if output:
+            charts.save_builds(differing, spread.deviation, output)
     if output:
-        save_tolerance(found, differing, spread.deviation, output)
         tell(f"wrote {output}")
