@@ -125,7 +125,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
     plain_ticks(ax.xaxis)
     plain_ticks(ax.yaxis)
     ax.grid(alpha=0.25)
-    ax.margins(0.12)
+    ax.margins(0.2, 0.12)
     point_to_better(ax)
     drafts = {p.method: p for p in points if p.sampling == samplings["draft"]}
     fast, slow = drafts.get(f"gl {sheet}"), drafts.get(sheet)
@@ -368,19 +368,20 @@ def _draw_builds(ax: Axes, values: NDArray[np.float64], limit: float) -> None:
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
-    """Write each label beside its point where it covers no other label or point, with a line to the point."""
+    """Write each label beside its point where it covers no other label, point or line, with a line to the point."""
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
     for ax, labels in labelled:
-        taken = []
+        taken = [text.get_window_extent(renderer) for text in ax.texts]
         for line in ax.lines:
+            places = ax.transData.transform(np.array(line.get_xydata()))
             half = line.get_markersize() * 0.9
-            taken += [
-                Bbox.from_bounds(x - half, y - half, 2 * half, 2 * half)
-                for x, y in ax.transData.transform(np.array(line.get_xydata()))
-                if line.get_marker() != "None"
-            ]
+            if line.get_marker() == "None":  # points along the line
+                steps = np.linspace(0, len(places) - 1, 100 * len(places))
+                places = np.transpose([np.interp(steps, np.arange(len(places)), xy) for xy in places.T])
+                half = 1
+            taken += [Bbox.from_bounds(x - half, y - half, 2 * half, 2 * half) for x, y in places]
         for x, y, text, colour, bold in labels:
             note = None
             for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):

@@ -34,7 +34,7 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
     result = StabilityMap("pole", title, finding, x, y, 1, "xy", "allowed: 1 px", "povgen warns")
     result.note = (
         "the eye is 6 tiles before the sheet; error: difference from the exact position; "
-        "an eye off the axis, 5.4 tiles away, can have an error of 1 px already at the red line"
+        "an eye off the axis, 5.4 tiles away, can have an error of 1 px at 150"
     )
     for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 up", 8j)):
         ways = [_near_pole(toward, conditions, size, "ideal", E=E) for toward in TOWARD_POLE]
@@ -161,7 +161,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     """
     most = 100 * limits.MAX_LOST_FRACTION
     title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
-    allowed = f"level at which {most:g} % of the pixels stay black"
+    allowed = f"needed: with fewer, more than {most:g} % of the pixels stay black"
     # the finding is known when all limits are
     result = StabilityMap("trace-level", title, "", x, y, most, "x", allowed, "set by povgen", "limits")
     levels = np.arange(5, limits.MAX_FACES)
@@ -212,8 +212,7 @@ def field_angle(
     traced = [row[1:] for row in angles.rows if not row[0].endswith(RENDERED)]
     at = sorted({angle for angle, _ in traced})
     mean = [np.mean([value for angle, value in traced if angle == each]) for each in at]
-    n = next(n for n, value in enumerate(mean) if value > 50)
-    angles.reached = float(np.interp(50, mean[n - 1 : n + 1], at[n - 1 : n + 1]))
+    angles.reached = float(np.interp(50, np.maximum.accumulate(mean), at))
     angles.finding = f"More than {angles.reached:.0f} degrees from the axis, most light is not rotated"
     yield angles
     finding = "A near eye sees little rotated light"
@@ -268,7 +267,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         "worst error (px)",
         limits.MAX_CAMERA_ERROR + 0.011,
         "xy",
-        "error above the bound + 0.011 px",
+        "error too great: above the bound + 0.011 px",
         f"povgen's cells: the bound is at most {limits.MAX_CAMERA_ERROR} px",
         "bound",
         "each point: a scene; cells: triangles in which the ideal sheet's rays are interpolated; "

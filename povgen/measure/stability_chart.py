@@ -129,11 +129,11 @@ def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
         _name_limit(ax, bound, f"{measured.action} {word} {bound:,g}{unit}")
 
 
-def _name_limit(ax: Axes, x: float, text: str) -> None:
+def _name_limit(ax: Axes, x: float, text: str, colour: str = RED) -> None:
     """Write above the axes what the limit at x is."""
     at_left = ax.transAxes.inverted().transform(ax.transData.transform((x, ax.get_ylim()[0])))[0] < 0.3
     side = "left" if at_left else "center"
-    ax.annotate(text, (x, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=RED, ha=side)
+    ax.annotate(text, (x, 1), (0, 3), ax.get_xaxis_transform(), "offset points", color=colour, ha=side)
 
 
 def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
@@ -153,11 +153,11 @@ def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
     across = np.geomspace(left, right, 200)
     ax.fill_between(across, across + beyond, top, color=RED, alpha=0.09, linewidth=0)
     ax.plot(across, across, ":", color=GREY)
-    at = np.sqrt(limit.bound * right)
-    ax.annotate("error = bound", (at, at), (4, -4), textcoords="offset points", color="#444444", va="top", fontsize=10)
+    at = np.sqrt(limit.bound * min(right, top))
+    ax.annotate("equal", (at, at), (-4, 4), textcoords="offset points", color="#444444", ha="right", fontsize=10)
     ax.text(0.11, 0.97, measured.allowed, transform=ax.transAxes, color=RED, va="top")
-    ax.axvline(limit.bound, color=RED)
-    _name_limit(ax, limit.bound, measured.action)
+    ax.axvline(limit.bound, color="#444444", linewidth=1)
+    _name_limit(ax, limit.bound, measured.action, "#444444")
     _explain(ax, measured.note)
 
 
@@ -196,7 +196,7 @@ def _draw_limits(ax: Axes, measured: StabilityMap) -> None:
     # the title and the note begin at the left of the names
     ax.annotate(ax.get_title("left"), (0, 1), (left, 44), "axes fraction", "offset points", weight="bold", fontsize=12)
     ax.set_title("")
-    _explain(ax, measured.note, *_symbols(" ".join(names)), left=left)
+    _explain(ax, measured.note, "grey: as in most rows", *_symbols(" ".join(names)), left=left)
 
 
 def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:

@@ -137,9 +137,8 @@ def _windows(value: object) -> object:
 
 
 WINDOW = (
-    "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Of sheet and "
-    "its parameters, what differs from the first window. "
-    f"Up to {MAX_WINDOWS - 1} such windows; that with the smallest z is given first"
+    "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Besides, what "
+    f"differs from the first window: sheet, its parameters. Up to {MAX_WINDOWS - 1} windows, the nearest first"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],

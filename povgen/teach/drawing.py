@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.measure.plotting import Axes, withStroke
+from povgen.measure.plotting import Axes
 
 RAY, SHEET, GREY = "#c1272d", "#0b5fa5", "#777777"
 SIDE, ABOVE = radians(32), radians(16)  # the directions of view onto space: from the side, and from above
@@ -61,8 +61,8 @@ def arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name
 
 
 def label(ax: Axes, place: complex, text: str, colour: str) -> None:
-    """Write a small text with a white edge."""
-    write(ax, xy(place), text, color=colour, fontsize=8, path_effects=[withStroke(linewidth=3, foreground="white")])
+    """Write a small text on a white ground."""
+    write(ax, xy(place), text, color=colour, fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
 
 
 def plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:

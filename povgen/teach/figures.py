@@ -225,7 +225,7 @@ def spheres(rendering: Rendering) -> Drawn:
     position = max(overlay.positions(scenes[3]), key=lambda z: z.real - z.imag)  # on the side of the text
     point_at(panels[3], xy(position), "predicted position", (0.62, -1.15))
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
-    point_at(panels[4], xy(curve), "at all distances $z_1$", (0.6, -1.15), CONSTANT_ALPHA)
+    point_at(panels[4], xy(curve), "predicted at all $z_1$", (0.6, -1.15), CONSTANT_ALPHA)
     return Drawn(figure, {"spheres": agreement.spheres(scenes)})
 
 
@@ -322,7 +322,7 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
         upright, ray = (projected(at(point, z)) - projected(at(P, 0)) for point in (P, foot))
         start, end = (np.arctan2(*vector[::-1]) for vector in (upright, ray))
         end = start + (end - start + pi) % (2 * pi) - pi
-        arc(ax, complex(*projected(at(P, 0))), 0.95, start, end, r"$\theta$", 0.13)
+        arc(ax, complex(*projected(at(P, 0))), 1.25 if z > 0 else 0.95, start, end, r"$\theta$", 0.13)
     coordinate_axes(ax, (-1.4, -0.95, 1.75), 0.45)
 
 
@@ -353,7 +353,7 @@ def _circles(ax: Axes) -> None:
     for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r$ = 1"), (2, "2"), (4, "4")):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
-        label(ax, equations.P(r, radians(-140 if r == 1 else -155)), text, CONSTANT_R)
+        label(ax, equations.P(r, radians({1: -140, 1 / 4: -168, 4: -168}.get(r, -155))), text, CONSTANT_R)
     ratio = np.geomspace(1e-3, 1e3, 721)
     for alpha in (-135, -120, -90, -60, -30, 0, 30, 60, 90, 120, 135):
         ax.plot(*xy(equations.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
