@@ -106,10 +106,10 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "lenticular": [
         Panel(BUILT.replace(prisms=150), "Dove prisms, α = 66°: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses of the same pitch, f/3: blurred"),
+        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses, f/3, same pitch: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
-            "f/6: sharper, with ghosts",
+            "cylindrical lenses, f/6: sharper, with ghosts",
             names={"ghost of the floor": (-0.55 - 1.2j, -0.9 - 0.55j)},
         ),
     ],

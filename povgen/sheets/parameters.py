@@ -38,7 +38,7 @@ GAP = Parameter(
 )
 
 
-FOCAL_LENGTHS = Said("focal lengths f₁/f₂ = {}")  # of lenses in two arrays
+FOCAL_LENGTHS = Said("lenses' focal lengths f₁/f₂ = {}")  # of lenses in two arrays
 
 
 def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:

@@ -453,7 +453,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
         (
             [Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)],
-            ["focal lengths f₁/f₂ = 0.5", "focal lengths f₁/f₂ = 2.0"],
+            ["lenses' focal lengths f₁/f₂ = 0.5", "lenses' focal lengths f₁/f₂ = 2.0"],
         ),
         ([Chess(sheet="lenticular", f_number=x) for x in (3, 4.8)], ["f/3.0 lenses", "f/4.8 lenses"]),
         ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
