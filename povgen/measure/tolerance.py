@@ -18,9 +18,9 @@ from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
-# By how much `sensitivities` changes each error. The steps are large: if a sheet moves, other rays take the designed
-# path, and this alone changes the angle that is fitted to them by some 0.01 degrees. Random errors of prisms have
-# no step, because their blur is proportional to no single number.
+# By how much `sensitivities` changes each error. If a sheet moves, other rays take the designed path. This alone
+# changes the angle by which the object appears turned, which is fitted to the rays, by about 0.01 degrees. Large steps
+# have greater effects than that. Random errors of prisms have no step: their blur is not proportional to them.
 STEPS = {
     name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
@@ -42,8 +42,8 @@ class Spread(Model):
         BeforeValidator(as_table),
     ] = Field(
         default={},
-        description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 counts as one "
-        "above 0; for facets and pitches, each build has other random prisms with the same standard deviation",
+        description="standard deviation of an error, 0 to 1, such as turn=0.05; a random separation below 0 loses its "
+        "sign; for the errors facets and pitches, each build has other prisms",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
@@ -61,9 +61,10 @@ class Change(NamedTuple):
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
     """Return what a unit of each error changes: a degree, a tile of `separation`, or an index that differs by 1.
 
-    Two scenes are compared: with the error less and greater by a step of `STEPS`, or by a part of it, or by nothing, if
-    such a scene is not allowed. The difference is divided by that of the errors. `displaced` has no sign. Raises
-    InputError for other sheets than one pair of prisms, and for an error that can be neither less nor greater.
+    Two scenes are compared: the error is less by its step of `STEPS` in one, and greater in the other. If the scene
+    does not allow the whole step, a part of it is used; if it allows no part, the error stays as it is. The difference
+    is divided by that of the errors. `displaced` has no sign. Raises InputError for other sheets than one pair of
+    prisms, and for an error that can be neither less nor greater.
     """
     _checked(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
@@ -90,7 +91,8 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
     """Return by how much each of many builds differs from the plan: arrays (builds,), without signs.
 
-    Raises InputError for other sheets than one pair of prisms.
+    The random errors are added to those of the scene; those of `facets` and `pitches` replace them. Raises InputError
+    for other sheets than one pair of prisms, and for a random error outside its range.
     """
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}

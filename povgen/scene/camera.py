@@ -1,4 +1,4 @@
-"""The camera: which position each pixel of a picture shows, and which ray it follows.
+"""The camera: for each pixel of a picture, the position that it shows, and the ray from the eye to this position.
 
 A position is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
 """
@@ -14,7 +14,7 @@ Size = tuple[int, int]  # width and height, pixels
 
 
 class Scene(Protocol):
-    """What the camera needs of a scene. `scene.scenes` describes these numbers."""
+    """What the camera needs of a scene. The module `povgen.scene.scenes` describes these numbers."""
 
     z2: float
     view: float

@@ -60,9 +60,10 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
 
 
 def _fields(required: bool) -> dict[str, Any]:
-    """Return the fields that scenes have for the parameters of all kinds of sheets.
+    """Return the fields for the parameters of all kinds of sheets.
 
-    A field of a further window that is not given is None. The first window's value is then used.
+    If `required`, they are those of a scene, for its first window. Otherwise they are those of a window behind it:
+    a field that is not given is None, and the first window's value is used.
     """
     found: dict[str, Any] = {}
     for name, several in PARAMETERS.items():
@@ -70,8 +71,8 @@ def _fields(required: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # a description begins with the names of the kinds, unless all kinds have the same text, and one of them is in
-        # the paper
+        # a description begins with the names of the kinds that have the parameter. If one of them is in the paper, and
+        # all have the same text, it does not.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -132,13 +133,13 @@ def _window(value: object) -> object:
 
 
 def _windows(value: object) -> object:
-    """Accept a single window."""
+    """Accept a single window in place of a list of windows."""
     return [value] if isinstance(value, (str, Mapping, Window)) else value
 
 
 WINDOW = (
-    "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Besides, what "
-    f"differs from the first window: sheet, its parameters. Up to {MAX_WINDOWS - 1} windows, the nearest first"
+    "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Further "
+    f"keys, if they differ from the first window's: sheet, its parameters. Up to {MAX_WINDOWS - 1}, the nearest first"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],

@@ -2,7 +2,7 @@
 
 The languages are Python (with numpy), POV-Ray's scene description language, GLSL and JavaScript.
 
-A law is three expressions, for x, y and z. They may contain
+A law is three expressions: the x, y and z components of the ray's new direction, behind the sheet. They may contain
 
 - x, y, z: the unit direction, before the sheet, of a ray that comes from the eye (z > 0);
 - X, Y: where the ray meets the sheet, from the window's centre, tiles;
@@ -16,6 +16,7 @@ the new direction, divided by its length, is above 1e-6. Light itself runs the o
 
 import ast
 import keyword
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -123,8 +124,8 @@ class _Reader:
         self.text, self.names = text, (*RAY, *parameters)
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
-        if "#" in text:  # Python's comments
-            raise self._error(text.index("#"), text.index("#") + 1)
+        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):  # Python's comments and numbers
+            raise self._error(*other.span())
         try:
             tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character
         except SyntaxError as error:
@@ -149,7 +150,7 @@ class _Reader:
         )
 
     def _checked(self, node: ast.expr) -> ast.expr:
-        """Return an expression in the form that every language reads alike: numbers have decimal points."""
+        """Return an expression in the form that every language reads alike, in which no number is an integer."""
         match node:
             case ast.BinOp(left, op, right) if isinstance(op, _SIGNS):
                 return ast.BinOp(self._checked(left), op, self._checked(right))

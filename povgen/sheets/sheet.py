@@ -69,7 +69,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What a window holds: one sheet, or a pair of sheets. The code calls both a sheet.
+    """What a window holds: one sheet, or a pair of sheets. In the code, the pair as a whole is also called a sheet.
 
     `values` are the values of its parameters. Lengths are in tiles, angles in degrees.
     """
@@ -127,7 +127,7 @@ class Sheet:
     def thin(self) -> "Ideal":
         """The ideal sheet that does to light what this sheet does to rays on the designed path.
 
-        These rays enter at a prism's facet, are reflected at its base, and leave through its other facet.
+        In prisms these rays enter at a facet, are reflected at the base, and leave through the other facet.
         """
         raise NotImplementedError
 
@@ -173,14 +173,14 @@ class Ideal(Sheet):
     def transfer(self) -> "Matrix | None":
         """The ray-transfer matrix; None if the sheet has none.
 
-        A sheet has one if the slope behind it is a linear function, plus a constant, of the slope before the sheet and
-        of the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
+        A sheet has one if the slope behind it is a constant plus a linear function of the slope before the sheet and of
+        the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
         """
         import numpy as np
 
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # Each of `self.numbers` can be an array, with a value for each of several sheets. What `slope` returns then
-        # has the rays' axis first.
+        # Several sheets are computed at once if each of `self.numbers` is an array, with a value for each sheet. In the
+        # result of `slope` the first axis is that of the rays, and the axes of the sheets follow.
         rays = (slice(None), *[None] * len(shape))
         s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
         steps = s[1:] - s[0]

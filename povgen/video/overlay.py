@@ -87,7 +87,7 @@ class Item(NamedTuple):
 def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return what the key above the picture says: a text for each colour that is drawn on the picture.
 
-    Without caption, note, side view and overlay a picture has no key.
+    A picture with neither caption, note, side view nor overlay has no key.
     """
     two = scene.rotates
     texts = []
@@ -112,7 +112,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 
 
 def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return the common key of a movie's frames, or of the pictures of two eyes: each entry of one or more of them.
+    """Return the common key of a movie's frames, or of the pictures of two eyes: every entry of all their keys.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
     """
@@ -123,8 +123,8 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
-    The text's height is a fixed fraction of the picture's height, times `larger`. It is greater in small pictures, and
-    lower if the items do not fit.
+    The text's height is a fraction of the picture's height, times `larger`. In small pictures this fraction is greater,
+    so that the text stays legible. If the items do not fit, the text is made lower.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
@@ -278,7 +278,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
 
 
 def positions(scene: Scene) -> list[complex]:
-    """Return the predicted positions of the scene's objects (a piece's foot) in the plane z = 0, in tiles.
+    """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles; of a piece, its foot.
 
     Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
     from an object's middle may not reach the eye, although light from other points of the object does. Then the
@@ -299,7 +299,8 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
 
     The first curves are for constant alpha, one for each L: z1 changes along them. If there is a single object, and a
     single window that turns light about the normal, the second curve has all alpha: z1 is constant along it. A part is
-    an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide the object.
+    an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide the object,
+    and where the curve passes through infinity.
     """
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = apparent.infinite_z1(scene.elements)

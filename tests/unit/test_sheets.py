@@ -158,6 +158,8 @@ def test_the_grammar(text, x):
         ("x.real, y, z", "'x.real' at character 1"),
         ("True, y, z", "'True' at character 1"),
         ("1j, y, z", "'1j' at character 1"),
+        ("0x10*x, y, z", "'0x10' at character 1"),
+        ("x + 1_000, y, z", "'1_000' at character 5"),
         ("sqrt, y, z", "'sqrt' at character 1"),
         ("x, y, (z", "at character"),
         ("x +, y, z", "at character"),
@@ -173,6 +175,13 @@ def test_what_is_not_in_the_grammar_is_refused(text, words):
     with pytest.raises(ValueError) as error:
         Law(text, ["k"])
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_parameters_name_may_look_like_pythons_numbers():
+    law = Law("x + k_0x10 + k1_000, y, z", ["k_0x10", "k1_000"])
+    np.testing.assert_allclose(
+        law.bend(np.array([0, 0, 1.0]), 0, {"k_0x10": 1.0, "k1_000": 2.0}), [0.9**0.5, 0, 0.1**0.5]
+    )
 
 
 def test_a_law_of_ones_own_in_a_scene():
