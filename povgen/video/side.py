@@ -109,6 +109,11 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     if len(shown) == 1 and (scene.rotates or there):
         for eye, points in _rays(scene, from_above)[::-1]:
             colour = RAY if eye == scene.E else OTHER_RAYS
+            (z, end), (window, start) = points[:2]
+            if (beyond := abs(_height(end, from_above))) > reach:  # there the texts stand
+                near = abs(_height(start, from_above))
+                part = (reach - near) / (beyond - near)
+                points[0] = window + part * (z - window), start + part * (end - start)
             draw.line([at(z, place) for z, place in points], fill=colour, width=thick, joint="curve")
     half = scene.aperture / 2
     for z in scene.places:
