@@ -17,10 +17,8 @@ from povgen.measure.plotting import (
     IDEAL,
     PRISMS,
     Axes,
-    Bbox,
     Figure,
     FigureCanvasAgg,
-    Text,
     drawn,
     name_lines,
     plain_ticks,
@@ -31,6 +29,8 @@ from povgen.measure.speed import Point, pareto_front
 from povgen.measure.tolerance import Change, percentile
 from povgen.settings import QUALITIES, Rendering
 from povgen.sheets.prisms import ERRORS
+
+Floats = NDArray[np.float64]
 
 COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
 
@@ -125,7 +125,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
     plain_ticks(ax.xaxis)
     plain_ticks(ax.yaxis)
     ax.grid(alpha=0.25)
-    ax.margins(0.2, 0.12)
+    ax.margins(0.2, 0.12)  # room for names
     point_to_better(ax)
     drafts = {p.method: p for p in points if p.sampling == samplings["draft"]}
     fast, slow = drafts.get(f"gl {sheet}"), drafts.get(sheet)
@@ -355,7 +355,7 @@ def _with_unit(name: str, value: float) -> str:
     return f"{value:g}" + {"degrees": "°", "": ""}.get(ERRORS[name].unit, f" {ERRORS[name].unit}")
 
 
-def _draw_builds(ax: Axes, values: NDArray[np.float64], limit: float) -> None:
+def _draw_builds(ax: Axes, values: Floats, limit: float) -> None:
     """Draw how many builds have which value. Those above the limit are pale."""
     width = limit / 12 if 0 < limit < np.inf else np.max(values, initial=1) / 20
     counts, edges = np.histogram(values, np.arange(0, np.max(values, initial=0) + width, width))
@@ -373,7 +373,7 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
     for ax, labels in labelled:
-        taken = [text.get_window_extent(renderer) for text in ax.texts]
+        taken = [np.array([text.get_window_extent(renderer).extents for text in ax.texts]).reshape(-1, 4)]
         for line in ax.lines:
             places = ax.transData.transform(np.array(line.get_xydata()))
             half = line.get_markersize() * 0.9
@@ -381,28 +381,62 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
                 steps = np.linspace(0, len(places) - 1, 100 * len(places))
                 places = np.transpose([np.interp(steps, np.arange(len(places)), xy) for xy in places.T])
                 half = 1
-            taken += [Bbox.from_bounds(x - half, y - half, 2 * half, 2 * half) for x, y in places]
-        for x, y, text, colour, bold in labels:
-            note = None
-            for distance, angle in product((10, 18, 28, 40, 55, 75), np.radians(np.arange(0, 360, 20))):
-                if note:
-                    note.remove()
-                side = np.cos(angle)
-                note = ax.annotate(
-                    text,
-                    (x, y),
-                    (distance * side, distance * np.sin(angle)),
-                    textcoords="offset points",
-                    fontsize=11,
-                    fontweight="bold" if bold else "normal",
-                    color=colour,
-                    ha="left" if side > 0.2 else "right" if side < -0.2 else "center",
-                    va="center",
-                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-                    arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
-                )
-                note.update_positions(renderer)
-                box = Text.get_window_extent(note, renderer).padded(1)  # the text without the line
-                if ax.bbox.containsx(box.x0) and ax.bbox.containsx(box.x1) and not any(map(box.overlaps, taken)):
+            taken.append(_squares(places, half))
+        # the points at the right come first, because there is less room beside them
+        for x, y, text, colour, bold in sorted(labels, key=lambda each: (not each.bold, -each.x)):
+            look: dict[str, Any] = {
+                "fontsize": 11,
+                "fontweight": "bold" if bold else "normal",
+                "color": colour,
+                "va": "center",
+            }
+            alone = ax.text(x, y, text, **look)
+            size = np.asarray(alone.get_window_extent(renderer).size) + 2
+            alone.remove()
+            point, others = ax.transData.transform((x, y)), np.concatenate(taken)
+            best, least = (10.0, 0.0), 8.0
+            for distance, angle in product((10.0, 18.0, 28.0, 40.0, 55.0, 75.0), np.radians(np.arange(0, 360, 20))):
+                box, leader = _candidate(point, size, distance * figure.dpi / 72, angle)
+                outside = not (ax.bbox.x0 < box[0, 0] and box[0, 2] < ax.bbox.x1)
+                fault = 4 * outside + 2 * _overlap(box, others) + _overlap(leader, others)
+                if fault < least:
+                    best, least = (distance, angle), fault
+                if not fault:
                     break
-            taken.append(box)
+            distance, angle = best
+            ax.annotate(
+                text,
+                (x, y),
+                (distance * np.cos(angle), distance * np.sin(angle)),
+                textcoords="offset points",
+                ha=_side(angle),
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+                arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 2},
+                **look,
+            )
+            taken += _candidate(point, size, distance * figure.dpi / 72, angle)
+
+
+def _side(angle: float) -> str:
+    """Return which part of a label is at its end of the line that leads to it in this direction."""
+    return "left" if np.cos(angle) > 0.2 else "right" if np.cos(angle) < -0.2 else "center"
+
+
+def _candidate(point: Floats, size: Floats, distance: float, angle: float) -> tuple[Floats, Floats]:
+    """Return the box of a label, and boxes along the line that leads to it: left, bottom, right and top, pixels."""
+    middle = point + distance * np.array((np.cos(angle), np.sin(angle)))
+    low = middle - size * ({"left": 0, "right": 1, "center": 0.5}[_side(angle)], 0.5)
+    line = np.linspace(point, np.clip(point, low, low + size), 30)
+    beyond_marker = np.linalg.norm(line - point, axis=1) > 14
+    return np.concatenate((low, low + size))[None], _squares(line[beyond_marker], 1)
+
+
+def _squares(middles: Floats, half: float) -> Floats:
+    """Return squares of the side 2 `half` around points (points, 2): left, bottom, right and top of each."""
+    return np.hstack((middles - half, middles + half))
+
+
+def _overlap(boxes: Floats, others: Floats) -> bool:
+    """Return whether one of the boxes overlaps one of the others."""
+    apart = (boxes[:, None, :2] >= others[:, 2:]) | (others[:, :2] >= boxes[:, None, 2:])
+    return bool((~apart.any(-1)).any())

@@ -23,9 +23,7 @@ try:
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
     from matplotlib.patheffects import withStroke
-    from matplotlib.text import Text
     from matplotlib.ticker import LogLocator
-    from matplotlib.transforms import Bbox
 except ImportError:
     raise InputError(
         f"charts and figures are drawn with matplotlib, which is not installed: {remedies.extra('charts')}"
@@ -33,7 +31,7 @@ except ImportError:
 
 # for the modules that draw
 __all__ = [
-    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Axis", "Bbox", "Figure", "FigureCanvasAgg", "Text", "drawn",
+    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Axis", "Figure", "FigureCanvasAgg", "drawn",
     "name_lines", "plain_ticks", "point_to_better", "save_drawing", "save_lines", "save_table", "style", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart

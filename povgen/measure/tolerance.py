@@ -18,9 +18,10 @@ from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
-# By how much `sensitivities` changes each error. If a sheet moves, other rays take the designed path. This alone
-# changes the angle by which the object appears turned, which is fitted to the rays, by about 0.01 degrees. Large steps
-# have greater effects than that. Random errors of prisms have no step: their blur is not proportional to them.
+# By how much `sensitivities` changes each error. If a sheet moves, other rays take the designed path. The angle by
+# which the object appears turned is found by a fit to these rays, so it changes by about 0.01 degrees for this reason
+# alone. The steps are large, so that their effect is much greater. Random errors of prisms have no step, because their
+# blur is not proportional to them.
 STEPS = {
     name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
@@ -35,15 +36,15 @@ Floats = NDArray[np.float64]
 
 
 class Spread(Model):
-    """How far builds are from the plan. The errors are independent, and normally distributed."""
+    """How far builds are from the plan. The errors are drawn independently, from normal distributions."""
 
     deviation: Annotated[
         dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0, le=1)]],  # type: ignore[valid-type]
         BeforeValidator(as_table),
     ] = Field(
         default={},
-        description="standard deviation of an error, 0 to 1, such as turn=0.05; a random separation below 0 loses its "
-        "sign; for the errors facets and pitches, each build has other prisms",
+        description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 is made positive; "
+        "with facets and pitches, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
@@ -59,12 +60,13 @@ class Change(NamedTuple):
 
 
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
-    """Return what a unit of each error changes: a degree, a tile of `separation`, or an index that differs by 1.
+    """Return the change of what is seen that one unit of each error causes.
 
-    Two scenes are compared: the error is less by its step of `STEPS` in one, and greater in the other. If the scene
-    does not allow the whole step, a part of it is used; if it allows no part, the error stays as it is. The difference
-    is divided by that of the errors. `displaced` has no sign. Raises InputError for other sheets than one pair of
-    prisms, and for an error that can be neither less nor greater.
+    The unit is a degree; for `separation` it is a tile, and for an index a difference of 1. Two scenes are compared:
+    the error is less by its step of `STEPS` in one, and greater in the other. If the scene does not allow the whole
+    step, a part of it is used; if it allows no part, the error stays as it is. The difference in what is seen is
+    divided by the difference between the two errors. `displaced` has no sign. Raises InputError for other sheets than
+    one pair of prisms, and for an error that can be neither less nor greater.
     """
     _checked(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
@@ -91,8 +93,9 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
     """Return by how much each of many builds differs from the plan: arrays (builds,), without signs.
 
-    The random errors are added to those of the scene; those of `facets` and `pitches` replace them. Raises InputError
-    for other sheets than one pair of prisms, and for a random error outside its range.
+    The random errors are added to the scene's own errors. Only for `facets` and `pitches`, the value in `spread`
+    replaces that of the scene. Raises InputError for other sheets than one pair of prisms, and for a random error
+    outside its range.
     """
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
@@ -113,7 +116,10 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
 
 
 def percentile(changes: Floats, share: float) -> float:
-    """Return what `share` percent of the builds do not exceed. A build in which the object is not seen is infinite."""
+    """Return what `share` percent of the builds do not exceed.
+
+    If a build does not show the object, its change counts as infinite.
+    """
     return float(np.percentile(np.nan_to_num(changes, nan=np.inf), share, method="higher"))
 
 

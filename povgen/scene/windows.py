@@ -1,4 +1,4 @@
-"""The sheets' parameters as fields of scenes, and the windows behind the first one.
+"""The sheets' parameters as attributes of a scene, and `Window`: a window that stands behind a scene's first window.
 
 Such a window can be given as text: `z=2,sheet=mirror`.
 """
@@ -71,8 +71,8 @@ def _fields(required: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # a description begins with the names of the kinds that have the parameter. If one of them is in the paper, and
-        # all have the same text, it does not.
+        # In a description, the names of kinds of sheets stand before the text that holds for them. The names are left
+        # out if all kinds have the same text, and at least one of them is in the paper.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -139,7 +139,8 @@ def _windows(value: object) -> object:
 
 WINDOW = (
     "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Further "
-    f"keys, if they differ from the first window's: sheet, its parameters. Up to {MAX_WINDOWS - 1}, the nearest first"
+    "keys, if they differ from the first window's: sheet, its parameters. "
+    f"Can be given up to {MAX_WINDOWS - 1} times, in order of z"
 )
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],

@@ -47,7 +47,7 @@ class Law:
     def __init__(self, text: str, parameters: Collection[str] = ()) -> None:
         """Read a law: three expressions, separated by commas.
 
-        Raises ValueError, which says where the text is not in the grammar.
+        Raises ValueError if the text is not in the grammar; where possible it says at which character.
         """
         self.parameters = tuple(parameters)
         for name in self.parameters:
@@ -124,7 +124,7 @@ class _Reader:
         self.text, self.names = text, (*RAY, *parameters)
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
-        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):  # Python's comments and numbers
+        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):  # which Python would read
             raise self._error(*other.span())
         try:
             tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character

@@ -33,7 +33,8 @@ class Said(NamedTuple):
 class Parameter:
     """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
 
-    Several kinds of sheets can have a parameter with the same name. These may differ only in `text` and `said`.
+    Several kinds of sheets can have a parameter with the same name. Then these parameters may differ only in
+    `text` and `said`.
     """
 
     name: str
@@ -41,7 +42,7 @@ class Parameter:
     default: Any
     least: float | None = None
     most: float | None = None
-    unit: str = ""  # of an angle "degrees" or "degrees a tile"
+    unit: str = ""  # such as "tiles"; of an angle it is "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
     size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
@@ -179,8 +180,8 @@ class Ideal(Sheet):
         import numpy as np
 
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # Several sheets are computed at once if each of `self.numbers` is an array, with a value for each sheet. In the
-        # result of `slope` the first axis is that of the rays, and the axes of the sheets follow.
+        # Some of `self.numbers` can be arrays, with a value for each of several sheets that are computed at once. In
+        # the result of `slope` the first axis is that of the rays, and the axes of the sheets follow.
         rays = (slice(None), *[None] * len(shape))
         s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
         steps = s[1:] - s[0]

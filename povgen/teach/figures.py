@@ -189,11 +189,11 @@ def vary_z1(rendering: Rendering) -> Drawn:
 
 def geometry(rendering: Rendering) -> Drawn:
     """Draw figure 5: a ray from L through P to E in space, its projection, and the circles on which P lies."""
-    alpha, z1, z2 = radians(60), 1.6, 2.4
+    alpha, z1, z2 = radians(60), 1.3, 2.6
     figure = Figure(figsize=(WIDTH, 6.3))
     _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
     _projection(figure.add_axes((0.02, 0.02, 0.46, 0.46)), z2 / z1, alpha)
-    _circles(figure.add_axes((0.52, 0.005, 0.46, 0.43)))
+    _circles(figure.add_axes((0.52, 0.005, 0.46, 0.43)), z2 / z1, alpha)
     _letters(figure, (0.02, 0.96), (0.02, 0.46), (0.51, 0.46))
     for x, y, text in (
         (0.08, 0.96, "a ray from the object to the eye"),
@@ -322,7 +322,7 @@ def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
         upright, ray = (projected(at(point, z)) - projected(at(P, 0)) for point in (P, foot))
         start, end = (np.arctan2(*vector[::-1]) for vector in (upright, ray))
         end = start + (end - start + pi) % (2 * pi) - pi
-        arc(ax, complex(*projected(at(P, 0))), 1.25 if z > 0 else 0.95, start, end, r"$\theta$", 0.13)
+        arc(ax, complex(*projected(at(P, 0))), 1.07 if z > 0 else 0.95, start, end, r"$\theta$", 0.13)
     coordinate_axes(ax, (-1.4, -0.95, 1.75), 0.45)
 
 
@@ -346,8 +346,8 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
     write(ax, xy((1 + P) / 2 + 0.1 - 0.09j), "$p_2 = r\\,p_1$", color=RAY)
 
 
-def _circles(ax: Axes) -> None:
-    """Draw where P lies for constant r and for constant alpha, by eq. 7."""
+def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
+    """Draw where P lies for constant r and for constant alpha, by eq. 7, and P for the values of the other panels."""
     plane(ax, (-1.15, 2.15), (-1.6, 1.6))
     turn = np.linspace(-pi, pi, 721)
     for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r$ = 1"), (2, "2"), (4, "4")):
@@ -359,9 +359,9 @@ def _circles(ax: Axes) -> None:
         ax.plot(*xy(equations.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
         if abs(alpha) > 30:
             text = rf"$\alpha$ = {alpha}°" if alpha == 135 else f"{alpha}°".replace("-", "−")
-            label(ax, equations.P(1 / 1.4, radians(alpha)), text, CONSTANT_ALPHA)
-    example = complex(equations.P(1 / 2, radians(90)))
-    for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j), (example, "$P$", 0.02 - 0.17j)):
+            label(ax, equations.P(1, radians(alpha)), text, CONSTANT_ALPHA)
+    example = complex(equations.P(of_r, of_alpha))
+    for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j), (example, "$P$", -0.08 - 0.16j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)
         write(
             ax,

@@ -54,8 +54,8 @@ def annotated(
 
     Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
     they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is made
-    for this scene alone; in a movie it depends on all scenes. `said` is what the key says (`common_key`). Without it,
-    the key says what `key` returns.
+    for this scene alone. A frame of a movie needs `caption`, because it depends on all scenes of the movie. `said` is
+    what the key says (`common_key`). Without it, the key says what `key` returns.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -112,7 +112,7 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
 
 
 def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return the common key of a movie's frames, or of the pictures of two eyes: every entry of all their keys.
+    """Return the common key of a movie's frames, or of the two pictures of a stereo pair: all entries of their keys.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
     """
@@ -160,7 +160,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
-    """Draw the predicted positions, and under them the curves along which these positions move."""
+    """Draw the curves along which the predicted positions move, and then the positions on top of them."""
     height = len(picture)
     tile = height / scene.view
     # lines are thinner if there are several objects: these can be small, and as near to each other as a line is wide
@@ -278,7 +278,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
 
 
 def positions(scene: Scene) -> list[complex]:
-    """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles; of a piece, its foot.
+    """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles: of a piece, its foot.
 
     Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
     from an object's middle may not reach the eye, although light from other points of the object does. Then the
@@ -297,8 +297,9 @@ def ghosts(scene: Scene) -> list[complex]:
 def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
-    The first curves are for constant alpha, one for each L: z1 changes along them. If there is a single object, and a
-    single window that turns light about the normal, the second curve has all alpha: z1 is constant along it. A part is
+    The first curves, one for each L, have constant alpha, and z1 changes along them. If there is a single object, and a
+    single window that turns light about the normal, one more curve follows: along it alpha changes, and z1 is constant.
+    A part is
     an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide the object,
     and where the curve passes through infinity.
     """

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from povgen.optics import apparent
-from povgen.optics.series import image_distance
+from povgen.optics.series import image_depth, image_distance
 from povgen.scene.scenes import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
 FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
-LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (165, 175, 195)
+LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (190, 200, 220)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 ARROW = 1.2  # height of the arrow that stands for a piece, tiles
 # where the other rays end: so far from the eye, in apertures. The directions differ: then rays without a common point
@@ -147,7 +147,8 @@ def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last:
     if len(objects) < len(scene.objects):
         names.append((last, f"{len(scene.objects) - len(objects)} farther"))
     elif scene.rotates and not there:
-        names.append((-scene.z2 / 2, "rays do not meet"))
+        nearest = image_depth(scene.distances[0], np.radians(scene.alphas[0]), scene.behind).real
+        names.append((float(nearest), "rays do not meet"))
     return names
 
 
