@@ -109,7 +109,8 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
         qualities: dict[str, list[str]] = {}
         for name, sampling in samplings.items():
             qualities.setdefault(same.get(sampling, sampling), []).append(name)
-        ax.plot([p.cpu for p in best], [p.rms for p in best], "-", color=own, alpha=0.45, zorder=1)
+        dashes = "--" if renderer == "POV-Ray" else "-"
+        ax.plot([p.cpu for p in best], [p.rms for p in best], dashes, color=own, alpha=0.45, zorder=1)
         if renderer:
             what = {"gl": "gl (without GPU)", "live view": "live view (browser)"}.get(renderer, renderer)
             labels.append(Label(best[-1].cpu, best[-1].rms, what, own, bold=True))
@@ -133,7 +134,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
         y = 1.18 * max(fast.rms, slow.rms)
         look = {"arrowstyle": "<->", "color": "#444444", "shrinkA": 0, "shrinkB": 0}
         ax.annotate("", (fast.cpu, y), (slow.cpu, y), arrowprops=look)
-        text = f"{slow.cpu / fast.cpu:.0f} times faster"
+        text = f"draft: {slow.cpu / fast.cpu:.0f} times faster"
         ax.text(np.sqrt(fast.cpu * slow.cpu), 1.03 * y, text, ha="center", va="bottom", color="#444444")
     return labels
 

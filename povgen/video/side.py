@@ -148,7 +148,7 @@ def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last:
         names.append((last, f"{len(scene.objects) - len(objects)} farther"))
     elif scene.rotates and not there:
         nearest = image_depth(scene.distances[0], np.radians(scene.alphas[0]), scene.behind).real
-        names.append((float(nearest), "rays do not meet"))
+        names.append((float(nearest), "no common point of rays"))
     return names
 
 

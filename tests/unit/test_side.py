@@ -98,7 +98,7 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
     texts = []
     monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size, middle)))
     for scene, expected in (
-        (Chess(alpha=66), {"eye", "sheets", "object", "rays do not meet", "from the side"}),
+        (Chess(alpha=66), {"eye", "sheets", "object", "no common point of rays", "from the side"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
         (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
