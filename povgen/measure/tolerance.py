@@ -1,7 +1,7 @@
 """How errors of building a pair of sheets change what is seen: sensitivities, and a Monte Carlo of many builds.
 
 All is found by the exact ray trace, on the designed path (`scene.quantities.seen`). The errors are those of
-`sheets.prisms.ERRORS`.
+`sheets.prisms.ERRORS`, without those of lenses.
 """
 
 from contextlib import suppress
@@ -44,7 +44,7 @@ class Spread(Model):
     ] = Field(
         default={},
         description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 is made positive; "
-        "with facets and pitches, each build has random prisms of its own",
+        "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
@@ -116,7 +116,7 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
 
 
 def percentile(changes: Floats, share: float) -> float:
-    """Return what `share` percent of the builds do not exceed.
+    """Return the change that `share` percent of the builds do not exceed.
 
     If a build does not show the object, its change counts as infinite.
     """
@@ -137,7 +137,9 @@ class _Seen(NamedTuple):
 
 def _checked(scene: Scene) -> Scene:
     if not isinstance(scene.sheets[0], PrismPair) or scene.window:
-        raise InputError(f"sheet = {scene.sheet!r}: allowed: 'detailed', in a single window")
+        raise InputError(
+            f"windows: {1 + len(scene.window)}, sheet = {scene.sheet!r}; allowed: one window, sheet = 'detailed'"
+        )
     return scene
 
 

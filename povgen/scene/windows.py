@@ -72,7 +72,7 @@ def _fields(required: bool) -> dict[str, Any]:
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
         # In a description, the names of kinds of sheets stand before the text that holds for them. The names are left
-        # out if all kinds have the same text, and at least one of them is in the paper.
+        # out if all kinds that have the parameter have the same text, and at least one of these kinds is in the paper.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -139,7 +139,7 @@ def _windows(value: object) -> object:
 
 WINDOW = (
     "a window behind the first one, such as alpha=120,z=2. z: its distance from the first window, tiles. Further "
-    "keys, if they differ from the first window's: sheet, its parameters. "
+    "keys: sheet, and its parameters; the first window's value is the default. "
     f"Can be given up to {MAX_WINDOWS - 1} times, in order of z"
 )
 Windows = Annotated[

@@ -35,8 +35,8 @@ FUNCTIONS = {
     "pow": (2, "power"),
 }
 RAY = ("x", "y", "z", "X", "Y")
-LONGEST, DEEPEST = 1000, 100  # characters of a law, and levels of its tree
-LARGEST = 1e30  # number in a law: shaders compute with 32-bit numbers
+LONGEST, DEEPEST = 1000, 100  # most characters of a law, and most levels of its tree
+LARGEST = 1e30  # numbers in a law are less than this, because shaders compute with 32-bit numbers
 LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
 _SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
 
@@ -52,7 +52,7 @@ class Law:
         self.parameters = tuple(parameters)
         for name in self.parameters:
             if not name.isascii() or not name.isidentifier() or name in (*RAY, *FUNCTIONS) or keyword.iskeyword(name):
-                raise ValueError(f"parameter {name!r}; allowed: a name of letters, digits and _ that is not taken")
+                raise ValueError(f"parameter {name!r}; allowed: a free name of letters, digits and _, no digit first")
         self._parts = _Reader(text, self.parameters).parts
 
     def __eq__(self, other: object) -> bool:
@@ -124,7 +124,8 @@ class _Reader:
         self.text, self.names = text, (*RAY, *parameters)
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
-        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):  # which Python would read
+        # Python's parser accepts comments, and numbers such as 0x1F and 1_000, which are not in the grammar
+        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):
             raise self._error(*other.span())
         try:
             tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character

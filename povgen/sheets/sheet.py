@@ -45,7 +45,7 @@ class Parameter:
     unit: str = ""  # such as "tiles"; of an angle it is "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
-    size: float = 0.0  # the absolute value of a number, or of a direction's largest component, is at least this
+    size: float = 0.0  # least absolute value: of a number, or of the greatest component of a direction
     symbol: str = ""  # on the teaching page; empty: its name
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 

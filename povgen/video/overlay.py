@@ -77,7 +77,7 @@ def annotated(
 
 
 class Item(NamedTuple):
-    """A text, the widest text that can stand there (its width is reserved), and the colour of its swatch, if any."""
+    """A text, the widest text that can stand there (its width is reserved), and the colour of a sample before it."""
 
     text: str
     widest: str
@@ -124,7 +124,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
 
     The text's height is a fraction of the picture's height, times `larger`. In small pictures this fraction is greater,
-    so that the text stays legible. If the items do not fit, the text is made lower.
+    so that the text stays legible. If the items do not fit, the text is made smaller.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
@@ -262,7 +262,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         for ends, size in zip((points.imag, points.real), picture.shape, strict=False)
     )
     part = picture[rows, columns]
-    # for each pixel, the square of its distance from the nearest point
+    # for each pixel, the square of its distance from the nearest point, at most (radius + 0.5)^2
     nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
     for x, y in zip(points.real - columns.start, points.imag - rows.start, strict=True):
         down, right = (slice(max(0, int(c) - reach), max(0, int(c) + reach + 2)) for c in (y, x))
@@ -278,10 +278,12 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
 
 
 def positions(scene: Scene) -> list[complex]:
-    """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles: of a piece, its foot.
+    """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles.
+
+    The position is that of a piece's foot, or of a sphere's middle.
 
     Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
-    from an object's middle may not reach the eye, although light from other points of the object does. Then the
+    from this point may not reach the eye, although light from other points of the object does. Then the
     position is where the visible part appears.
     """
     objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
@@ -299,9 +301,8 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
 
     The first curves, one for each L, have constant alpha, and z1 changes along them. If there is a single object, and a
     single window that turns light about the normal, one more curve follows: along it alpha changes, and z1 is constant.
-    A part is
-    an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide the object,
-    and where the curve passes through infinity.
+    A part is an array of points of the plane z = 0, at most `step` apart. It ends where a window frame begins to hide
+    the object, and where the curve passes through infinity.
     """
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = apparent.infinite_z1(scene.elements)
@@ -344,8 +345,8 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
-                # add a point between two that are more than `step` apart, unless both are outside the window's opening
-                # by more than twice the distance between them
+                # add a point between two neighbours that are more than `step` apart; not if both are far outside the
+                # window's opening, farther than twice their distance from each other
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break

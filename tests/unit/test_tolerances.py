@@ -261,7 +261,10 @@ def test_the_chart_of_errors_has_a_bar_for_each_and_names_the_worst(tmp_path, mo
         (lambda: Chess(sheet="lenticular", f_number=1.5, error="pitch=0.1"), "more than a semicircle"),
         (lambda: check_gl(Chess(sheet="lenticular", error="pitch=0.01")), "the renderer gl draws lenses of one pitch"),
         (lambda: values(Chess(sheet="lenticular", error="pitch=0.01")), "the live view shows sheets that are built"),
-        (lambda: tolerance.sensitivities(Chess(sheet="ideal")), "sheet = 'ideal': allowed: 'detailed'"),
+        (
+            lambda: tolerance.sensitivities(Chess(sheet="ideal")),
+            "windows: 1, sheet = 'ideal'; allowed: one window, sheet = 'detailed'",
+        ),
         (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation = ['turn=2']: should be less than"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
         (lambda: tolerance.builds(FINE, tolerance.Spread(deviation={"index": 1})), "random build 1: error: index = "),
