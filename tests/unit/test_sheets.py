@@ -194,7 +194,7 @@ def test_a_law_of_ones_own_in_a_scene():
     with pytest.raises(InputError, match="^window 2, law = 'x': 1 expressions"):
         Chess(sheet="ideal", window={"z": 2, "sheet": "law", "law": "x"})
     for name in ("x", "sin", "2k", "a b", "lambda", "é"):
-        with pytest.raises(InputError, match="allowed: a name"):
+        with pytest.raises(InputError, match="allowed: a free name"):
             Chess(sheet="law", law="x, y, z", parameter={name: 1})
     with pytest.raises(InputError, match="should be text such as k=0.3"):
         Chess(sheet="law", parameter=["k"])
