@@ -60,7 +60,7 @@ class Change(NamedTuple):
 
 
 def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
-    """Return the change of what is seen that one unit of each error causes.
+    """Return, for each error, by how much one unit of it changes what is seen.
 
     The unit is a degree; for `separation` it is a tile, and for an index a difference of 1. Two scenes are compared:
     the error is less by its step of `STEPS` in one, and greater in the other. If the scene does not allow the whole
@@ -93,9 +93,9 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
     """Return by how much each of many builds differs from the plan: arrays (builds,), without signs.
 
-    The random errors are added to the scene's own errors. Only for `facets` and `pitches`, the value in `spread`
-    replaces that of the scene. Raises InputError for other sheets than one pair of prisms, and for a random error
-    outside its range.
+    The random errors are added to the scene's own errors, but `facets` and `pitches` replace the scene's, with a `seed`
+    for each build. Raises InputError for other sheets than one pair of prisms, and for a random error outside its
+    range.
     """
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}

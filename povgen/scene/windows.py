@@ -59,11 +59,11 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
     return Annotated[number, _checked_size(parameter)] if parameter.size else number
 
 
-def _fields(required: bool) -> dict[str, Any]:
+def _fields(first: bool) -> dict[str, Any]:
     """Return the fields for the parameters of all kinds of sheets.
 
-    If `required`, they are those of a scene, for its first window. Otherwise they are those of a window behind it:
-    a field that is not given is None, and the first window's value is used.
+    If `first`, they are those of a scene, for its first window. Otherwise they are those of a window behind it: a field
+    that is not given is None, and the first window's value is used.
     """
     found: dict[str, Any] = {}
     for name, several in PARAMETERS.items():
@@ -78,7 +78,7 @@ def _fields(required: bool) -> dict[str, Any]:
         annotation, default = _annotation(several[0]), several[0].default
         found[name] = (
             (annotation, Field(default=default, description=about))
-            if required
+            if first
             else (annotation | None, Field(default=None, description=about))
         )
     return found
@@ -88,8 +88,8 @@ if TYPE_CHECKING:  # mypy accepts only a Literal with values that are written ou
     SheetName = str
 else:
     SheetName = Literal[tuple(SHEETS)]
-_OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(required=False))
-ParametersOfSheets: Any = create_model("ParametersOfSheets", __base__=Model, **_fields(required=True))
+_OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(first=False))
+ParametersOfSheets: Any = create_model("ParametersOfSheets", __base__=Model, **_fields(first=True))
 
 
 class Window(_OfWindow):

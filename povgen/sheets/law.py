@@ -67,8 +67,8 @@ class Law:
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
-        `direction` (..., 3) with z > 0 has any length. `place` is complex, X + iY, and broadcasts. `values` has
-        a number for each name of a parameter in the law; angles are in radians.
+        `direction` (..., 3) are vectors with z > 0, not only unit vectors. `place` is complex, X + iY, and broadcasts.
+        `values` has a number or an array for each name of a parameter in the law; angles are in radians.
         """
         import numpy as np
 
@@ -224,7 +224,7 @@ def _compiled(parts: Iterable[ast.expr]) -> Any:  # noqa: ANN401  (a code object
 
 
 def _evaluated(code: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    """Evaluate the code of several expressions. `values` has a number for each name. Return a tuple."""
+    """Evaluate the code of several expressions. `values` has a number or an array for each name. Return a tuple."""
     import numpy as np
 
     names = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}

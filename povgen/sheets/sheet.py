@@ -26,7 +26,7 @@ class Said(NamedTuple):
 
     words: str  # {} stands for the value with its unit, {NAME} for the value of the sheet's parameter NAME
     factor: float = 1  # the caption states the value times this factor
-    full: str = ""  # the words of `--caption full`, which states more values; empty: `words`
+    full: str = ""  # what `--caption full` says in place of `words`; if empty, it says `words` too
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Parameter:
     unit: str = ""  # such as "tiles"; of an angle it is "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
-    size: float = 0.0  # least absolute value: of a number, or of the greatest component of a direction
+    size: float = 0.0  # a number, or one component of a direction, has at least this absolute value
     symbol: str = ""  # on the teaching page; empty: its name
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 

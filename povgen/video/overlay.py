@@ -23,8 +23,7 @@ HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-# of the line about which a sheet mirrors or turns light. It is also the colour of the curve of P at all alpha, because
-# no scene has both this line and this curve
+# colour of the line about which a sheet mirrors or turns light, and of the curve of P at all alpha: no scene has both
 LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
@@ -77,7 +76,7 @@ def annotated(
 
 
 class Item(NamedTuple):
-    """A text, the widest text that can stand there (its width is reserved), and the colour of a sample before it."""
+    """A text, the widest text that can stand there (its width is reserved), and the colour of its dot or line."""
 
     text: str
     widest: str
@@ -87,7 +86,7 @@ class Item(NamedTuple):
 def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return what the key above the picture says: a text for each colour that is drawn on the picture.
 
-    A picture with neither caption, note, side view nor overlay has no key.
+    A picture without caption, without note, without side view and without overlay (`rendering.annotated`) has no key.
     """
     two = scene.rotates
     texts = []
@@ -130,8 +129,8 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
         return np.empty((0, width, 3), np.uint8)
     size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
-    # the widths of items, each with the gap after it, in units of the text's height
-    sample = 1.7
+    sample = 1.7  # width of a dot or line with the space after it, in units of the text's height
+    # the widths of items, each with the gap after it, in the same units
     widths = [text_width(item.widest) + sample * bool(item.colour) + GAP for item in items]
     for lines in range(1, min(3, len(items)) + 1):
         rows = np.array_split(np.arange(len(items)), lines)
@@ -283,7 +282,7 @@ def positions(scene: Scene) -> list[complex]:
     The position is that of a piece's foot, or of a sphere's middle.
 
     Objects that the window frame hides from the eye are left out. Through some sheets, such as `axis`, light
-    from this point may not reach the eye, although light from other points of the object does. Then the
+    from the foot or the middle may not reach the eye, although light from other points of the object does. Then the
     position is where the visible part appears.
     """
     objects = [(L, z1, None, radius) for (L, z1), radius in zip(scene.objects, scene.radii, strict=True)]
@@ -345,8 +344,8 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
-                # add a point between two neighbours that are more than `step` apart; not if both are far outside the
-                # window's opening, farther than twice their distance from each other
+                # add a point between two neighbours that are more than `step` apart. Two that are both far outside the
+                # window's opening need none: those that are farther from it than twice the distance between them
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break
