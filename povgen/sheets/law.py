@@ -125,7 +125,7 @@ class _Reader:
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
         # Python's parser accepts comments, and numbers such as 0x1F and 1_000, which are not in the grammar
-        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d+_\w*)", text, re.IGNORECASE):
+        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d\w*_\w*)", text, re.IGNORECASE):
             raise self._error(*other.span())
         try:
             tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character

@@ -160,6 +160,8 @@ def test_the_grammar(text, x):
         ("1j, y, z", "'1j' at character 1"),
         ("0x10*x, y, z", "'0x10' at character 1"),
         ("x + 1_000, y, z", "'1_000' at character 5"),
+        ("1e1_0*x, y, z", "'1e1_0' at character 1"),
+        ("x + 1.5e-1_0, y, z", "'1_0' at character 10"),
         ("sqrt, y, z", "'sqrt' at character 1"),
         ("x, y, (z", "at character"),
         ("x +, y, z", "at character"),
