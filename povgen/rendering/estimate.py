@@ -1,10 +1,12 @@
 """How long rendering takes, before it begins.
 
 The numbers are CPU seconds of the machine in docs/speed.md, on which a picture of 640x480 pixels through 2x100 prisms
-takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long.
+takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long. Those of
+the renderer gl are without a GPU.
 """
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from povgen.rendering.parallel import cores
 from povgen.rendering.views import views
@@ -18,8 +20,8 @@ LONG = 60.0  # seconds of wall time
 
 
 def cpu_seconds(scenes: Sequence[Scene], rendering: Rendering) -> float:
-    """Return about how many CPU seconds these pictures take."""
-    return sum(_cpu_seconds(scene, rendering) for scene in scenes)
+    """Return about how many CPU seconds these pictures take. Equal successive ones are rendered once."""
+    return sum(_cpu_seconds(scene, rendering) for scene, _ in groupby(scenes))
 
 
 def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
@@ -37,12 +39,14 @@ def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
 
 def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
     """Return in words what these pictures are, and how long they take if none is in the cache."""
-    seconds, count = cpu_seconds(scenes, rendering), len(scenes)
+    seconds, count = cpu_seconds(scenes, rendering), len([*groupby(scenes)])
     width, height = rendering.size
-    what, each = ("a picture", "") if count == 1 else (f"{count} frames", " each")  # a shard can have none
+    what, each = ("a picture", "") if len(scenes) == 1 else (f"{len(scenes)} frames", " each")  # a shard can have none
+    differing = f", {count} of them different," if count < len(scenes) else ""
+    where = " without a GPU" if rendering.renderer == "gl" else ""
     return (
-        f"{what} of {width}x{height} pixels, about {seconds / max(count, 1):.2g} CPU seconds{each}, without those in "
-        f"the cache: about {duration(seconds / cores())} on {cores()} cores"
+        f"{what}{differing} of {width}x{height} pixels, about {seconds / max(count, 1):.2g} CPU seconds{each}, without "
+        f"those in the cache: about {duration(seconds / cores())} on {cores()} cores{where}"
     )
 
 

@@ -4,7 +4,7 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, MovieSpec, Rendering
-from povgen.rendering.estimate import cpu_seconds, duration, is_long
+from povgen.rendering.estimate import cpu_seconds, describe, duration, is_long
 
 PLAIN = Rendering(size=(640, 480), antialias="off")
 
@@ -16,7 +16,8 @@ def ratio(first, second):
 def test_what_costs_more():
     """The measured ratios are those of docs/speed.md, 640x480 and 320x240."""
     one = [Chess()], PLAIN
-    assert ratio(([Chess()] * 3, PLAIN), one) == pytest.approx(3)
+    assert ratio(([Chess(alpha=alpha) for alpha in (1, 2, 3)], PLAIN), one) == pytest.approx(3)
+    assert ratio(([Chess()] * 3, PLAIN), one) == pytest.approx(1)  # a movie's picture that stays is rendered once
     assert ratio(one, ([Chess(sheet="ideal")], PLAIN)) == pytest.approx(1.84 / 0.42, rel=0.3)
     assert ratio(one, ([Chess()], PLAIN.model_copy(update={"renderer": "gl"}))) == pytest.approx(10, rel=0.3)
     assert ratio(([Chess(window="z=2")], PLAIN), one) == pytest.approx((1.84 + 1.4) / 1.84, rel=0.3)
@@ -42,6 +43,7 @@ def test_a_time_in_words():
 def test_a_dry_run_renders_nothing(tmp_path):
     for arguments, said in (
         (["movie", "vary-alpha", "--frames", "4", "--size", "64x48"], "4 frames of 64x48 pixels, about "),
+        (["movie", "vary-alpha", "--frames", "4", "--hold", "1"], "24 frames, 4 of them different, of 480x360 pixels,"),
         (["frame", "chess"], "a picture of 480x360 pixels, about "),
         (["movie", "vary-alpha", "--frames", "4", "--shard", "5/7"], "0 frames of 480x360 pixels, about 0 CPU seconds"),
     ):
@@ -59,4 +61,9 @@ def test_the_number_of_frames_is_that_of_the_option():
 
 
 def test_what_is_long():
-    assert is_long([Chess()] * 100, Rendering()) and not is_long([Chess()], Rendering())
+    assert is_long([Chess(alpha=alpha) for alpha in range(100)], Rendering()) and not is_long([Chess()], Rendering())
+
+
+def test_the_renderer_gl_is_faster_on_a_gpu():
+    assert describe([Chess()], Rendering()).endswith(" cores")
+    assert describe([Chess()], Rendering(renderer="gl")).endswith(" cores without a GPU")
