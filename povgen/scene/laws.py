@@ -1,6 +1,7 @@
 """The laws of ideal sheets as text in other languages: POV-Ray, and GLSL and JavaScript for the live view."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 from povgen.scene.scenes import Scene
@@ -79,12 +80,13 @@ def to_live(scenes: Iterable[Scene] = ()) -> list[Text]:
 
     What depends on parameters alone is computed in JavaScript: a graphics processor's sine has errors of 2e-5.
     """
-    texts = [_text(kind.name, kind.law, kind.parameters) for kind in IDEAL.values() if kind is not OwnLaw]
+    texts = [_text(kind.name, kind.law, tuple(kind.parameters)) for kind in IDEAL.values() if kind is not OwnLaw]
     own = {sheet.values["law"]: sheet.law for scene in scenes for sheet in scene.ideal if isinstance(sheet, OwnLaw)}
     return texts + [_text(f"law {text}", law) for text, law in own.items()]
 
 
-def _text(name: str, law: Law, parameters: Sequence[Parameter] = ()) -> Text:
+@lru_cache(maxsize=100)  # each frame of a movie asks for the same
+def _text(name: str, law: Law, parameters: tuple[Parameter, ...] = ()) -> Text:
     numbers: dict[str, tuple[str, str, int | None]] = {}
     for each in parameters:
         for k, number in enumerate(each.names):

@@ -62,6 +62,10 @@ class Law:
         return hash(str(self))
 
     def __str__(self) -> str:
+        return self._text
+
+    @cached_property
+    def _text(self) -> str:
         return ", ".join(self.expressions())
 
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401

@@ -90,24 +90,27 @@ def encode(
         if is_full(output.parent):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
         raise OSError(f"the encoder {imageio_ffmpeg.get_ffmpeg_exe()} failed: it wrote {found} of {written} frames")
-    _add_cover(output, found // 2)
+    _add_cover(output, (found // 2 - 0.5) / rate)
     if record:
         into_movie(output, record)
 
 
-def _add_cover(movie: Path, n: int) -> None:
-    """Make frame n of an MP4 file its cover, which players and folders show. The first frame may show no effect yet.
+def _add_cover(movie: Path, time: float) -> None:
+    """Make the first frame after a time, in seconds, the cover of an MP4 file. Players and folders show it.
 
-    Other formats have none. Where there is no room for it, the movie stays as it was.
+    The movie's own first frame may show no effect yet. Other formats have no cover. Where there is no room for it, the
+    movie stays as it was.
     """
     if movie.suffix != ".mp4":
         return
-    words = "-loglevel quiet -i movie.mp4 -i cover.jpg -map 0 -map 1 -c copy -disposition:v:1 attached_pic"
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), *words.split(), "-movflags", "+faststart", "covered.mp4"]
+    ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "quiet"]
+    colours = "scale=in_color_matrix=bt709:out_color_matrix=bt601:out_range=pc"  # those of JPEG
+    still = f"-ss {max(time, 0)} -i movie.mp4 -map 0:v:0 -frames:v 1 -vf {colours} -q:v 2 cover.jpg"
+    add = "-i movie.mp4 -i cover.jpg -map 0 -map 1 -c copy -disposition:v:1 attached_pic -movflags +faststart covered.mp4"
     with suppress(OSError, subprocess.SubprocessError), work_folder(movie.parent) as folder:
-        iio.imwrite(folder / "cover.jpg", iio.imread(movie, index=n, plugin="FFMPEG"), quality=90)
         (folder / "movie.mp4").symlink_to(movie.resolve())
-        subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, check=True)
+        for words in (still, add):
+            subprocess.run([*ffmpeg, *words.split()], cwd=folder, stdin=subprocess.DEVNULL, check=True)
         (folder / "covered.mp4").replace(movie)
 
 

@@ -35,6 +35,7 @@ OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colo
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 GAP = 1.4  # between two texts of a strip, in units of the text's height
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
+AT_ONCE = 1 << 18  # pixels near points that are computed at a time, for the same reason
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -261,15 +262,22 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         for ends, size in zip((points.imag, points.real), picture.shape, strict=False)
     )
     part = picture[rows, columns]
+    if not part.size:
+        return
     # for each pixel, the square of its distance from the nearest point, at most (radius + 0.5)^2
     nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
-    for x, y in zip(points.real - columns.start, points.imag - rows.start, strict=True):
-        down, right = (slice(max(0, int(c) - reach), max(0, int(c) + reach + 2)) for c in (y, x))
-        there = nearest[down, right]
-        dy, dx = (
-            np.arange(s.start, s.start + n) - c for s, n, c in zip((down, right), there.shape, (y, x), strict=True)
+    near = np.arange(-reach, reach + 2)  # the pixels around a point, from the pixel that it is in
+    for some in np.array_split(points, len(points) * len(near) ** 2 // AT_ONCE + 1):
+        sides = []
+        for ends, first, size in ((some.imag, rows.start, len(part)), (some.real, columns.start, part.shape[1])):
+            pixels = np.floor(ends - first).astype(int)[:, None] + near
+            squares = (pixels - (ends - first)[:, None]) ** 2
+            squares[(pixels < 0) | (pixels >= size)] = np.inf
+            sides.append((pixels.clip(0, size - 1), squares))
+        (down, dy2), (right, dx2) = sides
+        np.minimum.at(
+            nearest, (down[:, :, None], right[:, None, :]), (dy2[:, :, None] + dx2[:, None, :]).astype(np.float32)
         )
-        np.minimum(there, (dy**2)[:, None] + dx**2, out=there)
     for top in range(0, len(part), ROWS):
         band = slice(top, top + ROWS)
         opacity = (radius + 0.5 - np.sqrt(nearest[band, :, None])).clip(0, 1) * (colour[3] / 255)

@@ -1,7 +1,9 @@
 """Render pictures of scenes, with captions and overlays if they are wanted."""
 
 import base64
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from itertools import groupby, repeat
 from pathlib import Path
@@ -32,6 +34,7 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 
 
 SUFFIXES = ".png", ".exr"
+MADE_AT_ONCE = 4  # pictures of a movie that are read and drawn on at once
 MAX_LARGE = 2**22  # bytes of all pictures of sky and floor, and of all meshes, that a record holds
 
 
@@ -133,9 +136,16 @@ def pictures(
             from povgen.video.overlay import common_key
 
             texts, said = captions(once, rendering), common_key(once, rendering)
+        # pictures are made in threads while the caller, which may encode, is busy with those before
+        pool = opened.enter_context(ThreadPoolExecutor(MADE_AT_ONCE))
+        waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
-            made = picture(views, scene, rendering, caption, shows, said)
-            yield from repeat(made, count)
+            waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
+            if len(waiting) > MADE_AT_ONCE:
+                made, times = waiting.popleft()
+                yield from repeat(made.result(), times)
+        for made, times in waiting:
+            yield from repeat(made.result(), times)
 
 
 def show(scene: Scene, **options: Unpack[Options]) -> "Image":
