@@ -51,7 +51,7 @@ def survey(scene: Scene, side: int = 60) -> Survey:
     return of_inputs(inputs(scene, side))
 
 
-@lru_cache(100)
+@lru_cache(10000)  # `warn` and the rendering need those of all frames of a movie
 def of_inputs(given: SurveyInputs) -> Survey:
     """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
 
