@@ -188,7 +188,7 @@ def _renderer(
     from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
     from povgen.rendering.volumes import volumes
 
-    workers = workers or max(1, min(cores(), len(scenes)))  # there can be no scenes: `shard`
+    workers = workers or max(1, min(gl_runner.at_once(), len(scenes)))  # there can be no scenes: `shard`
     runner = runner or gl_runner.Runner(workers, part)
     shown = {name: piece for scene in scenes for name, piece in pieces(scene).items()}
     shapes = volumes(shown, timeout=rendering.timeout)

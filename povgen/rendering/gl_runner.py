@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import time
 from collections.abc import Callable
@@ -21,6 +22,9 @@ from povgen.settings import Rendering
 SCENE = "scene.json"
 TRIES = 2
 START = 60.0  # seconds in which a process is ready to draw
+# A graphics processor is kept as busy by 4 processes as by more, which only cost their start (docs/speed.md).
+ON_GPU = 4
+WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader", re.IGNORECASE)  # in the names of devices
 POVRAY = "allowed: renderer = 'povray'"
 
 
@@ -32,6 +36,11 @@ def device() -> str:
         return runner.device()
     finally:
         runner.stop()
+
+
+def at_once() -> int:
+    """Return how many pictures are drawn at once if --workers does not say. Raises what `Runner` raises."""
+    return cores() if WITHOUT_GPU.search(device()) else min(ON_GPU, cores())
 
 
 def drawn_by() -> tuple[str, str]:

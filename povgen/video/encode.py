@@ -106,7 +106,8 @@ def _add_cover(movie: Path, time: float) -> None:
     ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "quiet"]
     colours = "scale=in_color_matrix=bt709:out_color_matrix=bt601:out_range=pc"  # those of JPEG
     still = f"-ss {max(time, 0)} -i movie.mp4 -map 0:v:0 -frames:v 1 -vf {colours} -q:v 2 cover.jpg"
-    add = "-i movie.mp4 -i cover.jpg -map 0 -map 1 -c copy -disposition:v:1 attached_pic -movflags +faststart covered.mp4"
+    attached = "-map 0 -map 1 -c copy -disposition:v:1 attached_pic -movflags +faststart"
+    add = f"-i movie.mp4 -i cover.jpg {attached} covered.mp4"
     with suppress(OSError, subprocess.SubprocessError), work_folder(movie.parent) as folder:
         (folder / "movie.mp4").symlink_to(movie.resolve())
         for words in (still, add):

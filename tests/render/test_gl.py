@@ -270,6 +270,16 @@ def test_check_names_the_device(tmp_path):
 # ---- The processes ----
 
 
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5", 16), ("NVIDIA H200/PCIe/SSE2, OpenGL 3.3.0 NVIDIA 580", 4)],
+)
+def test_a_graphics_processor_is_given_few_pictures_at_once(monkeypatch, name, count):
+    monkeypatch.setattr(gl_runner, "device", lambda: name)
+    monkeypatch.setattr(gl_runner, "cores", lambda: 16)
+    assert gl_runner.at_once() == count
+
+
 def test_a_crash_of_the_driver_costs_one_try(text, runner, tmp_path, monkeypatch):
     first = runner.run(text, SMALL, tmp_path).read_bytes()
     answer, crashed = gl_runner.Runner._answer, []
