@@ -18,10 +18,10 @@ from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
-# By how much `sensitivities` changes each error. If a sheet moves, other rays take the designed path. The angle by
-# which the object appears turned is found by a fit to these rays, so it changes by about 0.01 degrees for this reason
-# alone. The steps are large, so that their effect is much greater. Random errors of prisms have no step, because their
-# blur is not proportional to them.
+# By how much `sensitivities` changes each error. The steps are large for this reason: if a sheet moves, other rays take
+# the designed path. The angle by which the object appears turned is found by a fit to these rays, and changes by about
+# 0.01 degrees because they are others. A large step changes it by much more. `facets` and `pitches` have no step,
+# because the blur that they cause is not proportional to them.
 STEPS = {
     name: {"tiles": 0.1, "": 0.05}.get(allowed.unit, 1.0)
     for name, allowed in ERRORS.items()
@@ -36,7 +36,10 @@ Floats = NDArray[np.float64]
 
 
 class Spread(Model):
-    """How far builds are from the plan. The errors are drawn independently, from normal distributions."""
+    """How far builds are from a scene. The errors are drawn independently, from normal distributions.
+
+    `facets` and `pitches` are not drawn: they are themselves the standard deviations of prisms.
+    """
 
     deviation: Annotated[
         dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0, le=1)]],  # type: ignore[valid-type]
@@ -91,11 +94,10 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
 
 
 def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
-    """Return by how much each of many builds differs from the plan: arrays (builds,), without signs.
+    """Return by how much each of many builds differs from the scene: arrays (builds,), without signs.
 
-    The random errors are added to the scene's own errors, but `facets` and `pitches` replace the scene's, with a `seed`
-    for each build. Raises InputError for other sheets than one pair of prisms, and for a random error outside its
-    range.
+    The drawn errors are added to the scene's own. `facets` and `pitches` replace the scene's, and each build has
+    another `seed`. Raises InputError for other sheets than one pair of prisms, and for an error outside its range.
     """
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}

@@ -72,7 +72,7 @@ def _fields(first: bool) -> dict[str, Any]:
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
         # In a description, the names of kinds of sheets stand before the text that holds for them. The names are left
-        # out if all kinds that have the parameter have the same text, and at least one of these kinds is in the paper.
+        # out if the text is the same for all kinds with this parameter, and the paper describes one of these kinds.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -111,7 +111,7 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # midway between its sheets, tiles
+    z: float  # of its middle, tiles; a pair of sheets is in front of it and behind it
     sheet: Sheet
 
 

@@ -47,7 +47,8 @@ class Law:
     def __init__(self, text: str, parameters: Collection[str] = ()) -> None:
         """Read a law: three expressions, separated by commas.
 
-        Raises ValueError if the text is not in the grammar; where possible it says at which character.
+        Raises ValueError if the text is not in the grammar, or too long, or too deep, and for a parameter's name that
+        is not free. Where possible it says at which character.
         """
         self.parameters = tuple(parameters)
         for name in self.parameters:
@@ -102,7 +103,7 @@ class Law:
         return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
 
     def expressions(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the three expressions. Each name n in them, also of a function, is replaced by `name(n)`."""
+        """Return the three expressions. Each name n in them, functions included, is replaced by `name(n)`."""
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
@@ -161,10 +162,12 @@ class _Reader:
                 return ast.BinOp(self._checked(left), op, self._checked(right))
             case ast.UnaryOp(ast.UAdd(), operand):
                 return self._checked(operand)
-            case ast.UnaryOp(ast.USub(), ast.UnaryOp(ast.USub(), operand)):  # `--` is another operator in JavaScript
-                return self._checked(operand)
             case ast.UnaryOp(ast.USub(), operand):
-                return ast.UnaryOp(ast.USub(), self._checked(operand))
+                match self._checked(operand):
+                    case ast.UnaryOp(ast.USub(), twice):  # `--` is another operator in JavaScript
+                        return twice
+                    case checked:
+                        return ast.UnaryOp(ast.USub(), checked)
             case ast.Constant(float() | int() as number) if not isinstance(number, bool) and abs(number) < LARGEST:
                 return ast.Constant(float(number))
             case ast.Name(name) if name in self.names:

@@ -45,7 +45,7 @@ class Parameter:
     unit: str = ""  # such as "tiles"; of an angle it is "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
-    size: float = 0.0  # a number, or one component of a direction, has at least this absolute value
+    size: float = 0.0  # least absolute value: of a number, or of the largest component of a direction
     symbol: str = ""  # on the teaching page; empty: its name
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 
@@ -121,7 +121,10 @@ class Sheet:
         return 0.0
 
     def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
-        """Return the sheets of glass, the near one first. z is their window's middle, `window` its number."""
+        """Return the sheets of glass, the one nearest to the eye first.
+
+        They are in the window with this number, whose middle is at z, tiles.
+        """
         return ()
 
     @property
@@ -139,7 +142,7 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Ideal(Sheet):
-    """A sheet without thickness. Light leaves at the point where it arrives, in the direction that the law states."""
+    """A sheet without thickness. A ray from the eye leaves where it arrives, in the direction that the law states."""
 
     law: ClassVar[Law]
 

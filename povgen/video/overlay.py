@@ -23,7 +23,8 @@ HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
 IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
-# colour of the line about which a sheet mirrors or turns light, and of the curve of P at all alpha: no scene has both
+# Of the line about which a sheet mirrors or turns light. The curve of an object's predicted positions at all alpha has
+# this colour too. No scene has both.
 LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
@@ -35,7 +36,7 @@ OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colo
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 GAP = 1.4  # between two texts of a strip, in units of the text's height
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
-AT_ONCE = 1 << 18  # pixels near points that are computed at a time, for the same reason
+AT_ONCE = 1 << 18  # so many pixels are computed at a time in `_discs`, for the same reason
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -54,8 +55,9 @@ def annotated(
 
     Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
     they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is made
-    for this scene alone. A frame of a movie needs `caption`, because it depends on all scenes of the movie. `said` is
-    what the key says (`common_key`). Without it, the key says what `key` returns.
+    for this scene alone. A frame of a movie needs `caption`, because it depends on all scenes of the movie. It also
+    needs `said`, the entries of the key, which `common_key` returns. Without `said`, they are those of the function
+    `key`. Outlines of the pieces, and the line of a sheet, are drawn on the picture too.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -85,13 +87,13 @@ class Item(NamedTuple):
 
 
 def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return what the key above the picture says: a text for each colour that is drawn on the picture.
+    """Return what the key above the picture says: a text for each kind of mark or line on the picture.
 
-    A picture without caption, without note, without side view and without overlay (`rendering.annotated`) has no key.
+    If the picture has no caption, note, side view or overlay, `rendering.annotated` is false, and there is no key.
     """
     two = scene.rotates
     texts = []
-    if rendering.overlay and scene.objects:
+    if rendering.overlay and positions(scene):
         texts.append(("predicted P" if len(scene.objects) == 1 else "predicted positions", P_COLOUR))
     if rendering.overlay and ghosts(scene):
         texts.append(("predicted ghosts", GHOST_COLOUR))
@@ -160,7 +162,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
-    """Draw the curves along which the predicted positions move, and then the positions on top of them."""
+    """Draw the curves along which the predicted positions move, and on top of them the positions and the points L and E."""
     height = len(picture)
     tile = height / scene.view
     # lines are thinner if there are several objects: these can be small, and as near to each other as a line is wide
@@ -209,7 +211,7 @@ def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
     from povgen.video.outline import outlines
 
     if outline == "direct_image":
-        # the windows stay, because z1 counts from the last one
+        # the windows remain, without their sheets, because z1 is the distance from the last one
         empty = [{"z": window.z, "sheet": "none"} for window in scene.window]
         scene = scene.replace(sheet="none", window=empty, predicted_image=False, view=scene.view)
     thick = max(len(picture) / 260, 1.2)
@@ -266,7 +268,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         return
     # for each pixel, the square of its distance from the nearest point, at most (radius + 0.5)^2
     nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
-    near = np.arange(-reach, reach + 2)  # the pixels around a point, from the pixel that it is in
+    near = np.arange(-reach, reach + 2)  # rows, or columns, around a point: 0 is the one that the point is in
     for some in np.array_split(points, len(points) * len(near) ** 2 // AT_ONCE + 1):
         sides = []
         for ends, first, size in ((some.imag, rows.start, len(part)), (some.real, columns.start, part.shape[1])):
@@ -352,8 +354,8 @@ def _visible_parts(
                 front = scene.E + (place - scene.E) * (1 - scene.depth / 2 / scene.z2)
                 outside = np.maximum(abs(front.real), abs(front.imag)) - scene.aperture / 2
                 gap = abs(np.diff(place))
-                # add a point between two neighbours that are more than `step` apart. Two that are both far outside the
-                # window's opening need none: those that are farther from it than twice the distance between them
+                # Add a point between two neighbours that are more than `step` apart. It is not needed if both are far
+                # outside the window's opening: farther than twice their distance from each other.
                 coarse = (gap > step) & (np.minimum(outside[:-1], outside[1:]) < 2 * gap)
                 if not coarse.any():
                     break

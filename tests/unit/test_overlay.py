@@ -339,6 +339,12 @@ def test_outlines_through_windows_that_turn_nothing_are_those_without_sheets(win
     assert drawn[0].sum() > 300 and (drawn[0] != drawn[1]).sum() < 0.02 * drawn[0].sum()
 
 
+def test_a_key_does_not_name_a_position_that_the_frame_hides():
+    scene = Chess(sheet="ideal", x=3, z1=1)
+    assert not overlay.positions(scene)
+    assert overlay.P_COLOUR not in [colour for _, colour in overlay.key(scene, Rendering(overlay=True))]
+
+
 def test_a_key_explains_outlines_with_a_caption_too():
     scene = Chess(predicted_image=True, direct_image=True)
     explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]

@@ -125,6 +125,7 @@ def test_light_that_does_not_pass():
         ("sqrt(abs(x)) + min(x, y)*max(x, y), y, z", lambda x, y, z: np.sqrt(abs(x)) + min(x, y) * max(x, y)),
         ("pow(z, 3) + sin(x)*cos(y) + 1e-3, y, z", lambda x, y, z: z**3 + np.sin(x) * np.cos(y) + 1e-3),
         ("- - -x + +y, y, z", lambda x, y, z: y - x),
+        ("-+-x - -+-+-y, y, z", lambda x, y, z: x + y),
         ("x,\n  y,\n  z + 0*X*Y", lambda x, y, z: x),
     ],
 )
