@@ -137,7 +137,8 @@ def pictures(
 
             texts, said = captions(once, rendering), common_key(once, rendering)
         # pictures are made in threads while the caller, which may encode, is busy with those before
-        pool = opened.enter_context(ThreadPoolExecutor(MADE_AT_ONCE))
+        pool = ThreadPoolExecutor(MADE_AT_ONCE)
+        opened.callback(pool.shutdown, cancel_futures=True)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
             waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
