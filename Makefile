@@ -82,8 +82,8 @@ test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
 # numpy has no large matrices here: its further threads would only wait, and take CPU time for that.
 test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 
-test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, in one to two minutes
-	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 2 --dist loadgroup
+test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, in a minute
+	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
 	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
@@ -93,7 +93,7 @@ test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests before
 
 coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage
 	$(begin)
-	COVERAGE_FILE=build/coverage.data $(VENV)/bin/python -m pytest tests/unit tests/cli tests/render --numprocesses 6 --dist loadgroup \
+	COVERAGE_FILE=build/coverage.data $(VENV)/bin/python -m pytest tests/unit tests/cli tests/fuzz tests/render --numprocesses 6 --dist loadgroup \
 	  --cov povgen --cov-report term:skip-covered --cov-report html:build/coverage
 	$(call note,build/coverage build/coverage.data)
 

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,7 @@ BASE = {"errors", "files", "limits", "progress", "record", "remedies", "settings
 TOP = {"__init__", "__main__"}  # they may import everything
 
 
+@cache
 def imports(path):
     """Return what a module imports, also within its functions: modules, and names from modules."""
     found = set()

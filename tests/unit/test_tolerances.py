@@ -164,8 +164,12 @@ def test_facets_of_random_builds():
     assert len(set(change.displaced)) == 6 and (change.blurred > 2).all()
 
 
-def test_sensitivities():
-    found = tolerance.sensitivities(FINE)
+@pytest.fixture(scope="module")
+def found():
+    return tolerance.sensitivities(FINE)
+
+
+def test_sensitivities(found):
     exact, turned = (scene.apparent_position(scene.L, scene.z1) for scene in (FINE, FINE.replace(alpha=92)))
     assert found["turn"].displaced == pytest.approx(abs(turned - exact) / 10 / tolerance.ARCMINUTE, rel=0.05)
     assert found["turn"].turned == pytest.approx(1, abs=0.02)  # half of alpha's change: the object is as far as the eye
@@ -198,10 +202,10 @@ def test_random_builds_of_a_scene_with_an_error():
     assert (change.turned < 0.05).all() and (change.displaced < 0.2).all()
 
 
-def test_random_builds_agree_with_the_sensitivities():
+def test_random_builds_agree_with_the_sensitivities(found):
     spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
     change = tolerance.builds(FINE, spread)
-    unit = tolerance.sensitivities(FINE)["far_tilt_x"].displaced
+    unit = found["far_tilt_x"].displaced
     drawn = abs(np.random.default_rng(1).normal(size=60)) * 0.02
     np.testing.assert_allclose(change.displaced, unit * drawn, rtol=0.05, atol=0.02)
     assert tolerance.percentile(change.displaced, 50) == pytest.approx(unit * np.quantile(drawn, 0.5), rel=0.1)
