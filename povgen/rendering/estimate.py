@@ -6,7 +6,6 @@ the renderer gl are without a GPU.
 """
 
 from collections.abc import Sequence
-from itertools import groupby
 
 from povgen.rendering.parallel import cores
 from povgen.rendering.views import views
@@ -20,8 +19,8 @@ LONG = 60.0  # seconds of wall time
 
 
 def cpu_seconds(scenes: Sequence[Scene], rendering: Rendering) -> float:
-    """Return about how many CPU seconds these pictures take. Equal successive ones are rendered once."""
-    return sum(_cpu_seconds(scene, rendering) for scene, _ in groupby(scenes))
+    """Return about how many CPU seconds these pictures take. Equal ones are rendered once."""
+    return sum(_cpu_seconds(scene, rendering) for scene in {*scenes})
 
 
 def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
@@ -39,7 +38,7 @@ def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
 
 def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
     """Return in words what these pictures are, and how long they take if none is in the cache."""
-    seconds, count = cpu_seconds(scenes, rendering), len([*groupby(scenes)])
+    seconds, count = cpu_seconds(scenes, rendering), len({*scenes})
     width, height = rendering.size
     what, each = ("a picture", "") if len(scenes) == 1 else (f"{len(scenes)} frames", " each")  # a shard can have none
     differing = f", {count} of them different," if count < len(scenes) else ""

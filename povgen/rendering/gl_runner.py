@@ -24,7 +24,8 @@ TRIES = 2
 START = 60.0  # seconds in which a process is ready to draw
 # A graphics processor is kept as busy by 4 processes as by more, which only cost their start (docs/speed.md).
 ON_GPU = 4
-WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader", re.IGNORECASE)  # in the names of devices
+# in the names of devices that draw without a graphics processor
+WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic render|gdi generic", re.IGNORECASE)
 POVRAY = "allowed: renderer = 'povray'"
 
 

@@ -4,6 +4,7 @@ import base64
 import zlib
 from functools import lru_cache
 from math import ceil
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import Chess
 
 FINEST = 16  # points of an outline between two voxels, at most
+_measuring = Lock()
 
 
 def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
@@ -30,8 +32,13 @@ def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
     return np.concatenate(found)
 
 
-@lru_cache(maxsize=16)
 def _volume(piece: str | PieceFile) -> Volume:
+    with _measuring:  # frames of a movie that are drawn at once have the same piece, which takes long to measure
+        return _measured(piece)
+
+
+@lru_cache(maxsize=16)
+def _measured(piece: str | PieceFile) -> Volume:
     return volumes({"piece": piece})["piece"]
 
 

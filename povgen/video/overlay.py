@@ -162,7 +162,10 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
 
 
 def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
-    """Draw the curves along which the predicted positions move, and on top of them the positions and the points L and E."""
+    """Draw the curves along which the predicted positions move. Then draw points on them.
+
+    The points are the predicted positions, those of ghosts, and L and E with their letters.
+    """
     height = len(picture)
     tile = height / scene.view
     # lines are thinner if there are several objects: these can be small, and as near to each other as a line is wide

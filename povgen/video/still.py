@@ -34,7 +34,8 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 
 
 SUFFIXES = ".png", ".exr"
-MADE_AT_ONCE = 4  # pictures of a movie that are read and drawn on at once
+MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
+MADE_PIXELS = 1 << 25  # of all of these pictures, if there are several
 MAX_LARGE = 2**22  # bytes of all pictures of sky and floor, and of all meshes, that a record holds
 
 
@@ -124,6 +125,12 @@ def pictures(
         # a picture that stays is rendered once
         runs = [(scene, len([*same])) for scene, same in groupby(scenes)] if movie else [(each, 1) for each in scenes]
         once = [scene for scene, _ in runs]
+        # Pictures are made in threads while the caller, which may encode, is busy with those before. When all ends, the
+        # rendering is stopped before these threads are.
+        width, height = rendering.size
+        made_at_once = max(1, min(MADE_AT_ONCE, MADE_PIXELS // (width * height)))
+        pool = ThreadPoolExecutor(made_at_once)
+        opened.callback(pool.shutdown, cancel_futures=True)
         frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
         texts: Sequence[Caption | None] = [None] * len(once)
         shows = said = None
@@ -136,16 +143,14 @@ def pictures(
             from povgen.video.overlay import common_key
 
             texts, said = captions(once, rendering), common_key(once, rendering)
-        # pictures are made in threads while the caller, which may encode, is busy with those before
-        pool = ThreadPoolExecutor(MADE_AT_ONCE)
-        opened.callback(pool.shutdown, cancel_futures=True)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
             waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
-            if len(waiting) > MADE_AT_ONCE:
+            if len(waiting) > made_at_once:
                 made, times = waiting.popleft()
                 yield from repeat(made.result(), times)
-        for made, times in waiting:
+        while waiting:
+            made, times = waiting.popleft()
             yield from repeat(made.result(), times)
 
 

@@ -44,6 +44,10 @@ def test_a_dry_run_renders_nothing(tmp_path):
     for arguments, said in (
         (["movie", "vary-alpha", "--frames", "4", "--size", "64x48"], "4 frames of 64x48 pixels, about "),
         (["movie", "vary-alpha", "--frames", "4", "--hold", "1"], "24 frames, 4 of them different, of 480x360 pixels,"),
+        (
+            ["movie", "vary-alpha", "--frames", "4", "--loop"],
+            "6 frames, 4 of them different, of 480x360 pixels, about ",
+        ),
         (["frame", "chess"], "a picture of 480x360 pixels, about "),
         (["movie", "vary-alpha", "--frames", "4", "--shard", "5/7"], "0 frames of 480x360 pixels, about 0 CPU seconds"),
     ):
