@@ -85,10 +85,10 @@ test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 test-fast: $(VENV)/test-ready  ## tests of the mathematics and of the command line, in a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
 
-test: $(VENV)/test-ready test-deps gl-deps  ## all tests except the tests before a release
+test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-release
 	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
 
-test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests before a release: every Python here, the oldest packages, Firefox
+test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests with every Python here, with the oldest packages, and in Firefox
 	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
 
 coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage

@@ -33,7 +33,7 @@ Workers = Annotated[
     typer.Option(
         metavar="N",
         help="how many frames are rendered at once, 1 to 256",
-        show_default="8 for each core; with --renderer gl 1, on a GPU 4 at most",
+        show_default="8 for each core; with --renderer gl one, and on a GPU at most 4",
     ),
 ]
 Tolerance = Annotated[

@@ -35,7 +35,7 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 
 SUFFIXES = ".png", ".exr"
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
-MADE_PIXELS = 1 << 25  # of all of these pictures, if there are several
+MADE_PIXELS = 1 << 25  # if so many pictures have more pixels together, fewer are made at once
 MAX_LARGE = 2**22  # bytes of all pictures of sky and floor, and of all meshes, that a record holds
 
 

@@ -137,13 +137,8 @@ def skeletons():
 
 
 def rendered(source, rendering, folder):
-    """Replace POV-Ray: check the scene's text and return a black picture."""
-    assert not skeleton(source) - skeletons()
-    return drawn(source, rendering, folder)
-
-
-def drawn(_, rendering, folder):
-    """Replace the renderer gl: return a black picture. Its file has this content also if it is to hold light."""
+    """Replace both renderers: check POV-Ray's text and return a black picture, a PNG file whatever its name."""
+    assert rendering.renderer == "gl" or not skeleton(source) - skeletons()
     width, height = (min(pixels, 64) for pixels in rendering.size)
     picture = folder / rendering.file
     picture.write_bytes(iio.imwrite("<bytes>", np.zeros((height, width, 3), np.uint8), extension=".png"))
@@ -211,7 +206,7 @@ def place(tmp_path_factory):
         patch.setattr(page, "MOVIES", ("vary-z1",))
         patch.setattr(page, "volumes", lambda pieces, **options: {})
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
-        patch.setattr(gl_runner.Runner, "run", staticmethod(drawn))
+        patch.setattr(gl_runner.Runner, "run", staticmethod(rendered))
         patch.setattr(gl_runner, "device", lambda: "a device")
         patch.setattr(gl_scene, "to_text", lambda *_, **__: "a scene")
         patch.setattr(volumes, "volumes", lambda *_, **__: {})
