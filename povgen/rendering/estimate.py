@@ -1,8 +1,8 @@
 """How long rendering takes, before it begins.
 
 The numbers are CPU seconds of the machine in docs/speed.md, on which a picture of 640x480 pixels through 2x100 prisms
-takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long. The renderer
-gl was measured without a GPU.
+takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long. The
+renderer gl was measured without a GPU.
 """
 
 from collections.abc import Sequence
