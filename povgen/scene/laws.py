@@ -39,7 +39,7 @@ def to_pov(scene: Scene) -> list[Functions]:
 
 def _functions(number: int, window: Placed) -> Functions:
     sheet = window.sheet
-    assert isinstance(sheet, Ideal)  # by _check_windows of Scene, ideal windows come first
+    assert isinstance(sheet, Ideal)  # `Scene` allows windows of glass only behind ideal ones
     suffix, where = (f"_{number}", f" of window {number}") if number > 1 else ("", "")
     names: dict[str, str] = {}
     lines = []
@@ -68,10 +68,10 @@ class Text(NamedTuple):
     """The law of a kind of ideal sheet in GLSL and JavaScript."""
 
     name: str
-    # for each number of the law: its parameter, the parameter's unit, and the component's number if it is a direction
+    # by the name in the law: the parameter, its unit, and which component it is if the parameter is a direction
     numbers: dict[str, tuple[str, str, int | None]]
     constants: list[str]  # JavaScript: the parts that depend on parameters alone; a parameter is p.NAME
-    glsl: list[str]  # x, y and z; the constants are constants[at], constants[at + 1], ...
+    glsl: list[str]  # x, y and z; the shader keeps this law's constants from constants[at] on
     javascript: list[str]  # x, y and z; the constants are c[0], c[1], ...
 
 

@@ -1,4 +1,4 @@
-"""The sheets' parameters as attributes of a scene, and `Window`: a window that stands behind a scene's first window.
+"""The parameters of a scene's sheets, for pydantic. A window behind the first one is a `Window`.
 
 Such a window can be given as text: `z=2,sheet=mirror`.
 """
@@ -14,6 +14,7 @@ from povgen.sheets.sheet import Parameter, Sheet
 from povgen.validation import Model, as_pair
 
 MAX_WINDOWS = 5
+TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind == "table"}
 
 
 def as_table(value: object) -> object:
@@ -24,7 +25,10 @@ def as_table(value: object) -> object:
     parts = [text.partition("=") if isinstance(text, str) else ("", "", "") for text in texts]
     if not all(equals for _, equals, _ in parts):
         raise ValueError("should be text such as k=0.3")
-    return {name.strip(): number for name, _, number in parts}
+    table = {name.strip(): number for name, _, number in parts}
+    if len(table) < len(parts):
+        raise ValueError("should have each name once")
+    return table
 
 
 def _checked_size(parameter: Parameter) -> AfterValidator:
@@ -71,8 +75,8 @@ def _fields(first: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # In a description, the names of kinds of sheets stand before the text that holds for them. The names are left
-        # out if the text is the same for all kinds with this parameter, and the paper describes one of these kinds.
+        # In a description, a text follows the names of the kinds of sheets that it describes. A single text stands
+        # without names if one of its kinds is in the paper: these are the kinds that readers know.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -111,7 +115,7 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # of its middle, tiles; a pair of sheets is in front of it and behind it
+    z: float  # of its middle, tiles; of a pair, one sheet is in front of the middle and one behind it
     sheet: Sheet
 
 
@@ -125,10 +129,13 @@ def _window(value: object) -> object:
             else:
                 parts[-1] += f",{part}"
         pairs = [part.partition("=") for part in parts]
-        values = {name.strip(): number for name, _, number in pairs}
-        if len(values) < len(pairs) or not all(equals for _, equals, _ in pairs):
+        values: dict[str, list[str]] = {}
+        for name, _, given in pairs:
+            values.setdefault(name.strip(), []).append(given)
+        repeated = [name for name, several in values.items() if len(several) > 1 and name not in TABLES]
+        if repeated or not all(equals for _, equals, _ in pairs):
             raise ValueError("should be text such as alpha=120,z=2")
-        value = values
+        value = {name: several if len(several) > 1 else several[0] for name, several in values.items()}
     return Window(**value) if isinstance(value, Mapping) else value
 
 

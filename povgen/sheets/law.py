@@ -10,8 +10,8 @@ A law is three expressions: the x, y and z components of the ray's new direction
 - decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
   not negative).
 
-x points right and y up, as the eye sees them. The length of the new direction does not matter. Light passes where z of
-the new direction, divided by its length, is above 1e-6. Light itself runs the other way along the same path.
+x points right and y up, as the eye sees them. The length of the new direction does not matter. The ray passes where
+its z, divided by its length, is above 1e-6. Light runs along the same path, towards the eye.
 """
 
 import ast
@@ -35,10 +35,10 @@ FUNCTIONS = {
     "pow": (2, "power"),
 }
 RAY = ("x", "y", "z", "X", "Y")
-LONGEST, DEEPEST = 1000, 100  # most characters of a law, and most levels of its tree
+LONGEST, DEEPEST = 1000, 100  # maximum number of characters of a law, and maximum depth of its syntax tree
 LARGEST = 1e30  # numbers in a law are less than this, because shaders compute with 32-bit numbers
 LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
-_SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UAdd, ast.USub)
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
 
 class Law:
@@ -47,13 +47,20 @@ class Law:
     def __init__(self, text: str, parameters: Collection[str] = ()) -> None:
         """Read a law: three expressions, separated by commas.
 
-        Raises ValueError if the text is not in the grammar, or too long, or too deep, and for a parameter's name that
-        is not free. Where possible it says at which character.
+        Raises ValueError if the text does not follow the grammar, is too long or too deeply nested, or if the name of a
+        parameter is not allowed. Where possible it says at which character of the text.
         """
         self.parameters = tuple(parameters)
         for name in self.parameters:
-            if not name.isascii() or not name.isidentifier() or name in (*RAY, *FUNCTIONS) or keyword.iskeyword(name):
-                raise ValueError(f"parameter {name!r}; allowed: a free name of letters, digits and _, no digit first")
+            if (
+                not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII)
+                or name in (*RAY, *FUNCTIONS)
+                or keyword.iskeyword(name)
+            ):
+                raise ValueError(
+                    f"parameter {name!r}; allowed: a name of letters, digits and _ that begins with a letter, "
+                    f"but not {', '.join((*RAY, *FUNCTIONS))}, nor a keyword of Python"
+                )
         self._parts = _Reader(text, self.parameters).parts
 
     def __eq__(self, other: object) -> bool:
@@ -72,7 +79,7 @@ class Law:
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
-        `direction` (..., 3) are vectors with z > 0, not only unit vectors. `place` is complex, X + iY, and broadcasts.
+        `direction` (..., 3) are vectors with z > 0, of any length. `place` is complex, X + iY, and broadcasts.
         `values` has a number or an array for each name of a parameter in the law; angles are in radians.
         """
         import numpy as np
@@ -91,6 +98,13 @@ class Law:
         """Whether the law differs from place to place."""
         nodes = (node for part in self._parts for node in ast.walk(part))
         return any(isinstance(node, ast.Name) and node.id in ("X", "Y") for node in nodes)
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether x, y, z, X and Y are only added, multiplied and divided, and used in sin and cos."""
+        calls = (node for part in self._parts for node in ast.walk(part) if isinstance(node, ast.Call))
+        others = (call for call in calls if isinstance(call.func, ast.Name) and call.func.id not in ("sin", "cos"))
+        return not any(isinstance(node, ast.Name) and node.id in RAY for call in others for node in ast.walk(call))
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)
@@ -132,10 +146,13 @@ class _Reader:
         # Python's parser accepts comments, and numbers such as 0x1F and 1_000, which are not in the grammar
         if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d\w*_\w*)", text, re.IGNORECASE):
             raise self._error(*other.span())
+        line = re.sub(r"\s", " ", text)
+        self.expression = line.strip()
+        self.start = line.find(self.expression)
         try:
-            tree = ast.parse(f"({text}\n)", mode="eval").body  # the text begins at the second character
+            tree = ast.parse(self.expression, mode="eval").body if self.expression else ast.Tuple([], ast.Load())
         except SyntaxError as error:
-            raise self._error(min(max((error.offset or 2) - 2, 0), len(text))) from None
+            raise self._error(min(self.start + max((error.offset or 1) - 1, 0), len(text))) from None
         except (ValueError, RecursionError, MemoryError):  # a NUL, or hundreds of parentheses
             raise ValueError(
                 "cannot be read; allowed: three expressions, for x, y and z, separated by commas"
@@ -144,7 +161,7 @@ class _Reader:
         if len(parts) != 3:
             raise ValueError(f"{len(parts)} expressions; allowed: three, for x, y and z, separated by commas")
         if _depth(tree) > DEEPEST:
-            raise ValueError(f"an expression with more than {DEEPEST} levels; allowed: fewer")
+            raise ValueError(f"nested in more than {DEEPEST} levels; allowed: up to {DEEPEST}")
         self.parts = tuple(self._checked(part) for part in parts)
 
     def _error(self, start: int, end: int | None = None) -> ValueError:
@@ -156,9 +173,9 @@ class _Reader:
         )
 
     def _checked(self, node: ast.expr) -> ast.expr:
-        """Return an expression in the form that every language reads alike, in which no number is an integer."""
+        """Return an expression in the form that every language reads alike. Integers become decimal numbers."""
         match node:
-            case ast.BinOp(left, op, right) if isinstance(op, _SIGNS):
+            case ast.BinOp(left, op, right) if isinstance(op, _OPERATORS):
                 return ast.BinOp(self._checked(left), op, self._checked(right))
             case ast.UnaryOp(ast.UAdd(), operand):
                 return self._checked(operand)
@@ -174,10 +191,8 @@ class _Reader:
                 return ast.Name(name, ast.Load())
             case ast.Call(ast.Name(name), arguments, []) if name in FUNCTIONS and len(arguments) == FUNCTIONS[name][0]:
                 return ast.Call(ast.Name(name, ast.Load()), [self._checked(each) for each in arguments], [])
-        if node.lineno > 1 or node.end_lineno != node.lineno:
-            raise self._error(0)
-        text, ends = self.text.encode(), (node.col_offset, node.end_col_offset or 0)  # Python counts bytes
-        start, end = (len(text[: at - 1].decode(errors="ignore")) for at in ends)
+        text, ends = self.expression.encode(), (node.col_offset, node.end_col_offset or 0)  # Python counts bytes
+        start, end = (self.start + len(text[:at].decode()) for at in ends)
         raise self._error(start, end)
 
 

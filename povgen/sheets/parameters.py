@@ -24,7 +24,7 @@ FOCAL_LENGTH = Parameter(
 INDEX = Parameter("index", "refractive index n of the prisms or lenses, 1.1 to 4", Prism.index, 1.1, 4)
 GLASS = Parameter(
     "glass",
-    "the glass of prisms or lenses, in place of index, such as BK7; povgen list shows all, with n",
+    "glass of the prisms or lenses, such as BK7, in place of index; povgen list shows the glasses with their n",
     "none",
     kind="choice",
     choices=("none", *GLASSES),
@@ -42,5 +42,5 @@ FOCAL_LENGTHS = Said("lenses' focal lengths f₁/f₂ = {}")  # of lenses in two
 
 
 def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:
-    """Return a shared parameter with the text for another kind of sheet, and its words in captions."""
+    """Return a shared parameter with another text (if it is not empty), and with these words in captions."""
     return replace(parameter, text=text or parameter.text, said=said)

@@ -1,6 +1,6 @@
 """Base classes of sheets. A subclass is a kind of sheet. An instance is a sheet with values of its parameters.
 
-The law of an ideal sheet states the direction of a ray behind it (`law.py`).
+The law of an ideal sheet states the direction in which a ray from the eye leaves it (`law.py`).
 """
 
 import re
@@ -26,12 +26,12 @@ class Said(NamedTuple):
 
     words: str  # {} stands for the value with its unit, {NAME} for the value of the sheet's parameter NAME
     factor: float = 1  # the caption states the value times this factor
-    full: str = ""  # what `--caption full` says in place of `words`; if empty, it says `words` too
+    full: str = ""  # for `--caption full`; if empty, `words` is used
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a sheet. It is an option of the command line, and a key of a TOML file and of `--window`.
+    """A parameter of a sheet. It can be set on the command line, in a TOML file, and in the text of `--window`.
 
     Several kinds of sheets can have a parameter with the same name. Then these parameters may differ only in
     `text` and `said`.
@@ -42,16 +42,16 @@ class Parameter:
     default: Any
     least: float | None = None
     most: float | None = None
-    unit: str = ""  # such as "tiles"; of an angle it is "degrees" or "degrees a tile"
+    unit: str = ""  # such as "tiles"; for an angle "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
     size: float = 0.0  # least absolute value: of a number, or of the largest component of a direction
-    symbol: str = ""  # on the teaching page; empty: its name
+    symbol: str = ""  # shown on the teaching page; if empty, the name is shown
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 
     @property
     def about(self) -> str:
-        """What it is: the beginning of `text`."""
+        """A short description: `text` up to its first comma, or to " as "."""
         return re.split(",| as ", self.text)[0]
 
     @property
@@ -88,8 +88,8 @@ class Sheet:
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
     # values at the start on the teaching page; a parameter that is missing here has its default
     opening: ClassVar[Mapping[str, Any]] = {}
-    # first and last value of a parameter in the movies that the teaching page plays; a parameter that is missing here
-    # has the values of the paper's movies
+    # first and last value of a parameter in the movies that the teaching page plays; if a parameter is missing here,
+    # they are those of the movies described in the paper
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
@@ -102,12 +102,12 @@ class Sheet:
 
     @property
     def line(self) -> tuple[str, complex] | None:
-        """The name and the direction x + iy of the line about which the sheet mirrors or turns light. Or None."""
+        """The line in the sheet's plane about which light is mirrored or turned: name and direction x + iy. Or None."""
         return None
 
     @property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix (`optics.apparent`); for glass it holds for small angles. None if there is none."""
+        """The ray-transfer matrix (`optics.apparent`), for sheets of glass in paraxial approximation. Or None."""
         return None
 
     @property
@@ -121,9 +121,9 @@ class Sheet:
         return 0.0
 
     def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
-        """Return the sheets of glass, the one nearest to the eye first.
+        """Return the sheets of glass that this window contains, the one nearest to the eye first.
 
-        They are in the window with this number, whose middle is at z, tiles.
+        `window` is its number, and z the position of its middle, tiles.
         """
         return ()
 
@@ -136,7 +136,7 @@ class Sheet:
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return a ray's slope behind the sheet. The ray comes from the eye. Slopes and places are x + iy."""
+        """Return the slope, behind the sheet, of a ray from the eye. A slope is dx/dz + i dy/dz, a place X + iY."""
         return self.thin.slope(slope, place)
 
 
@@ -165,7 +165,7 @@ class Ideal(Sheet):
         return self.law.bend(direction, place, self.numbers)
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return a ray's slope behind the sheet. The ray comes from the eye. Slopes and places are x + iy."""
+        """Return the slope, behind the sheet, of a ray from the eye. A slope is dx/dz + i dy/dz, a place X + iY."""
         import numpy as np
 
         s = np.asarray(slope, complex)
@@ -178,20 +178,24 @@ class Ideal(Sheet):
         """The ray-transfer matrix; None if the sheet has none.
 
         A sheet has one if the slope behind it is a constant plus a linear function of the slope before the sheet and of
-        the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
+        the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none. The law
+        `x + max(X - 3, 0), y, z` is linear where these rays meet the sheet, but not everywhere. So only smooth laws
+        have a matrix.
         """
         import numpy as np
 
+        if not self.law.is_smooth:
+            return None
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # Some of `self.numbers` can be arrays, with a value for each of several sheets that are computed at once. In
-        # the result of `slope` the first axis is that of the rays, and the axes of the sheets follow.
-        rays = (slice(None), *[None] * len(shape))
-        s = self.slope(np.array([0, 1, 1j, 0, 0])[rays], np.array([0, 0, 0, 1, 1j])[rays])
+        # Numbers can be arrays, to compute several sheets at once: in `s` the axis of the rays comes first, then those
+        # of the sheets.
+        axes = (slice(None), *[None] * len(shape))
+        s = self.slope(np.array([0, 1, 1j, 0, 0])[axes], np.array([0, 0, 0, 1, 1j])[axes])
         steps = s[1:] - s[0]
         others = np.random.default_rng(1).uniform(-2, 2, (4, 20))
         slope, place = others[0] + 1j * others[1], others[2] + 1j * others[3]
         linear = s[0] + np.einsum("i...,ij->j...", steps, others)
-        if not (abs(self.slope(slope[rays], place[rays]) - linear) <= 1e-11 * (1 + abs(steps).max())).all():
+        if not (abs(self.slope(slope[axes], place[axes]) - linear) <= 1e-11 * (1 + abs(steps).max())).all():
             return None
         matrix = np.broadcast_to(np.eye(5), (*shape, 5, 5)).copy()
         columns = np.moveaxis(np.stack((*steps[2:], *steps[:2], s[0])), 0, -1)

@@ -165,12 +165,17 @@ def test_the_grammar(text, x):
         ("x + 1.5e-1_0, y, z", "'1_0' at character 10"),
         ("sqrt, y, z", "'sqrt' at character 1"),
         ("x, y, (z", "at character"),
+        ("x), (y), (z", "'), (y), (z' at character 2"),
+        ("x, y, z\\", "'\\\\' at character 8"),
+        (" x,\n y,\n é + q*z", "'é' at character 10"),
+        ("x,\r\ny +* 2,\nz", "'* 2,\\nz' at character 8"),
+        ("x, 'a\nb', z", "at character 4"),
         ("x +, y, z", "at character"),
         ("", "0 expressions"),
         ("x, y, z # \\", "'#' at character 9"),
         ("x, y, z\0", "allowed:"),
         ("(" * 400 + "x" + ")" * 400 + ", y, z", "allowed"),
-        ("+".join(["x"] * 200) + ", y, z", "more than 100 levels"),
+        ("+".join(["x"] * 200) + ", y, z", "nested in more than 100 levels; allowed: up to 100"),
         ("x" * 1001, "1001 characters; allowed: up to 1000"),
     ],
 )
@@ -196,11 +201,13 @@ def test_a_law_of_ones_own_in_a_scene():
         Chess(sheet="law", law="x, y, z + q")
     with pytest.raises(InputError, match="^window 2, law = 'x': 1 expressions"):
         Chess(sheet="ideal", window={"z": 2, "sheet": "law", "law": "x"})
-    for name in ("x", "sin", "2k", "a b", "lambda", "é"):
-        with pytest.raises(InputError, match="allowed: a free name"):
+    for name in ("x", "sin", "2k", "a b", "lambda", "é", "__builtins__", "__proto__", "k\n", ""):
+        with pytest.raises(InputError, match="allowed: a name of letters, digits and _ that begins with a letter, but"):
             Chess(sheet="law", law="x, y, z", parameter={name: 1})
     with pytest.raises(InputError, match="should be text such as k=0.3"):
         Chess(sheet="law", parameter=["k"])
+    with pytest.raises(InputError, match="should have each name once"):
+        Chess(sheet="law", law="x, y, z*k", parameter=["k=1", " k = 2"])
 
 
 def test_a_division_by_0_is_infinite_as_in_the_other_languages():
@@ -253,6 +260,26 @@ def test_matrices_are_those_of_the_laws(name, rng):
             X, Y, sx, sy, _ = one.transfer @ np.stack((P.real, P.imag, s.real, s.imag, np.ones(30)))
             np.testing.assert_allclose(X + 1j * Y, P)
             np.testing.assert_allclose(sx + 1j * sy, one.slope(s, P), atol=1e-12)
+
+
+def test_a_law_that_is_linear_only_in_parts_has_no_matrix():
+    for law in (
+        "x - max(X - 4, 0)*z, y, z",
+        "x + abs(y - 3*z) - 3*z + y, y, z",
+        "x, y + sqrt(pow(X - 4, 2)) + X - 4, z",
+    ):
+        one = sheet("law", law=law, parameter={})
+        assert one.transfer is None
+    # constants may be computed with any function
+    assert sheet("law", law="x - sqrt(max(k, 0))*X*z, y, z", parameter={"k": 0.25}).transfer is not None
+
+
+def test_the_eye_sees_a_point_through_a_law_that_is_linear_only_in_parts():
+    """Light from the far part of a wide window counts, although all rays near its middle go straight on."""
+    scene = Chess(sheet="law", law="x - max(X - 4, 0)*z/2, y, z", aperture=10, view=12, z1=2, z2=2)
+    P = 4.5  # there the slope becomes less by 0.25
+    L = P + scene.z1 * (P / scene.z2 - 0.25)
+    assert scene.apparent_position(L, scene.z1) == pytest.approx(P)
 
 
 def test_matrices_of_prisms_without_size_are_those_of_thin_sheets():

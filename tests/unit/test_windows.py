@@ -27,6 +27,14 @@ def test_a_window_is_text_a_table_or_a_window():
     assert len(Chess(**MIXED).ideal) == 2 and Chess(sheet="none", window="z=1,alpha=3").is_empty
 
 
+def test_a_windows_text_can_have_several_numbers_of_a_table():
+    scene = Chess(sheet="none", window="z=1,sheet=law,law=k*x,m*y,z,parameter=k=2,parameter=m=3")
+    assert scene.window[0].parameter == {"k": 2, "m": 3}
+    for text in ("z=1,z=2", "z=1,parameter=k=1,parameter=k=2", "z=1,alpha=3,alpha=3"):
+        with pytest.raises(InputError):
+            Chess(sheet="none", window=text)
+
+
 def test_windows_have_parameters_of_their_own():
     """What a window does not state is that of the first one."""
     given = [
