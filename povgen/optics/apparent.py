@@ -140,7 +140,7 @@ def infinite_z1(windows: Windows) -> Floats:
     appears at infinity. The result is then their real part, where |A|^2 - |B|^2 is closest to 0.
     """
     total = matrix(windows)
-    if total is None:
+    if total is None or not np.isfinite(total).all():  # NaN: no light takes a profile's designed path
         return np.empty(0)
     (a, b), (c, d) = total[:2, 2:4]
     (p, q), (r, t) = total[2:4, 2:4]

@@ -9,8 +9,8 @@ continues in the next period, as the face of an array of lenses does.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
-from math import asin, hypot, inf, isfinite, radians, sqrt, tan
-from typing import Any, NamedTuple
+from math import asin, hypot, isfinite, radians, sqrt, tan
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from povgen.optics.prism import Prism
 MAX_EDGES = 32  # of a profile
 CHORDS = 64  # into which an arc is divided to find out whether outlines cross; even
 TOLERANCE = 1e-9  # of a corner's place
+LARGEST = 1e100  # numbers in a TOML file are less: whole numbers there can be too large for a float
 LARGEST_RADIUS = 1e4  # periods: POV-Ray draws cylinders of 1e6 wrongly, and the ray trace those of 1e12
 ASIDE = 1e-5  # from an outline: there must be glass on one side, and air on the other
 
@@ -214,7 +215,7 @@ def confocal(
     object's side is greater by the fraction `mismatch`. Raises ValueError for a focal length whose lens would be more
     than a semicircle.
     """
-    near, far = _lens_radius(f_number, index), _lens_radius(ratio * f_number, index, 1 + mismatch)
+    near, far = _lens_radius(f_number, index), _lens_radius(ratio * f_number, index, 1 + max(mismatch, 0))
     thickness = (1 + ratio) * f_number
     made = Profile.of_outlines([_lenses(0.0, near, -1), _lenses(thickness, far, 1)], (1, 2), index, gap)
     if not mismatch:
@@ -259,6 +260,8 @@ def wedges(angle: float = 15.0, index: float = 1.5, gap: float = 0.01, draft: fl
 
 def _lens_radius(focal_length: float, index: float, width: float = 1.0) -> float:
     """Return the radius of a lens with this width and focal length in its glass, in periods. Raises ValueError."""
+    if not index > 1:
+        raise ValueError(f"index = {index:g}; allowed: above 1")
     radius = focal_length * (index - 1) / index
     if not (isfinite(radius) and radius >= width / 2):
         least = index * width / (2 * (index - 1))
@@ -278,7 +281,7 @@ def _lenses(vertex: float, radius: float, side: int) -> Outline:
 def _number(table: Mapping[str, object], key: str, default: float) -> float:
     """Return a number of a table. Raises ValueError."""
     value = table.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+    if not _is_number(value):
         raise ValueError(f"{key} = {value}; allowed: a number")
     return float(value)
 
@@ -299,11 +302,11 @@ def _outline(table: Mapping[str, object], number: int, period: float) -> Outline
 
 def _is_numbers(value: object, count: int | None = None) -> bool:
     """Whether a value is a list of numbers, of so many."""
-    return (
-        isinstance(value, list)
-        and (count is None or len(value) == count)
-        and all(isinstance(x, (int, float)) and not isinstance(x, bool) and abs(x) < inf for x in value)
-    )
+    return isinstance(value, list) and (count is None or len(value) == count) and all(map(_is_number, value))
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < LARGEST
 
 
 def _edges(outline: Outline, number: int) -> list[Edge]:

@@ -262,8 +262,13 @@ class _Way:
         return i
 
     def enter(self, i: Indices, z: float, missed: End) -> Indices:
-        """Take rays to the opening of a window's frame on their side. `missed` ends those beside it."""
-        return self.move(i, z - self.ahead(i), missed)
+        """Take rays to the opening of a window's frame on their side. `missed` ends those beside it.
+
+        Rays that start behind this opening stay where they are.
+        """
+        opening, start = z - self.ahead(i), self.rays.position[i, 2]
+        past = (start - opening) * self.rays.direction[i, 2] > 0
+        return self.move(i, np.where(past, start, opening), missed)
 
     def ahead(self, i: Indices) -> Floats:
         """Return how far along z the end of a frame is from its middle, in the direction of each ray."""

@@ -29,7 +29,7 @@ def shares(rays: Rays, black_tops: bool = False) -> Shares:
     run through the gap between two prisms to the top of the lower one. No ray on the designed path meets a top. Behind
     a top nothing else changes, so that the trace is the same.
     """
-    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops
+    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops & ~rays.designed  # edges of profiles have numbers, too
     through = rays.end == End.THROUGH
     kinds = {
         "designed": rays.designed,

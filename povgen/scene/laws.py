@@ -32,7 +32,8 @@ class Functions(NamedTuple):
 def to_pov(scene: Scene) -> list[Functions]:
     """Return the laws of a scene's ideal windows, as POV-Ray's functions of x, y, z, X and Y.
 
-    Names have a capital letter for each word: Alpha, FocalLength, AxisX. For window 2 they end with _2.
+    Names have a capital letter for each word: Alpha, FocalLength, AxisX. For window 2 they end with _2. Numbers of a
+    user's own law are Own_NAME, and for window 2 Own2_NAME.
     """
     return [_functions(number, window) for number, window in enumerate(scene.windows[: len(scene.ideal)], 1)]
 
@@ -53,7 +54,7 @@ def _functions(number: int, window: Placed) -> Functions:
             lines.append(Line(written, part, f"{_about(each, name)}{where}{unit}"))
     for name, value in sheet.numbers.items():
         if name not in names:
-            names[name] = f"Own_{name}{suffix}"
+            names[name] = f"Own{number if number > 1 else ''}_{name}"  # k and k_2 of two windows stay apart
             lines.append(Line(names[name], value, f"{name} in the law{where}"))
     return Functions(number, sheet, lines, sheet.law.expressions(lambda name: names.get(name, name)))
 

@@ -110,15 +110,14 @@ def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, flo
     if hdr.is_light(data):
         file = hdr.written(hdr.read(data))
         stored = hdr.read(file)
+        _check_size(stored.shape[1::-1])
         red, green, blue = stored.mean((0, 1), float).tolist()
         return _named(file, "hdr"), stored.shape[1::-1], (red, green, blue)
     from PIL import Image
 
     try:
         with Image.open(BytesIO(data), formats=FORMATS) as opened:
-            if opened.width > MAX_SIZE[0] or opened.height > MAX_SIZE[1] or min(opened.size) < 2:
-                size, most = ("{}x{}".format(*pixels) for pixels in (opened.size, MAX_SIZE))
-                raise ValueError(f"should be a picture of at most {most} pixels, not {size}")
+            _check_size(opened.size)
             image = opened.convert("RGB")
     except ValueError as error:
         if str(error).startswith("should "):
@@ -133,6 +132,13 @@ def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, flo
     image.save(png, "png", compress_level=3)
     name = _named(png.getvalue(), "png", image.tobytes() + repr(image.size).encode())
     return name, image.size, (red / pixels, green / pixels, blue / pixels)
+
+
+def _check_size(size: tuple[int, ...]) -> None:
+    """Raise ValueError for a picture, width and height in pixels, that is too small or too large."""
+    if min(size) < 2 or size[0] > MAX_SIZE[0] or size[1] > MAX_SIZE[1]:
+        most, given = ("{}x{}".format(*pixels) for pixels in (MAX_SIZE, size))
+        raise ValueError(f"should be a picture of 2x2 to {most} pixels, not {given}")
 
 
 def _named(file: bytes, ending: str, content: bytes = b"") -> str:

@@ -154,7 +154,8 @@ def parameters(scene: Scene) -> dict[str, object]:
             for part, each in value.items():
                 add(f"{name}_{part}", each)
         elif isinstance(value, (tuple, list)):
-            parts = "xyz" if name in ("eye", "line", "axis") else [str(n) for n in range(1, len(value) + 1)]
+            is_place = name.rpartition("_")[2] in ("eye", "line", "axis")  # axis, or window2_axis
+            parts = "xyz" if is_place else [str(n) for n in range(1, len(value) + 1)]
             for part, each in zip(parts, value, strict=False):
                 add(f"{name}_{part}", each)
         elif value is not None:

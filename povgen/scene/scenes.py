@@ -368,13 +368,13 @@ class Scene(ParametersOfSheets):
 
         z1 = _distances(z1)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
-            turn = numpy.radians(self.alpha if alpha is None else alpha)
+            turn = numpy.radians(self.alpha if alpha is None else numpy.fmod(alpha, 360))
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
-        if (
-            alpha is not None and numpy.ndim(alpha) and apparent.matrix(self.elements) is None
-        ):  # the search is for a single alpha
+        elements = self._with_alpha(alpha)
+        if alpha is not None and numpy.ndim(alpha) and apparent.matrix(elements) is None:
+            # the search is for a single alpha
             return numpy.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
-        return apparent.position(L, self.E, z1, self._with_alpha(alpha), near)
+        return apparent.position(L, self.E, z1, elements, near)
 
     def visible(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
@@ -456,7 +456,7 @@ class Scene(ParametersOfSheets):
 
         try:
             width, height = size
-        except TypeError:
+        except (TypeError, ValueError):
             raise InputError(f"size = {shown(size)}: allowed: width and height, in pixels") from None
         return camera.bundle(self, (checked_count("width", width, MAX_SIDE), checked_count("height", height, MAX_SIDE)))
 
@@ -525,11 +525,9 @@ class Scene(ParametersOfSheets):
                 f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
             )
         if z1 > self.farthest:
-            counts = {sheet.values[sheet.counted]: sheet.counted for sheet in self.layered} or {self.prisms: "prisms"}
-            most = max(counts)
-            raise ValueError(
-                f"z1 = {z1:g}: beyond POV-Ray's range with {most} {counts[most]}; allowed: z1 <= {self.farthest:.4g}"
-            )
+            counts = {sheet.values[sheet.counted]: sheet.counted for sheet in self.layered}
+            what = f"with {max(counts)} {counts[max(counts)]}" if counts else f"behind z = {self.places[-1]:g}"
+            raise ValueError(f"z1 = {z1:g}: beyond POV-Ray's range {what}; allowed: z1 <= {self.farthest:.4g}")
 
     @property
     def farthest(self) -> float:
@@ -756,18 +754,12 @@ class Chess(Scene):
                 f"predicted_image = true: the prediction is for two sheets, but sheet = {other[0]!r}; "
                 "allowed: sheet = 'detailed' or 'ideal'"
             )
-        if self.predicted_image and not self.window and self.z2 in self.distances and abs(self.alpha) == 180:
-            raise ValueError(
-                f"predicted_image = true: at alpha = {self.alpha:g} and z1 = z2 = {self.z2:g} the piece appears at "
-                "infinity (the pole of eq. 7); allowed: any other alpha or z1"
-            )
-        if self.predicted_image and self.window:
-            for z1 in self.distances:
-                if not isfinite(self.apparent_position(self.E + 1, z1)):
-                    raise ValueError(
-                        f"predicted_image = true: at z1 = {z1:g} and z2 = {self.z2:g} these windows show the piece at "
-                        "infinity (Z = 0); allowed: any other alpha, z1 or z2"
-                    )
+        for z1 in self.distances if self.predicted_image else ():
+            if not isfinite(self.apparent_position(self.E + 1 + 1j, z1)):
+                raise ValueError(
+                    f"predicted_image = true: at alpha = {self.alpha:g}, z1 = {z1:g} and z2 = {self.z2:g} the piece "
+                    "appears at infinity; allowed: any other alpha, z1 or z2"
+                )
         return self
 
 

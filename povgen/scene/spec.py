@@ -13,7 +13,7 @@ from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.scenes import SCENES, Scene
-from povgen.scene.windows import MAX_WINDOWS, Window, as_windows
+from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, window_list, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES
 from povgen.validation import Model, as_pair
@@ -221,8 +221,11 @@ class MovieSpec(Model):
         except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
             raise InputError(f"{name}: not TOML: {error}") from None
         try:
-            if "window" in values:
-                values["fixed"] = {"window": values.pop("window"), **values.get("fixed", {})}
+            windows, table = values.pop("window", None), values.get("fixed", {})
+            if windows is not None and isinstance(table, dict):
+                if "window" in table:
+                    raise InputError("window: stated twice, also in the table [fixed]; allowed: only as [[window]]")
+                values["fixed"] = {"window": windows, **table}
             tables = values.get("sweep")
             if isinstance(tables, list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
@@ -230,14 +233,7 @@ class MovieSpec(Model):
                 if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
                     raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values)
-            names: dict[str, Collection[str]] = {
-                "piece": PIECES,
-                "profile": NAMES,
-                "sky": (),
-                "floor": ("tiles", "none"),
-            }
-            own = {x: from_folder(value, folder, names[x]) if x in names else value for x, value in spec.fixed.items()}
-            return spec.replace(fixed=own).with_fixed(fixed)
+            return spec.replace(fixed=_from_folder(spec.fixed, folder)).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
 
@@ -267,6 +263,8 @@ class MovieSpec(Model):
         count = self._frames_there(quality)
         if count > 3 * MAX_FRAMES:
             raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
+        if count < 3 and self._stays_halfway:
+            raise InputError(f"quality = {quality!r}: {count} frames, none of them at via; allowed: 3 or more")
         # Both end values are checked before the others. If they are allowed, all values between them are finite.
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
@@ -305,7 +303,7 @@ class MovieSpec(Model):
 
     def _rounded(self, name: str, value: Any) -> Any:  # noqa: ANN401  (as in `_scene`)
         """Return a parameter's value. It is rounded if the parameter is a whole number, such as `prisms`."""
-        field = SCENES[self.scene].model_fields.get(name)
+        field = SCENES[self.scene].model_fields.get(WINDOW_NUMBERS.get(name, (1, name))[1])
         return round(value) if field and field.annotation is int else value
 
     def _windows(self, swept: dict[str, float]) -> list[Window]:
@@ -317,7 +315,7 @@ class MovieSpec(Model):
                 raise InputError(
                     f"{name}: swept, but there is no window {number}; allowed: with --window or [[window]]"
                 )
-            windows[number - 2] = windows[number - 2].replace(**{field: value})
+            windows[number - 2] = windows[number - 2].replace(**{field: self._rounded(name, value)})
         return windows
 
     def _frames_there(self, quality: str) -> int:
@@ -350,6 +348,16 @@ class MovieSpec(Model):
         if rate:
             return rate
         return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
+
+
+def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, object]:
+    """Return fixed parameters so that relative paths of files start in the folder, also those of windows."""
+    names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES, "sky": (), "floor": ("tiles", "none")}
+    found = {x: from_folder(value, folder, names[x]) if x in names else value for x, value in values.items()}
+    if isinstance(windows := window_list(found.get("window")), list):
+        tables = map(window_table, windows)
+        found["window"] = [_from_folder(each, folder) if isinstance(each, Mapping) else each for each in tables]
+    return found
 
 
 def spec_file(path: str | Path) -> Path | int:

@@ -41,10 +41,12 @@ def warnings(
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
     for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
-        if sheet.layers < 2 or abs((alpha + 180) % 360 - 180) >= MIN_ALPHA:
+        turn = sheet.values.get("error", {}).get("turn", 0)  # the near sheet is turned by alpha/2 + turn
+        if sheet.layers < 2 or abs((alpha + 2 * turn + 180) % 360 - 180) >= MIN_ALPHA:
             continue
         things = "prisms" if isinstance(sheet, Prisms) else "lenses"
-        text = f"alpha = {alpha:.3g}: within {MIN_ALPHA} degrees of 0 the {things} of the two sheets are nearly"
+        value = f"alpha + 2 turn = {alpha + 2 * turn:.3g}" if turn else f"alpha = {alpha:.3g}"
+        text = f"{value}: within {MIN_ALPHA} degrees of 0 the {things} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     if glass or scene.rotates:
         yield from _wrong_prediction(scene, rendering)
@@ -73,7 +75,8 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
     if scene.ideal and is_dark(scene):
         names = dict.fromkeys(name for sheet in scene.ideal for name in sheet.values)
         by = f"{', '.join(names)}, z2 and eye"
-        yield "sheet", f"sheet = {scene.sheet}: no light passes through the window, because of {by}"
+        kinds = ", ".join(dict.fromkeys(sheet.name for sheet in scene.ideal))
+        yield "sheet", f"sheet = {kinds}: no light passes through the window, because of {by}"
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True) if rendering and rendering.overlay else ():
         if not np.isfinite(scene.apparent_position(L, z1, near=radius)):
             text = f"overlay: at z1 = {z1:g} the object has no mark: it appears at infinity,"

@@ -119,8 +119,11 @@ class Placed(NamedTuple):
     sheet: Sheet
 
 
-def _window(value: object) -> object:
-    """Accept text such as 'alpha=120,z=2'. Commas also separate the components of a direction."""
+def window_table(value: object) -> object:
+    """Return a window's text, such as 'alpha=120,z=2', as a table. Commas also separate the components of a direction.
+
+    Other values stay. Raises ValueError for other text.
+    """
     if isinstance(value, str):
         parts: list[str] = []
         for part in value.split(","):
@@ -135,11 +138,16 @@ def _window(value: object) -> object:
         repeated = [name for name, several in values.items() if len(several) > 1 and name not in TABLES]
         if repeated or not all(equals for _, equals, _ in pairs):
             raise ValueError("should be text such as alpha=120,z=2")
-        value = {name: several if len(several) > 1 else several[0] for name, several in values.items()}
+        return {name: several if len(several) > 1 else several[0] for name, several in values.items()}
+    return value
+
+
+def _window(value: object) -> object:
+    value = window_table(value)
     return Window(**value) if isinstance(value, Mapping) else value
 
 
-def _windows(value: object) -> object:
+def window_list(value: object) -> object:
     """Accept a single window in place of a list of windows."""
     return [value] if isinstance(value, (str, Mapping, Window)) else value
 
@@ -152,7 +160,7 @@ WINDOW = (
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],
     Field(max_length=MAX_WINDOWS - 1),
-    BeforeValidator(_windows),
+    BeforeValidator(window_list),
 ]
 
 

@@ -198,8 +198,13 @@ class PrismPair(Prisms):
         """Raise ValueError for an error outside its range, and for facets that would cross."""
         check_ranges(self.values["error"], [name for name in ERRORS if name not in OF_LENSES], "prisms")
         wrong = self._built
+        if wrong["seed"] % 1:
+            raise ValueError(f"error: seed = {wrong['seed']:g}; allowed: a whole number")
         for sheet in ("", "far_"):
-            shape = self._shape_of(wrong[f"{sheet}index"], wrong[f"{sheet}base_angle"])
+            try:
+                shape = self._shape_of(wrong[f"{sheet}index"], wrong[f"{sheet}base_angle"])
+            except ValueError as error:
+                raise ValueError(f"error: the {'far' if sheet else 'near'} sheet would have {error}") from None
             least = shape.base_angle - MOST_DEVIATION * wrong["facets"]
             height = shape.height * (1 + MOST_DEVIATION * wrong["pitches"])
             if 2 * height / tan(radians(least)) >= shape.length:

@@ -26,7 +26,7 @@ def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
     for piece, (L, z1) in zip(scene.pieces, scene.objects, strict=True):
         volume = _volume(piece.piece)
         size = abs(scene.apparent_position(L + 1, z1) - scene.apparent_position(L, z1)) * volume.place[3]
-        times = min(ceil(size / step), FINEST)
+        times = ceil(np.fmin(size / step, FINEST))  # NaN: the piece appears at infinity
         place, visible = scene.seen(L + _outline(volume, times), z1)
         found.append(place[visible])
     return np.concatenate(found)

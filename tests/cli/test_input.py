@@ -90,7 +90,10 @@ stop = 180
         (["--antialias", "1"], ["antialias = '1': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
         (["--antialias", "1,1,2"], ["antialias", "1,1,2", "less than 1"]),
         (["--predicted-image", "--sheet", "single"], ["predicted_image", "single", "detailed"]),
-        (["--predicted-image", "--z1", "6", "--alpha", "180"], ["predicted_image", "alpha = 180", "infinity"]),
+        (
+            ["--predicted-image", "--z1", "6", "--alpha", "180", "--sheet", "ideal"],
+            ["predicted_image", "alpha = 180", "infinity"],
+        ),
         (["--timeout", "0"], ["timeout", "0"]),
         (["-o", "x.jpg"], ["x.jpg", ".png"]),
         (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),

@@ -186,6 +186,7 @@ def test_damaged_light_is_refused(tmp_path, capfd):
         (radiance[:-9], "should be a whole picture"),
         (radiance.replace(b"rgbe", b"xyze"), "should be a Radiance file of red, green and blue"),
         (plain + b"\n\n-Y 99999 +X 99999\n", "of at most 33554432 pixels"),
+        (plain + b"\n\n-Y 0 +X 0\n", "should be a picture of 2x2 to 8192x4096 pixels, not 0x0"),
         (plain + b"\n\n-Y 2 +X 4\n" + bytes((1, 1, 1, 9)) * 8, "run lengths of before 1991"),
         (plain + b"\n\n-Y 32 +X 64\n" + bytes((2, 2, 0, 64, 0)), "should be a whole picture"),
         (exr[:-9], "should be a whole picture"),
@@ -238,6 +239,7 @@ def test_what_is_refused(tmp_path, monkeypatch):
     path = picture(tmp_path)
     png = (tmp_path / "picture.png").read_bytes()
     Image.new("RGB", (64, 64)).save(tmp_path / "square.png")
+    Image.new("RGB", (1, 1)).save(tmp_path / "pixel.png")
     Image.new("L", (8, 4)).save(tmp_path / "own.gif")
     os.mkfifo(tmp_path / "fifo.png")
     for values, said in (
@@ -246,6 +248,7 @@ def test_what_is_refused(tmp_path, monkeypatch):
         ({"sky": tmp_path / "fifo.png"}, "regular file"),
         ({"sky": damaged(tmp_path, png[:300])}, "should be a whole picture"),
         ({"floor": damaged(tmp_path, b"P6 1 1 255 abc")}, "should be a whole picture: PNG, JPEG, WEBP, TIFF"),
+        ({"floor": tmp_path / "pixel.png"}, "should be a picture of 2x2 to 8192x4096 pixels, not 1x1"),
         ({"floor": tmp_path / "own.gif"}, "should be a whole picture: PNG"),
         ({"floor": f"{path},width=0"}, "should have a width from 0.1 to 1000 tiles, not width=0"),
         ({"floor": 3}, "floor = 3: should be a picture's file"),
@@ -256,5 +259,5 @@ def test_what_is_refused(tmp_path, monkeypatch):
         assert "\n" not in str(caught.value)
     monkeypatch.setattr(pictures, "MAX_SIZE", (32, 16))
     pictures._decoded.cache_clear()
-    with pytest.raises(InputError, match="should be a picture of at most 32x16 pixels, not 64x32"):
+    with pytest.raises(InputError, match="should be a picture of 2x2 to 32x16 pixels, not 64x32"):
         Chess(sky=path)

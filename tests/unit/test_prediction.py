@@ -144,6 +144,10 @@ def said(scene, rendering=None):
     return " ".join(text for _, text in warnings.warnings(scene, rendering))
 
 
+def test_sheets_that_an_error_turns_apart_are_not_parallel():
+    assert "dark bands" not in said(Chess(alpha=0, error={"turn": 10}), None)
+
+
 def test_no_warning_without_cause():
     draft = Rendering(quality="draft")
     for scene in (
@@ -166,6 +170,12 @@ def test_no_warning_without_cause():
         (Chess(z2=20, eye=(0, 7.97)), None, ["z2 = 20", "an eye at 0,7.97", "designed path"]),
         (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
         (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
+        (Chess(alpha=-20, error={"turn": 10}), None, ["alpha + 2 turn = 0: within 3 degrees", "dark bands"]),
+        (
+            Chess(sheet="ideal", window="z=2,sheet=axis,alpha=180,axis=0,1,0", z1=3),
+            None,
+            ["sheet = ideal, axis: no light passes through the window"],
+        ),
         (
             Chess(predicted_image=True, alpha=179, z1=5),
             None,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess
-from povgen.optics import paraxial
+from povgen.optics import apparent, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
@@ -62,6 +62,9 @@ def fan(n, slope=0.25, seed=1):
         (PRISM.replace("[0.9, 0]", "[1.2, 0]"), "edge 1: u from 0.1 to 1.2 periods; allowed: 0 to 1"),
         (PRISM.replace("[0.5, 1]", "[0.9, 0]"), r"outline 1, edge 2: begins and ends at \[0.9, 0\]"),
         (PRISM.replace("[0.5, 1]", "[0.5, 0]"), "outline 1: glass or air on both sides"),
+        (PRISM.replace("[0.5, 1]", f"[0.5, 1{'0' * 400}]"), "outline 1: corners = .*; allowed: two or more points"),
+        (LENS.replace("radii = [2]", f"radii = [2{'0' * 400}]"), "outline 2: radii = .*; allowed: a number"),
+        (f"index = 1{'0' * 400}\n{PRISM}", "index = .*; allowed: a number"),
         (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
     ],
 )  # fmt: skip
@@ -91,6 +94,9 @@ def test_the_constructors_refuse_what_does_not_fit():
         (lambda: confocal(ratio=0.4), "semicircle"),
         (lambda: lenticulars(sheet=0.01), "sheet = 0.01; allowed: above"),
         (lambda: wedges(80), "angle = 80; allowed: 1 to 60"),
+        (lambda: confocal(index=1.0), "index = 1; allowed: above 1"),
+        (lambda: lenticulars(index=0.0), "index = 0; allowed: above 1"),
+        (lambda: confocal(0.95, 1.5, mismatch=-0.1), "allowed: 1.5 periods or more"),
     ):
         with pytest.raises(ValueError, match=message):
             make()
@@ -201,6 +207,13 @@ def test_the_matrix_of_lenses_is_that_of_paraxial_optics(order):
     assert order or (abs(does.shift) < 0.15 * pitch and abs(does.offset) < 1e-9)
     unequal = paraxial.small_angles(confocal(2.0, f).scaled(pitch))
     assert unequal.factor == pytest.approx(-0.5, abs=2e-3)
+
+
+def test_sheets_without_a_designed_path_show_no_object_at_infinity(tmp_path):
+    flat = "path = [2, 1]\noutline = [{ corners = [[0, 0], [1, 0]] }, { corners = [[0, 1], [1, 1]] }]"
+    (tmp_path / "own.toml").write_text(flat)
+    scene = Chess(sheet="profile", profile=tmp_path / "own.toml")
+    assert np.isnan(scene.sheets[0].transfer).any() and not apparent.infinite_z1(scene.elements).size
 
 
 def test_a_ghost_that_does_not_exist_has_no_matrix():

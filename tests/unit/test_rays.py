@@ -92,6 +92,18 @@ def test_how_rays_end():
     assert [*oblique.end] == [End.FRAME, End.BLOCKED]
 
 
+@pytest.mark.parametrize("values", [{"sheet": "none"}, {"sheet": "ideal", "alpha": 0}, {"prisms": 1000}])
+@pytest.mark.parametrize("side", [1, -1])
+def test_light_may_start_inside_the_frame(values, side):
+    """Such a ray is not extended backwards. In front of the opening it would be beside the window."""
+    scene = Chess(**values)
+    start = 0.8 * side * scene.depth / 2
+    found = scene.trace(Bundle((1.4, 0, start), [[-1, 0, -0.2 * side], [1, 0, -0.5 * side]]))
+    assert found.end[0] != End.FRAME == found.end[1]
+    if "sheet" in values:
+        assert found.end[0] == End.THROUGH and found.at(0.0)[0] == pytest.approx(1.4 - abs(start) / 0.2)
+
+
 @pytest.mark.filterwarnings("error")
 def test_light_for_which_a_law_has_no_inverse_is_blocked_without_a_warning():
     scene = Chess(sheet="law", law="0, 0, 1")
@@ -182,6 +194,8 @@ def test_wrong_values_are_refused(call, words):
         (lambda scene: scene.apparent_position(0, np.inf), "z1 = inf; allowed: finite"),
         (lambda scene: scene.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
         (lambda scene: scene.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
+        (lambda scene: scene.rays((1, 2, 3)), r"size = \(1, 2, 3\): allowed: width and height, in pixels"),
+        (lambda scene: scene.rays(()), r"size = \(\): allowed: width and height, in pixels"),
     ],
 )
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "refraction"])

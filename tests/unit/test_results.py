@@ -26,7 +26,7 @@ def test_the_columns_are_what_differs_and_the_quantities():
 def test_columns_of_all_kinds_of_parameters():
     scenes = [
         Chess(sheet="none", eye=(0.5, 1), x=(0, 1)),
-        Chess(sheet="law", parameter={"k": 2}, window="alpha=30,z=2"),
+        Chess(sheet="law", parameter={"k": 2}, window="alpha=30,z=2,sheet=axis,axis=0,1,0"),
         Spheres(sheet="none", z1=3, fresnel=True),
     ]
     table = results((scene for scene in scenes), "x", progress=False)
@@ -37,6 +37,7 @@ def test_columns_of_all_kinds_of_parameters():
     ]
     assert table["eye_x"].tolist() == [0.5, 0, 0] and table["x_2"][0] == 1 and np.isnan(table["x_2"][1:]).all()
     assert table["window2_alpha"][1] == 30 and table["window2_z"][1] == 2 and table["parameter_k"][1] == 2
+    assert [table[f"window2_axis_{name}"][1] for name in "xyz"] == [0, 1, 0] and "window2_axis_1" not in table
     assert table["piece"].tolist() == ["knight", "knight", ""] and table["fresnel"].tolist() == [False, False, True]
     assert "background" not in table and "z1" in table
 

@@ -12,6 +12,7 @@ from povgen.optics.faces import Face, Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.shares import shares
 from povgen.optics.trace import End, pair, trace
+from povgen.scene.quantities import QUANTITIES
 
 DOCS = Path(__file__).parents[2] / "docs"
 WINDOW = 2.4
@@ -49,6 +50,12 @@ def test_the_docs_state_the_shares_of_the_default_scene():
     (_, _, _, designed, stray, left), *others = [tuple(map(float, row)) for row in rows]
     assert f"removes {100 * (1 - left / stray):.0f} % of the stray light" in text
     assert f"a base angle of 40° adds {others[4][3] - designed:.0f} percentage points" in text
+
+
+def test_edges_of_a_profile_are_no_black_tops():
+    profile = {"z": 4, "sheet": "profile", "profile": "lenticulars", "periods": 50}
+    designed = [QUANTITIES["designed"].of(Chess(tops=tops, prisms=30, window=[profile])) for tops in ("clear", "black")]
+    assert designed[0] == designed[1] > 0.05
 
 
 def test_the_docs_state_the_light_by_reflections_of_the_default_scene():

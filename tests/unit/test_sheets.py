@@ -10,6 +10,7 @@ from povgen.optics import equations, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
+from povgen.scene.laws import to_pov
 from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.law import Law
 
@@ -210,6 +211,17 @@ def test_a_law_of_ones_own_in_a_scene():
         Chess(sheet="law", law="x, y, z*k", parameter=["k=1", " k = 2"])
 
 
+def test_laws_of_ones_own_in_series_have_numbers_of_their_own():
+    first, second = (
+        {"law": "x - k_2*X*z, y, z", "parameter": {"k_2": 0.1}},
+        {"law": "x, k*y, z", "parameter": {"k": 0.3}},
+    )
+    found = [
+        each for law in to_pov(Chess(sheet="law", **first, window=[{"z": 2, **second}])) for each in law.parameters
+    ]
+    assert [(each.name, each.value) for each in found] == [("Own_k_2", 0.1), ("Own2_k", 0.3)]
+
+
 def test_a_division_by_0_is_infinite_as_in_the_other_languages():
     law = Law("min(1/0, 2)*x, min(1/(k - k), 2)*y, z", ["k"])
     assert law.bend([1, 1, 1], 0, {"k": 3}) == pytest.approx(np.array([2, 2, 1]) / 3)
@@ -260,6 +272,18 @@ def test_matrices_are_those_of_the_laws(name, rng):
             X, Y, sx, sy, _ = one.transfer @ np.stack((P.real, P.imag, s.real, s.imag, np.ones(30)))
             np.testing.assert_allclose(X + 1j * Y, P)
             np.testing.assert_allclose(sx + 1j * sy, one.slope(s, P), atol=1e-12)
+
+
+def test_positions_for_several_angles():
+    """Whether the search is needed depends on the angle that is asked for, not on the scene's own."""
+    for own in (0, 10, 2):
+        scene = Chess(sheet="axis", alpha=own, axis=(0, 1, 0))
+        found = scene.apparent_position(0, 2, alpha=[0, 20, 30])
+        assert found == pytest.approx([scene.replace(alpha=alpha).apparent_position(0, 2) for alpha in (0, 20, 30)])
+        assert scene.visible(0, 2, alpha=[0, 20, 30]).all()
+    for name in ("ideal", "detailed", "lenslets"):
+        scene = Chess(sheet=name)
+        assert scene.apparent_position(1j, 2, alpha=2000) == pytest.approx(scene.apparent_position(1j, 2, alpha=200))
 
 
 def test_a_law_that_is_linear_only_in_parts_has_no_matrix():

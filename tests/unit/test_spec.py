@@ -210,6 +210,40 @@ def test_a_piece_is_sought_beside_the_toml_file(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    "window",
+    [
+        '[[window]]\nz = 3\nsheet = "profile"\nprofile = "own.toml"\n',
+        '[fixed]\nwindow = "z=3,sheet=profile,profile=own.toml"\n',
+        '[fixed]\nwindow = ["z=1", "z=3,sheet=profile,profile=own.toml"]\n',
+    ],
+)
+def test_a_windows_profile_is_sought_beside_the_toml_file(window, tmp_path, monkeypatch):
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs/own.toml").write_text(
+        "path = [2, 1]\noutline = [{ corners = [[0.1, 0], [0.9, 0], [0.5, 1], [0.1, 0]] }]"
+    )
+    (tmp_path / "specs/a.toml").write_text(HEAD + '[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n' + window)
+    monkeypatch.chdir(tmp_path)
+    scene = MovieSpec.load("specs/a.toml").scenes("draft")[0]
+    assert scene.window[-1].profile.path == "specs/own.toml"
+
+
+def test_a_whole_number_of_a_window_is_rounded():
+    spec = MovieSpec.of_sweeps("chess", ["window2_prisms=20:100"], {"fixed": {"window": "z=5"}, "frames": 4})
+    assert [scene.window[0].prisms for scene in spec.scenes("standard")] == [20, 47, 73, 100]
+    with pytest.raises(InputError, match="window2_prisms: all values equal after rounding"):
+        MovieSpec.of_sweeps("chess", ["window2_prisms=20:20.3"], {"fixed": {"window": "z=5"}})
+
+
+def test_a_movie_with_a_value_halfway_has_three_frames_or_more():
+    sweep = {"parameter": "alpha", "start": 0, "stop": 10, "via": 90}
+    spec = MovieSpec(title="a", scene="chess", sweep=[sweep], frames=2, exact_frames=True)
+    with pytest.raises(InputError, match="2 frames, none of them at via; allowed: 3 or more"):
+        spec.scenes("draft")
+    assert [scene.alpha for scene in spec.replace(frames=3).scenes("draft")] == [0, 90, 10]
+
+
+@pytest.mark.parametrize(
     ("sweep", "words"),
     [
         ("values = [1, 2, 3]", "values: 3 and 13 frames"),
@@ -228,11 +262,9 @@ def test_a_table_that_is_none(sweep, words):
 
 
 def test_a_frame_in_the_middle_that_cannot_be_is_refused():
-    pole = {"frames": 5, "fixed": {"alpha": 180, "predicted_image": True}}
+    pole = {"frames": 5, "fixed": {"alpha": 180, "sheet": "ideal", "predicted_image": True}}
     spec = MovieSpec.of_sweeps("chess", ["z1=3:9"], pole)
-    with pytest.raises(
-        InputError, match="frame 3 of 5, z1 = 6: predicted_image = true: at alpha = 180 and z1 = z2 = 6"
-    ):
+    with pytest.raises(InputError, match="frame 3 of 5, z1 = 6: predicted_image = true: at alpha = 180, z1 = 6 and z2"):
         spec.scenes("standard")
 
 

@@ -6,12 +6,12 @@ import pytest
 from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
 from povgen.liveview.values import values as live_values
 from povgen.measure import probes
-from povgen.optics import equations, series, trace
+from povgen.optics import apparent, equations, series, trace
 from povgen.scene import camera, cells, survey, warnings
 from povgen.scene.windows import Window
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-from povgen.video import captions, overlay
+from povgen.video import captions, outline, overlay
 
 TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
 MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=detailed"]}
@@ -72,7 +72,8 @@ def test_windows_have_parameters_of_their_own():
         ),
         ({"window": "alpha=1,z=2,sheet=ideal"}, "window: an ideal one behind one of prisms"),
         ({"window": "alpha=1,z=2", "z1": 0.3}, "whose back is at z = 2.15 tiles; allowed: z1 >"),
-        ({"window": "alpha=1,z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range"),
+        ({"window": "alpha=1,z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range with 100 prisms; allowed: z1 <="),
+        ({"sheet": "ideal", "window": "z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range behind z = 90; allowed"),
     ],
 )
 def test_windows_that_cannot_be_are_refused(values, words):
@@ -239,7 +240,11 @@ def test_the_numbers_of_a_window_are_swept():
     [
         ("", "window2_z: swept, but there is no window 2; allowed: with --window or [[window]]"),
         ("[[window]]\nalpha = 1\n", "a.toml: window = [{'alpha': 1}]: z: missing"),
-        ("[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n", "window = 3: should be a list"),
+        (
+            "[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n",
+            "window: stated twice, also in the table [fixed]; allowed: only",
+        ),
+        ("fixed = 3\nwindow = [{z = 2}]\n", "fixed = 3: should be a table"),
         ("window = 3\n", "window = 3: should be a list"),
         (
             "[[window]]\nalpha = 1\nz = 2\n[[window]]\nalpha = 1\nz = 2.5\n",
@@ -250,7 +255,7 @@ def test_the_numbers_of_a_window_are_swept():
 def test_a_sweep_of_a_window_that_cannot_be_is_refused(text, words):
     sweep = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n'
     with pytest.raises(InputError) as error:
-        MovieSpec.parse(HEAD + text + sweep if text.startswith("window") else HEAD + sweep + text, "a.toml")
+        MovieSpec.parse(HEAD + text + sweep if text.startswith(("window", "fixed")) else HEAD + sweep + text, "a.toml")
     assert words in str(error.value)
 
 
@@ -298,6 +303,20 @@ def test_nu_and_M_where_nothing_is_turned():
     "windows", [{"alpha": 120, "window": "alpha=120,z=2", "z2": 2}, {"alpha": 180, "window": "alpha=0,z=2", "z2": 4}]
 )
 def test_a_predicted_image_at_the_pole_of_windows_is_refused(windows):
-    with pytest.raises(InputError, match="show the piece at infinity"):
+    with pytest.raises(InputError, match="the piece appears at infinity"):
         Chess(sheet="ideal", z1=2, predicted_image=True, **windows)
     assert Chess(sheet="ideal", z1=2.1, predicted_image=True, **windows)
+
+
+def test_the_predicted_image_of_prisms_at_infinity_has_no_outline():
+    """Prisms have their pole at another z1 than the ideal sheet. There an object is infinite in one direction only."""
+    scene = Chess(alpha=180, prisms=20, z1=6, predicted_image=True)
+    assert np.isfinite(scene.apparent_position(scene.L, 6))
+    at = apparent.infinite_z1(scene.elements)[0]
+    for z1 in (at, np.nextafter(at, 9)):
+        try:
+            beside = scene.replace(z1=z1, x=0.5)
+        except InputError as error:
+            assert "the piece appears at infinity" in str(error)
+        else:
+            assert not outline.outlines(beside, 0.01).size
