@@ -13,7 +13,7 @@ import shutil
 import stat
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 from secrets import token_hex
 from typing import TypeVar
@@ -126,6 +126,7 @@ def output_folder(path: Path) -> Iterator[Path]:
     """
     new = not os.path.lexists(path)
     try:
+        path = in_home(path)
         with _refused(f"output = {str(path)!r}", "a folder that can be written to"):
             path.mkdir(exist_ok=True)
             tempfile.TemporaryFile(dir=path).close()
@@ -323,15 +324,17 @@ def read_text(path: str, most: int) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def save(made: bytes | Path, output: Path) -> None:
+def save(made: bytes | Path, output: Path, beside: Path | None = None) -> None:
     """Write data, or move a file, to the output atomically: an older file stays in place until the new one is complete.
 
     If the output is a link, the file that it points to is replaced. The new file gets the mode of the old file, and its
-    owner and group if the system permits this. Raises OSError, which names the output.
+    owner and group if the system permits this. `beside` is a work folder for several files of one folder: to make one
+    for each file would take long in a folder of thousands. Raises OSError, which names the output.
     """
     target = output.resolve()
     try:
-        with work_folder(target.parent) as folder:
+        shared = beside if beside and beside.parent == target.parent else None  # a link can lead to another folder
+        with nullcontext(shared) if shared else work_folder(target.parent) as folder:
             part = folder / "part"
             if isinstance(made, bytes):
                 part.write_bytes(made)

@@ -144,7 +144,7 @@ class Sampling(Model):
     def sampling(self) -> str:
         """Return the antialiasing as text, as in a command."""
         if isinstance(self.antialias, tuple):
-            return ",".join(f"{value:g}" for value in self.antialias)
+            return ",".join(map(str, self.antialias))
         return self.antialias or "off"
 
     @property

@@ -232,7 +232,9 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     if values.get("stereo", options["stereo"]) == "none":
         del options["eye_distance"]
     if "quality" in values:  # it decides what the user does not
-        del options["size"], options["antialias"]
+        del options["size"]
+    if "quality" in values or values.get("sheet") == "auto":
+        del options["antialias"]
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
         here = __version__, drawn_by(record.rendering)
         if here != (record.povgen, record.renderer):

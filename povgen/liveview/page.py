@@ -66,11 +66,12 @@ def demo(
     check_options(movies, given)
     specs = {name: _for_page(MovieSpec.load(name)) for name in MOVIES}
     files = {name: page.with_name(f"{page.stem}-{name}.mp4") for name in MOVIES} if movies else {}
-    quality = Rendering(**given).quality
+    rendering = Rendering(**given)
+    quality = rendering.quality
     for name, file in files.items():
-        build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), inputs)
+        build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), rendering, inputs)
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
-    shapes = volumes(shown, workers=workers, timeout=Rendering(**given).timeout, progress=progress)
+    shapes = volumes(shown, workers=workers, timeout=rendering.timeout, progress=progress)
     for name, piece in shown.items() if progress else ():
         if isinstance(piece, PieceFile) and piece.is_mesh:
             note = f"{piece.note}; " if piece.note else ""

@@ -305,17 +305,19 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
     ordered = sorted(sensitivities, key=lambda name: np.nan_to_num(effects["displaced"][name]))
     with drawn(11.5, 4.8, path) as figure:
         for column, (ax, (field, unit)) in enumerate(zip(figure.subplots(1, 2), EFFECTS.items(), strict=True)):
-            values = np.nan_to_num([effects[field][name] for name in ordered])
+            found = np.array([effects[field][name] for name in ordered])
+            values, known = np.nan_to_num(found), np.isfinite(found)
             most, worst = values.max(), _words(ordered[int(values.argmax())])
             names = [f"{ERROR_WORDS[name]} {_with_unit(name, units[name][0])}" for name in ordered]
             bars = ax.barh(names, values, color=PRISMS)
             texts = [
                 f"below {most / 100:.1g}" if value < most / 100 else f"{value:#.2g}".rstrip(".") for value in values
             ]
-            ax.bar_label(bars, texts, padding=4)
+            ax.bar_label(bars, [text if one else "unknown" for text, one in zip(texts, known, strict=True)], padding=4)
             ax.margins(x=0.12)
             ax.tick_params(labelleft=column == 0, left=False)
-            ax.set(xlabel=f"{field}, {unit}", title=f"{field.capitalize()} most by: {worst}")
+            title = f"{field.capitalize()} most by: {worst}" if known.any() else f"{field.capitalize()}: unknown"
+            ax.set(xlabel=f"{field}, {unit}", title=title)
     table = [
         (f"{name}, {units[name][1]}", f"{field}, {unit}", f"{effects[field][name]:.6g}")
         for field, unit in EFFECTS.items()
@@ -337,7 +339,10 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
             limit = percentile(found, 95)
             _draw_builds(ax, found[np.isfinite(found)], limit)
             sign = "°" if unit == "degrees" else f" {unit}"
-            ax.set(xlabel=f"{field}, {unit}", title=f"95 of 100 builds: {field} by at most {limit:.2g}{sign}")
+            title = f"95 of 100 builds: {field} by at most {limit:.2g}{sign}"
+            if not np.isfinite(limit):
+                title = f"{field.capitalize()}: unknown in more than 5 of 100 builds"
+            ax.set(xlabel=f"{field}, {unit}", title=title)
             table += [(f"{field}, {unit}", f"{value:.6g}") for value in found]
         axes[0].set(ylabel=f"builds, of {len(builds.displaced)}")
         scatter = "; ".join(f"{_words(name)}:\u00a0{_with_unit(name, value)}" for name, value in given.items())

@@ -43,17 +43,23 @@ def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
     what, each = ("a picture", "") if len(scenes) == 1 else (f"{len(scenes)} frames", " each")  # a shard can have none
     differing = f", {count} of them different," if count < len(scenes) else ""
     where = " without a GPU" if rendering.renderer == "gl" else ""
+    one = _rounded(seconds / max(count, 1))
     return (
-        f"{what}{differing} of {width}x{height} pixels, about {seconds / max(count, 1):.2g} CPU seconds{each}, without "
+        f"{what}{differing} of {width}x{height} pixels, about {one} CPU seconds{each}, without "
         f"those in the cache: about {duration(seconds / cores())} on {cores()} cores{where}"
     )
 
 
 def duration(seconds: float) -> str:
-    """Return a time with two digits at most."""
+    """Return a time with one or two digits that are not 0."""
     if seconds < LONG:
-        return f"{seconds:.1g} s" if seconds < 10 else f"{round(seconds, -1):.0f} s"
-    return f"{seconds / 60:.2g} min" if seconds < 3600 else f"{seconds / 3600:.2g} h"
+        return f"{_rounded(seconds, 1)} s"
+    return f"{_rounded(seconds / 60)} min" if seconds < 3600 else f"{_rounded(seconds / 3600)} h"
+
+
+def _rounded(number: float, digits: int = 2) -> str:
+    """Return a number without an exponent, with so many digits that are not 0."""
+    return f"{float(f'{number:.{digits}g}'):.15g}"
 
 
 def is_long(scenes: Sequence[Scene], rendering: Rendering) -> bool:

@@ -5,17 +5,13 @@ What a ray trace finds is a `survey.Survey`.
 
 import functools
 import inspect
-import sys
 from hashlib import sha256
 from pathlib import Path
 
 from povgen import limits, optics, sheets
 from povgen.rendering import cache
-from povgen.scene import survey
+from povgen.scene import scenes, survey, windows
 from povgen.scene.scenes import Scene
-from povgen.sheets import law, sheet
-
-SHEETS = (law, sheet, *(sys.modules[kind.__module__] for kind in sheets.SHEETS.values()))
 
 
 def found(scene: Scene, store: bool = False) -> survey.Survey | None:
@@ -37,6 +33,7 @@ def found(scene: Scene, store: bool = False) -> survey.Survey | None:
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [file.read_text("utf-8") for file in sorted(Path(optics.__file__).parent.glob("*.py"))]
-    texts += [inspect.getsource(module) for module in (limits, survey, *SHEETS)]
+    texts = [inspect.getsource(module) for module in (limits, scenes, survey, windows)]
+    for package in (optics, sheets):
+        texts += [file.read_text("utf-8") for file in sorted(Path(package.__path__[0]).glob("*.py"))]
     return sha256("\0".join(texts).encode()).hexdigest()

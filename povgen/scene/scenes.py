@@ -58,7 +58,8 @@ MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 MAX_SIDE = 16384  # of a picture, pixels
 Z1 = Annotated[float, Field(gt=0, le=5000)]
-Aside = Annotated[float, Field(ge=-10, le=10)]
+MAX_ASIDE = 10  # tiles
+Aside = Annotated[float, Field(ge=-MAX_ASIDE, le=MAX_ASIDE)]
 
 
 Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]

@@ -341,13 +341,21 @@ class MovieSpec(Model):
         return any(sweep.via is not None for sweep in self.sweep)
 
     def rate(self, quality: str) -> float:
-        """Return the number of frames a second. Without `hold`, a movie takes as long at each quality."""
+        """Return the number of frames a second. Without `hold`, a movie takes as long at each quality.
+
+        Raises InputError if it is not from 0.1 to 120, as `frame_rate` has to be.
+        """
         rate = preset_of(quality).frame_rate
         if self.exact_frames or any(sweep.values for sweep in self.sweep):
             return self.frame_rate
-        if rate:
-            return rate
-        return self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
+        if not rate:
+            rate = self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
+        if not 0.1 <= rate <= 120:
+            raise InputError(
+                f"frame_rate = {self.frame_rate:g}: {rate:.4g} frames a second at quality = {quality!r}; "
+                "allowed: 0.1 to 120"
+            )
+        return rate
 
 
 def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, object]:

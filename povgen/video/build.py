@@ -14,7 +14,7 @@ from typing import Any, Unpack
 from pydantic import Field
 
 from povgen.errors import InputError, shown
-from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed
+from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed, work_folder
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, in_png
 from povgen.rendering import cache
@@ -109,7 +109,7 @@ def movie(
     else:
         raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
     check_views(scenes, rendering)
-    output = checked_movie(output, len(scenes), rate, [*inputs, *input_files(scenes)])
+    output = checked_movie(output, len(scenes), rate, rendering, [*inputs, *input_files(scenes)])
     files = sequence(output, len(scenes))
     if rendering.caption is None and not files:
         own = ("overlay", "side_view", "note")
@@ -147,9 +147,9 @@ def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -
     parts = [folder / file.name for file in files]
     for part, png in zip(parts, pngs, strict=True):
         part.write_bytes(png)
-    with output_folder(files[0].parent):
+    with output_folder(files[0].parent) as there, work_folder(there) as beside:
         for part, file in zip(parts, files, strict=True):
-            save(part, file)
+            save(part, file, beside)
 
 
 def sequence(output: Path, frames: int) -> list[Path]:
@@ -175,7 +175,9 @@ def check_views(scenes: Sequence[Scene], rendering: Rendering) -> None:
         views(scene, rendering)
 
 
-def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable[str | Path | int]) -> Path:
+def checked_movie(
+    output: str | Path, frames: int, rate: float, rendering: Rendering, inputs: Iterable[str | Path | int]
+) -> Path:
     """Return the path if the movie can be written there, in the format of its suffix. Otherwise raise InputError.
 
     The inputs are the files that povgen reads for the movie.
@@ -191,6 +193,8 @@ def checked_movie(output: str | Path, frames: int, rate: float, inputs: Iterable
                 checked_output(file, [".png"], inputs=inputs)
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
+    width, height = rendering.size
+    encode.check_size(output.suffix.lower(), width * (2 if rendering.stereo == "pair" else 1), height)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
     else:

@@ -77,13 +77,16 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
     rows = [_numbers(scene) for scene in scenes]
     found: list[list[str]] = []
     for name in dict.fromkeys(name for row in rows for name in row):
-        values = [row.get(name, ()) for row in rows]
+        # the kind of sheet decides what a caption states: the angle of a mirror's line is half of its alpha
+        values = [
+            tuple(_words(scene, name).factor * x for x in row.get(name, ()))
+            for scene, row in zip(scenes, rows, strict=True)
+        ]
         if len({*values}) > 1 and name in ("eye", "line"):
             digits = _digits(values)
             found.append([_place(name, place, digits) for place in values])
         elif len({*values}) > 1:
-            factor, unit = _words(scenes[0], name).factor, _unit(name.rstrip(SUBSCRIPTS))
-            values = [tuple(factor * x for x in value) for value in values]
+            unit = _unit(name.rstrip(SUBSCRIPTS))
             digits = _digits(values, unit.startswith("°"))
             texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
             found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
@@ -122,8 +125,10 @@ def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:
     """
     numbers = [x for value in values for x in value]
     span = max(numbers) - min(numbers)
-    if not span or all(float(x).is_integer() for x in numbers):
+    if all(float(x).is_integer() for x in numbers):
         return 0
+    if not span:  # other frames have no such value
+        return next((digits for digits in range(4) if round(numbers[0], digits) == numbers[0]), 4)
     return min(max(1 - floor(log10(span)), 0 if angles or span >= 100 else 1), 4)
 
 
@@ -138,14 +143,18 @@ def _place(name: str, place: tuple[float, ...], digits: int) -> str:
 
 
 def _words(scene: Scene, name: str) -> Said:
-    """Return how a caption says a parameter. For a further window, `name` ends with the window's number."""
-    plain = name.rstrip(SUBSCRIPTS)
-    number = name[len(plain) :]
+    """Return how a caption says a parameter. For a further window, `name` ends with the window's number.
+
+    `name` can also be a parameter and a kind of sheet: see `_values`.
+    """
+    plain, _, kind = name.rstrip(SUBSCRIPTS).partition(" ")
+    number = name[len(name.rstrip(SUBSCRIPTS)) :]
     if plain == "z" and number:
         return SECOND if len(scene.window) == 1 else LATER
     if plain == "z1":
         return BEHIND_LAST if scene.window else BEHIND
-    found = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == plain and each.said]
+    sheets = [sheet for sheet in scene.sheets if kind in ("", sheet.name)]
+    found = [each.said for sheet in sheets for each in sheet.parameters if each.name == plain and each.said]
     if found and not number:
         return found[0]
     return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
@@ -215,18 +224,22 @@ def facts(scene: Scene) -> dict[str, str]:
 def _values(scene: Scene) -> dict[str, str]:
     """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it.
 
-    A number that all windows in series have in common is said once.
+    A number that all windows in series have in common is said once. If the words about a parameter differ between kinds
+    of sheets, the name of a later kind follows that of the parameter: "alpha mirror". So does "law" after each number
+    of a user's own law.
     """
     found: dict[str, list[str]] = {}
+    words: dict[str, Said | None] = {}
     for sheet in scene.sheets:
         numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
         for each in numbers:
             x = sheet.values[each.name] * (each.said.factor if each.said else 1)
             unit = _unit(each.name)
             text = (f"{x:z.1f}".removesuffix(".0") if unit.startswith("°") else _number(x, ".3g")) + unit
-            found.setdefault(each.name, []).append(text)
+            name = each.name if words.setdefault(each.name, each.said) == each.said else f"{each.name} {sheet.name}"
+            found.setdefault(name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():
-            found.setdefault(name, []).append(_number(x, ".3g"))
+            found.setdefault(f"{name} law", []).append(_number(x, ".3g"))
     for name, texts in found.items():
         if len(texts) == len(scene.sheets) > 1 and len({*texts}) == 1:
             found[name] = [f"{texts[0]} in each window"]

@@ -45,6 +45,7 @@ FORMATS = {
     ".webp": ("libwebp_anim", "bgra", "-compression_level 6 -loop 0"),
     ".gif": ("gif", "", ""),
 }
+LARGEST = {".mp4": 16384, ".webp": 16383}  # pixels of a side, for these encoders
 
 
 def encode(
@@ -81,7 +82,9 @@ def encode(
     finally:
         if writer is not None:
             writer.close()  # waits for ffmpeg
-    with suppress(RuntimeError, OSError):  # if the file is no movie; ffmpeg's exit status is not available
+    with suppress(
+        RuntimeError, OSError, struct.error
+    ):  # if the file is no movie; ffmpeg's exit status is not available
         if output.suffix == ".webp":
             found = _webp_frames(output, rate, written)
         else:
@@ -116,7 +119,7 @@ def _add_cover(movie: Path, time: float) -> None:
 
 
 def _webp_frames(output: Path, rate: float, written: int) -> int:
-    """Return for how many frames a WebP file lasts, if `written` are expected. Raises OSError for a damaged file.
+    """Return for how many frames a WebP file lasts, if `written` are expected. Raises as `webp_parts` does.
 
     Equal successive pictures are in the file once. If all are equal, it is one picture without a duration.
     """
@@ -164,6 +167,13 @@ def gif_durations(frames: int, rate: float, before: int = 0) -> list[int]:
     """
     times = [round(100 * n / rate) for n in range(before, before + frames + 1)]
     return [10 * (end - start) for start, end in pairwise(times)]
+
+
+def check_size(ending: str, width: int, height: int) -> None:
+    """Raise InputError if a movie's file with this ending cannot have pictures of so many pixels."""
+    most = LARGEST.get(ending, width + height)
+    if max(width, height) > most:
+        raise InputError(f"{ending[1:]}: pictures of {width}x{height} pixels; allowed: up to {most}x{most}")
 
 
 def check_gif(frames: int, rate: float) -> None:

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from povgen.optics import apparent
 from povgen.optics.series import image_depth, image_distance
-from povgen.scene.scenes import Chess, Scene
+from povgen.scene.scenes import MAX_ASIDE, Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
@@ -42,7 +42,8 @@ def _image_of_slopes(scene: Scene, z1: float) -> float:
         return float("nan")
     of_place, of_slope = matrix[2:4, 0:2], matrix[2:4, 2:4]
     alike = [np.allclose(part, part[0, 0] * np.eye(2), atol=1e-9) for part in (of_place, of_slope)]
-    return float(z1 * of_slope[0, 0] / (1 + z1 * of_place[0, 0])) if all(alike) else float("nan")
+    with np.errstate(divide="ignore"):  # an image at infinity
+        return float(z1 * of_slope[0, 0] / (1 + z1 * of_place[0, 0])) if all(alike) else float("nan")
 
 
 class Extent(NamedTuple):
@@ -57,15 +58,28 @@ class Extent(NamedTuple):
     from_above: bool
 
 
-def extent(scenes: Collection[Scene]) -> Extent:
-    """Return what shows the objects and images of all these scenes."""
+class Shown(NamedTuple):
+    """An object in a side view."""
+
+    L: complex
+    z: float
+    radius: float
+    z1: float
+    image: float  # z of its image, NaN if there is none
+
+
+def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
+    """Return what shows the objects and images of all these scenes.
+
+    The eyes of a stereo pair stand `aside`, tiles, to the left and to the right of a scene's eye.
+    """
     eyes = {scene.E for scene in scenes}
     from_above = len(eyes) > 1 == len({E.imag for E in eyes})
     ends, heights = [0.0], [0.1]
     for scene in scenes:
         shown, there = _shown(scene)
-        ends += [-scene.z2, *scene.places, *(z for _, z, _ in shown), *there]
-        places = scene.E, *(L for L, _, _ in shown)
+        ends += [-scene.z2, *scene.places, *(each.z for each in shown), *there]
+        places = scene.E - aside, scene.E + aside, *(each.L for each in shown)
         heights += [scene.aperture / 2, *(abs(_height(place, from_above)) for place in places)]
     return Extent(min(ends), max(ends), max(heights), from_above)
 
@@ -75,12 +89,12 @@ def _height(place: complex, from_above: bool) -> float:
     return -place.real if from_above else place.imag
 
 
-def _shown(scene: Scene) -> tuple[list[tuple[complex, float, float]], list[float]]:
-    """Return L, z and z of the image of each object that is not beyond FARTHEST, and z of the images that are not."""
-    most = FARTHEST * scene.z2
-    objects = [(L, scene.places[-1] + z1, z) for (L, z1), z in zip(scene.objects, images(scene), strict=True)]
-    shown = [each for each in objects if each[1] - scene.places[-1] <= most]
-    return shown, [z for _, _, z in shown if abs(z) <= most]
+def _shown(scene: Scene) -> tuple[list[Shown], list[float]]:
+    """Return the objects that are not beyond FARTHEST, and z of their images that are not."""
+    most, last = FARTHEST * scene.z2, scene.places[-1]
+    found = zip(scene.objects, scene.radii, images(scene), strict=True)
+    shown = [Shown(L, last + z1, radius, z1, image) for (L, z1), radius, image in found if z1 <= most]
+    return shown, [each.image for each in shown if -most <= each.image <= last + most]
 
 
 def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
@@ -89,7 +103,6 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
     left out, and the text says how many. `shows` is the extent if it is not that of this scene alone: that of a movie.
     """
-    most = FARTHEST * scene.z2
     shown, there = _shown(scene)
     shows = shows or extent([scene])
     first, last, reach, from_above = shows
@@ -107,7 +120,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     thick = FINER * max(1, round(height / 240))
     draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
     if len(shown) == 1 and (scene.rotates or there):
-        for eye, points in _rays(scene, from_above)[::-1]:
+        for eye, points in _rays(scene, shown[0], from_above)[::-1]:
             colour = RAY if eye == scene.E else OTHER_RAYS
             (z, end), (window, start) = points[:2]
             if (beyond := abs(_height(end, from_above))) > reach:  # there the texts stand
@@ -119,10 +132,10 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     for z in scene.places:
         draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
     upright = isinstance(scene, Chess) and not from_above
-    for (L, z, seen), radius in zip(shown, scene.radii, strict=False):
-        _object(draw, at(z, L), FINER * scale, radius, upright, OBJECT, thick)
-        if abs(seen) <= most:
-            _object(draw, at(seen, L), FINER * scale, radius, upright, IMAGE, thick)
+    for each in shown:
+        _object(draw, at(each.z, each.L), FINER * scale, each.radius, upright, OBJECT, thick)
+        if each.image in there:
+            _object(draw, at(each.image, each.L), FINER * scale, each.radius, upright, IMAGE, thick)
     x, y = at(-scene.z2, scene.E)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
     image = image.reduce(FINER)
@@ -130,38 +143,40 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     write(draw, 0.3 * size, 0.9 * size, "from above" if from_above else "from the side", size)
     numbers = [(z, f"window {n}" if n == 1 else str(n)) for n, z in enumerate(scene.places, 1)]
     windows = numbers if scene.window else [(0.0, "sheets")]
-    for names, aside in ((windows, -1), (_names(scene, [z for _, z, _ in shown], there, last), 1)):
+    for names, aside in ((windows, -1), (_names(scene, shown, there, last), 1)):
         labels = [(left + scale * z, text) for z, text in names]
         _labels(draw, labels, middle + aside * (scale * (reach if aside > 0 else half) + 0.9 * size), size, width)
     return np.asarray(image)
 
 
-def _names(scene: Scene, objects: Sequence[float], there: Sequence[float], last: float) -> list[tuple[float, str]]:
+def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[float], last: float) -> list[tuple[float, str]]:
     """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
 
-    `objects` and `there` are z of what is shown. `last` is the greatest z.
+    `there` is z of the images that are shown, and `last` the greatest z.
     """
     names = [(-scene.z2, "eye")]
-    names += [(z, "object" if len(objects) == 1 else "objects") for z in objects[-1:]]
+    names += [(each.z, "object" if len(shown) == 1 else "objects") for each in shown[-1:]]
     names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
-    if len(objects) < len(scene.objects):
-        names.append((last, f"{len(scene.objects) - len(objects)} farther"))
-    elif scene.rotates and not there:
+    if len(shown) < len(scene.objects):
+        names.append((last, f"{len(scene.objects) - len(shown)} farther"))
+    elif scene.rotates and all(np.isnan(each.image) for each in shown):
         nearest = image_depth(scene.distances[0], np.radians(scene.alphas[0]), scene.behind).real
         names.append((float(nearest), "no common point of rays"))
     return names
 
 
-def _rays(scene: Scene, from_above: bool = False) -> list[tuple[complex, list[tuple[float, complex]]]]:
-    """Return where rays from the object end, at the eye and beside it, and z and x + iy of the corners of each.
+def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[complex, list[tuple[float, complex]]]]:
+    """Return where rays from an object end, at the eye and beside it, and z and x + iy of the corners of each.
 
     The rays begin at the upper end of a piece, and in a view from above at its foot. A ray that does not pass all
     windows is left out.
     """
-    L, z1 = scene.objects[0]
-    tip = L + 1j * (ARROW if isinstance(scene, Chess) and not from_above else 0)
+    z1 = shown.z1
+    tip = shown.L + 1j * (ARROW if isinstance(scene, Chess) and not from_above else 0)
     found = []
-    for eye in (scene.E, *(scene.E + complex(way) * scene.aperture for way in ASIDE)):
+    for way in (0, *ASIDE):
+        step = complex(way) * scene.aperture
+        eye = complex(_moved(scene.E.real, step.real), _moved(scene.E.imag, step.imag))
         seen = scene.replace(eye=(eye.real, eye.imag), view=scene.view)
         if not bool(seen.visible(tip, z1)):
             continue
@@ -169,8 +184,13 @@ def _rays(scene: Scene, from_above: bool = False) -> list[tuple[complex, list[tu
         corners = [(-scene.z2, eye)]
         for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
             corners.append((z, complex(before)))
-        found.append((eye, [*corners, (scene.places[-1] + z1, tip)]))
+        found.append((eye, [*corners, (shown.z, tip)]))
     return found
+
+
+def _moved(place: float, step: float) -> float:
+    """Return a coordinate of an eye after a step, or after the opposite step if an eye cannot be so far aside."""
+    return place + step if abs(place + step) <= MAX_ASIDE else place - step
 
 
 def _object(

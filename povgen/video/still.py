@@ -84,11 +84,13 @@ def render(
     """
     if not isinstance(linear, bool):
         raise InputError(f"linear = {shown(linear)}: should be true or false")
-    if linear and options.setdefault("bits", 32) != 32:
-        raise InputError(f"bits = {shown(options['bits'])}: linear light has 32; allowed: one of them")
+    if linear:
+        options.setdefault("bits", 32)
     one = isinstance(scene, (Scene, str)) or not isinstance(scene, Iterable)
     scenes = [checked_scene(each) for each in ([scene] if one else scene)]
     rendering, workers, scheduler = Rendering(**options), worker_count(workers), checked_scheduler(scheduler)
+    if linear and rendering.bits != 32:
+        raise InputError(f"bits = {rendering.bits}: linear light has 32; allowed: one of them")
     found: dict[int, NDArray[Any]] = {}
     with bar("pictures", len(scenes), one or not progress, "pictures") as done:
         for prisms in (True, False):  # they can have different antialiasing
@@ -137,7 +139,7 @@ def pictures(
         if movie and rendering.side_view:
             from povgen.video.side import extent
 
-            shows = extent(once)
+            shows = extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         if movie and rendering.annotated:
             from povgen.video.captions import captions
             from povgen.video.overlay import common_key

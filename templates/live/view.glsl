@@ -48,6 +48,7 @@ void passIdealSheets(inout Seen seen) {
 int windowMet(vec3 o, vec3 d, float before) {
   int met = -1;
   for (int w = simulated; w < WINDOWS; w++) {
+    if (sheetCounts[w] == 0) continue;  // it leaves light as it is
     float half_ = prismHalves[w] * pitches[w] - sheetCentres[2 * w];  // of the sheets' extent along z
     float t = (windowZ[w] - sign(d.z) * half_ - o.z) / d.z;
     if (t > 0.0 && t < before && isInWindow(o.xy + t * d.xy)) {

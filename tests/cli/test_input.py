@@ -3,12 +3,14 @@
 import os
 import re
 import sys
+from pathlib import Path
 
 import pytest
 from conftest import picture, povgen, refused, run_povgen
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
+from povgen.files import output_folder
 from povgen.liveview.view import Live
 from povgen.rendering import auto, povray
 from povgen.scene.spec import MOVIES
@@ -405,7 +407,7 @@ def test_without_ffmpeg_a_movie_is_refused_before_a_frame_is_rendered(tmp_path, 
     monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
     for arguments in (["movie", "vary-z1"], ["demo", "--movies"]):
         assert "allowed without it: .gif" in refused(arguments, tmp_path)
-    build.checked_movie(tmp_path / "a.gif", 10, 10, [])
+    build.checked_movie(tmp_path / "a.gif", 10, 10, Rendering(), [])
 
 
 @pytest.mark.parametrize("program", ["/missing", "/bin/false", "/"])
@@ -416,13 +418,42 @@ def test_an_ffmpeg_that_cannot_be_started_is_refused_before_a_frame_is_rendered(
     assert said.startswith(f"povgen: IMAGEIO_FFMPEG_EXE = '{program}': no ffmpeg that can be started; allowed: ")
 
 
+@pytest.mark.parametrize(("kind", "most"), [("mp4", "16384x16384"), ("webp", "16383x16383")])
+def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(kind, most, tmp_path, monkeypatch):
+    monkeypatch.setattr("povgen.rendering.gl_runner.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
+    wide = ["movie", "vary-z1", "--renderer=gl", "--size=8200x32", "--antialias=off", "-o", f"a.{kind}"]
+    for more in ([], ["--dry-run"]):
+        said = refused([*wide, "--stereo=pair", *more], tmp_path)
+        assert said == f"povgen: {kind}: pictures of 16400x32 pixels; allowed: up to {most}\n"
+    assert povgen([*wide, "--dry-run"], tmp_path)[0] == 0 == povgen([*wide[:-1], "a.gif", "--dry-run"], tmp_path)[0]
+
+
+def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path):
+    line = ["movie", "chess", "--sweep", "alpha=0:180", "--frame-rate=60", "--dry-run"]
+    assert "frame_rate = 60: 180 frames a second at quality = 'high'; allowed: 0.1 to 120" in refused(
+        [*line, "--quality=high"], tmp_path
+    )
+    assert povgen([*line, "--quality=standard"], tmp_path)[0] == 0 == povgen([*line, "--quality=hd"], tmp_path)[0]
+
+
+def test_the_home_folder_in_an_outputs_name(tmp_path, monkeypatch):
+    """A shell leaves ~ after = as it is."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    assert povgen(["pov", "chess", "--output=~/a.pov"], tmp_path)[0] == 0
+    with output_folder(Path("~/charts")) as folder:
+        (folder / "a").touch()
+    assert sorted(path.name for path in (tmp_path / "home").iterdir()) == ["a.pov", "charts"]
+    assert [path.name for path in tmp_path.iterdir()] == ["home"]
+
+
 def test_the_folder_of_numbered_pictures(tmp_path):
     """A new folder is empty: files beside it are not those that are written."""
     (tmp_path / "file").touch()
     (tmp_path / "link").symlink_to("missing")
-    build.checked_movie(tmp_path / "new/%d.png", 3, 10, [tmp_path / "1.png"])
+    build.checked_movie(tmp_path / "new/%d.png", 3, 10, Rendering(), [tmp_path / "1.png"])
     (tmp_path / "1.png").mkdir()
-    build.checked_movie(tmp_path / "new/%d.png", 3, 10, [tmp_path / "1.png"])
+    build.checked_movie(tmp_path / "new/%d.png", 3, 10, Rendering(), [tmp_path / "1.png"])
     assert not (tmp_path / "new").exists()
     sweep = ["movie", "chess", "--sweep", "alpha=0:9", "-o"]
     said = refused([*sweep, "new/er/%d.png"], tmp_path)

@@ -21,7 +21,7 @@ import pytest
 from conftest import POVGEN, refused, run_povgen, tree
 from PIL import Image
 
-from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, to_pov
+from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, sheets, to_pov
 from povgen.rendering import cache, frames, surveys
 from povgen.scene import survey, warnings
 from povgen.video import encode, still
@@ -424,14 +424,15 @@ def test_a_movie_is_encoded_in_the_cache(monkeypatch, tmp_path, place):
 
 
 def test_a_survey_belongs_to_all_code_that_makes_it(tmp_path, monkeypatch):
-    """A survey is made anew after a change in any module of povgen.optics."""
-    checksum, package = surveys._code_of_trace.__wrapped__, Path(optics.__file__)
+    """A survey is made anew after a change in any module of povgen.optics or povgen.sheets."""
+    checksum = surveys._code_of_trace.__wrapped__
     before = checksum()
-    copied = shutil.copytree(package.parent, tmp_path / "optics")
-    monkeypatch.setattr(optics, "__file__", str(copied / package.name))
+    for package in (optics, sheets):
+        copied = shutil.copytree(package.__path__[0], tmp_path / package.__name__)
+        monkeypatch.setattr(package, "__path__", [str(copied)])
     assert checksum() == before
-    for name in ("trace", "faces"):
-        with open(copied / f"{name}.py", "a") as file:
+    for name in ("optics/trace", "optics/faces", "sheets/layered", "sheets/crossed"):
+        with open(tmp_path / f"povgen.{name}.py", "a") as file:
             file.write("# changed")
         assert checksum() != before
         before = checksum()

@@ -122,6 +122,11 @@ def test_directions_agree_with_the_ray_trace():
     holding(verify_gl.directions(verify_gl.PRISM_SCENES, SIZE), 2)
 
 
+def test_windows_without_sheets_before_prisms_leave_light_as_it_is():
+    for windows in (("z=3,sheet=detailed",), ("z=1.5", "z=3,sheet=detailed"), ("z=1.5", "z=3", "z=4.5,sheet=single")):
+        holding(verify_gl.directions([{"sheet": "none", "prisms": 30, "window": windows}], SIZE), 2)
+
+
 def test_directions_disagree_with_another_glass(monkeypatch):
     """The check can fail: the shader's index is wrong by a thousandth."""
     true = Drawn.set

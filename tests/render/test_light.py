@@ -39,6 +39,7 @@ def test_light_is_that_of_the_bytes(renderer, more):
     assert found.max() > 1.2 and found.min() >= 0
     assert abs(light.encoded(found.clip(0, 1)) - render(SCENE, **options)).max() < 0.6
     assert np.array_equal(render(SCENE, bits=32, **options), found)
+    assert np.array_equal(render(SCENE, linear=True, bits="32", **options), found)
 
 
 def test_the_renderers_agree():

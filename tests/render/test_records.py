@@ -13,6 +13,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Scene, Spheres, info, movie, render, save
 from povgen import record as records
+from povgen.cli import options as cli_options
 from povgen.rendering import povray
 from povgen.scene import mesh
 from povgen.scene.scenes import recorded
@@ -54,6 +55,13 @@ def test_a_picture_is_made_again(kind, tmp_path, monkeypatch):
         assert povgen(["frame", "--from", "a.png", "--quality", "draft", "--parameter", "k=0.1"], tmp_path)[0] == 0
         made = info(tmp_path / "frame.png")
         assert made.rendering.size == (320, 240) and made.frames[0]["parameter"] == {"k": 0.1}
+        # --sheet auto may choose the antialiasing, too
+        given = [{"sheet": "auto"}, {"sheet": "auto", "antialias": "2x"}, {}]
+        assert ["antialias" in cli_options.again(tmp_path / "a.png", None, values, True)[2] for values in given] == [
+            0,
+            1,
+            1,
+        ]
 
 
 def test_a_piece_of_ones_own_is_in_the_record(tmp_path):

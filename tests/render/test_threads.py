@@ -1,8 +1,11 @@
 """One picture gets all cores: POV-Ray's threads change neither pixels nor the cache."""
 
-import pytest
+import shutil
 
-from povgen import Chess, Rendering, Spheres, to_pov
+import pytest
+from conftest import povgen
+
+from povgen import Chess, Rendering, Spheres, movie, to_pov
 from povgen.rendering import frames, povray
 from povgen.rendering.frames import read_png
 
@@ -85,6 +88,19 @@ def test_a_movie_has_one_thread_for_each_frame(threads, monkeypatch):
 def test_a_shard_without_frames():
     for renderer in ("povray", "gl"):
         assert list(frames.render_all([], Rendering(renderer=renderer))) == []
+
+
+def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):
+    """Its frames are those that the movie takes from the cache."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    small = {"size": (32, 32), "quality": "high"}
+    movie([Chess(sheet="ideal", alpha=10), Chess(prisms=20, alpha=10)], tmp_path / "a.gif", **small)
+    shutil.rmtree(tmp_path / "cache")
+    line = ["movie", "--from", "a.gif", "--quality=high", "--size=32x32"]
+    for part in ("1/2", "2/2"):
+        assert povgen([*line, f"--shard={part}"], tmp_path)[0] == 0
+    monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("a frame was rendered again"))
+    assert povgen([*line, "-o", "b.gif"], tmp_path)[0] == 0
 
 
 @pytest.mark.parametrize(("memory", "expected"), [(8 << 30, 64), (1 << 30, 8), (64 << 20, 1)])

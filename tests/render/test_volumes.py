@@ -118,6 +118,9 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
     made = volumes.volumes(pieces)
     ((_, _, kept),) = cache.by_last_use()
     assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
+    (light := kept.with_suffix(".light")).touch()
+    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("1 frames, 1 ray traces and pieces, ")
+    light.unlink()
     whole = kept.read_bytes()
     kept.write_bytes(whole[:-9])
     assert volumes.volumes(pieces) == made and kept.read_bytes() == whole

@@ -36,8 +36,8 @@ def test_what_costs_more():
 
 
 def test_a_time_in_words():
-    found = [duration(seconds) for seconds in (0.04, 2.4, 34, 59, 90, 599, 4000)]
-    assert found == ["0.04 s", "2 s", "30 s", "60 s", "1.5 min", "10 min", "1.1 h"]
+    found = [duration(seconds) for seconds in (0.04, 2.4, 9.6, 34, 59, 90, 599, 3599, 4000, 5e6)]
+    assert found == "0.04 s, 2 s, 10 s, 30 s, 60 s, 1.5 min, 10 min, 60 min, 1.1 h, 1400 h".split(", ")
 
 
 def test_a_dry_run_renders_nothing(tmp_path):
@@ -49,6 +49,7 @@ def test_a_dry_run_renders_nothing(tmp_path):
             "6 frames, 4 of them different, of 480x360 pixels, about ",
         ),
         (["frame", "chess"], "a picture of 480x360 pixels, about "),
+        (["frame", "chess", "--size=1920x1080", "--antialias=2,0.1,9"], "a picture of 1920x1080 pixels, about 630 CPU"),
         (["movie", "vary-alpha", "--frames", "4", "--shard", "5/7"], "0 frames of 480x360 pixels, about 0 CPU seconds"),
     ):
         status, out, err = povgen([*arguments, "--dry-run"], tmp_path)

@@ -93,11 +93,18 @@ def test_of_two_files_the_written_one_is_named():
 
 
 @pytest.mark.parametrize("full", [True, False])
-def test_an_encoder_that_fails(full, monkeypatch, tmp_path):
-    """The disk is blamed if it is full."""
-    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
+@pytest.mark.parametrize("written", ["", "RIFF", "RIFF\\010\\0\\0\\0WEBPANMF"])
+@pytest.mark.parametrize("kind", ["mp4", "webm", "webp"])
+def test_an_encoder_that_fails(full, written, kind, monkeypatch, tmp_path):
+    """The disk is blamed if it is full. The file may be cut off anywhere."""
+    failing = tmp_path / "failing"
+    failing.write_text(
+        f'#!/bin/sh\nfor output; do :; done\n[ "$output" = - ] || printf \'{written}\' > "$output"\nexit 1\n'
+    )
+    failing.chmod(0o755)
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(failing))
     monkeypatch.setattr(encode, "is_full", lambda folder: full)
     with pytest.raises(OSError) as raised:
-        encode.encode(PICTURES, tmp_path / "a.mp4", 10, {})
-    failed = "the encoder /bin/false failed: it wrote 0 of 2 frames"
-    assert message_of(raised.value) == (f"{tmp_path}/a.mp4: No space left on device" if full else failed)
+        encode.encode(PICTURES, tmp_path / f"a.{kind}", 10, {})
+    failed = f"the encoder {failing} failed: it wrote 0 of 2 frames"
+    assert message_of(raised.value) == (f"{tmp_path}/a.{kind}: No space left on device" if full else failed)

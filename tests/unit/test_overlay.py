@@ -486,6 +486,29 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ),
         ([Chess(sheet="none", z1=3)], ["z₁ = 3 tiles behind the window"]),
         ([Chess(piece="king"), Chess(piece="pawn")], ["", ""]),
+        # words and factors are those of each kind of sheet
+        (
+            [Chess(sheet="mirror", alpha=60, window="z=2,sheet=ideal,alpha=30", z1=3)],
+            ["mirror line at 30°, rays turned by α = 30°"],
+        ),
+        (
+            [Chess(sheet="refraction", ratio=1.5, alpha=40, window="z=2,sheet=lenslets,ratio=2", z1=3)],
+            ["index behind/before sheet 1.5, light turned by 40°, rays turned by α = 40°, lenses' focal lengths f₁/f₂ = 2"],
+        ),
+        (
+            [Chess(sheet="law", law="x, alpha*y, z", parameter="alpha=0.3", window="z=2,sheet=ideal,alpha=30")],
+            ["α = 0.3, rays turned by α = 30°"],
+        ),
+        ([Chess(sheet="mirror", alpha=60), Chess(alpha=20)], ["mirror line at 30°", "rays turned by α = 20°"]),
+        ([Chess(alpha=60), Chess(sheet="mirror", alpha=60)], ["rays turned by α = 60°", "mirror line at 30°"]),
+        # a value that only some frames have is not rounded
+        (
+            [Chess(alpha=0), Chess(alpha=0, window="z=1.5,alpha=20.5")],
+            [
+                "α₂ = none, window 2 at none, knight appears turned by 0°",
+                "α₂ = 20.5°, windows 1.5 tiles apart, knight appears turned by 4°",
+            ],
+        ),
     ],
 )
 def test_a_short_caption_says_what_moves(scenes, texts):

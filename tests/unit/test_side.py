@@ -19,6 +19,10 @@ def middles(strip, colour):
     return [group.mean() for group in np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if len(group)]
 
 
+def rays(scene, from_above=False):
+    return side._rays(scene, side._shown(scene)[0][0], from_above)
+
+
 def test_images_are_where_the_light_comes_together():
     assert side.images(Chess(alpha=180, z1=2)) == pytest.approx([-2])  # a real image, as far before the window
     assert side.images(Chess(alpha=0, z1=2)) == pytest.approx([2])
@@ -52,7 +56,7 @@ def test_distances_have_one_scale(scene):
 def test_rays_from_the_objects_tip_meet_at_the_images(scene):
     (image,) = side.images(scene)
     heights = []
-    for eye, ((z0, y0), (z1, y1), *_, (last, tip)) in side._rays(scene):
+    for eye, ((z0, y0), (z1, y1), *_, (last, tip)) in rays(scene):
         heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
         assert (last, tip) == (scene.places[-1] + scene.z1, scene.L + 1j * side.ARROW) and y0 == eye
     assert heights == pytest.approx([tip] * 3)  # the image is upright, and as large as the object
@@ -60,7 +64,7 @@ def test_rays_from_the_objects_tip_meet_at_the_images(scene):
 
 @pytest.mark.parametrize("z", [0.5, 1.5, 2.5, 5])
 def test_rays_without_a_common_point_have_none_in_any_view(z):
-    found = side._rays(Chess(sheet="ideal", **{**TWO, "window": f"alpha=120,z={z}"}))
+    found = rays(Chess(sheet="ideal", **{**TWO, "window": f"alpha=120,z={z}"}))
     places = np.array([[y0, y1] for _, ((_, y0), (_, y1), *_) in found])
     part = np.linspace(0, 1, 400)[:, None]
     between = places[:, 0] * (1 - part) + places[:, 1] * part  # from the eye's plane to the first window
@@ -89,9 +93,36 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
     scale = np.diff(middles(strips[0], side.SHEET))[0] / 2
     assert np.diff(eyes) == pytest.approx([0.8 * scale] * 2, abs=1.5)  # to the right is downwards
     for scene in scenes:
-        for _, ((z0, x0), (z1, x1), *_, (_, foot)) in side._rays(scene, from_above=True):
+        for _, ((z0, x0), (z1, x1), *_, (_, foot)) in rays(scene, from_above=True):
             assert x0 + (x1 - x0) * (-2 - z0) / (z1 - z0) == pytest.approx(foot)  # at the image
             assert foot == scene.L
+
+
+def test_an_eye_at_the_end_of_its_range_has_rays_beside_it():
+    for eye in ((10, 0), (-10, 10), (-6.2, -0.9)):
+        scene = Chess(sheet="ideal", alpha=20, eye=eye, z2=9, aperture=10)
+        side.side_view(scene, *SIZE)
+        assert len(rays(scene)) > 1 and max(abs(x) for end, _ in rays(scene) for x in (end.real, end.imag)) <= 10
+
+
+def test_of_several_objects_those_that_are_shown_count():
+    """What is too far to be shown may come first."""
+    one, other = (side.side_view(Spheres(alpha=66, z1=z1), *SIZE) for z1 in ((100, 2), (2, 100)))
+    assert (one == other).all()
+    far, near = (Chess(alpha=180, z1=z1, x=x) for z1, x in (((100, 2), (0.5, 0)), ((2, 100), (0, 0.5))))
+    assert rays(far) == rays(near) and rays(far)[0][1][-1][0] == 2
+
+
+def test_eyes_of_a_pair_are_in_the_view():
+    scenes = [Chess(sheet="ideal", eye=(x, 0)) for x in (-0.1, 0.1)]
+    assert side.extent(scenes, 2.5).reach == pytest.approx(2.6) and side.extent(scenes).reach == 1.5
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_image_at_infinity_is_none_of_the_views():
+    scene = Chess(sheet="lens", focal_length=2, z1=2)
+    assert side.images(scene) == [np.inf]
+    side.side_view(scene, *SIZE)
 
 
 def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
@@ -102,6 +133,10 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
         (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
+        (
+            Chess(alpha=0, window="alpha=0,z=2", z2=1, z1=3.9),
+            {"eye", "window 1", "2", "object", "virtual image", "from the side"},
+        ),
         (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "from the side"}),
         (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):

@@ -244,6 +244,23 @@ def test_the_chart_of_errors_has_a_bar_for_each_and_names_the_worst(tmp_path, mo
     ]
 
 
+def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
+    """At the pole an object is not seen, and nothing is known about its place."""
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
+    some = {"turn": tolerance.Change(2.0, np.nan, 0.0, 0.0), "tilt_x": tolerance.Change(np.nan, np.nan, 0.0, 0.0)}
+    charts.save_sensitivities(some, tmp_path / "errors.png")
+    left, right = figures[0].axes
+    assert sorted(text.get_text() for text in left.texts) == ["2.0", "unknown"]
+    assert left.get_title("left") == "Displaced most by: near sheet turned"
+    assert [text.get_text() for text in right.texts] == ["unknown"] * 2 and right.get_title("left") == "Turned: unknown"
+    charts.save_builds(tolerance.Change(*np.full((4, 5), np.nan)), {"turn": 0.1}, tmp_path / "builds.png")
+    assert {ax.get_title("left") for ax in figures[1].axes} == {
+        "Displaced: unknown in more than 5 of 100 builds",
+        "Turned: unknown in more than 5 of 100 builds",
+    }
+
+
 @pytest.mark.parametrize(
     "call, words",
     [

@@ -42,5 +42,5 @@ def command(
 
 
 def _counts(files: list[Path]) -> str:
-    frames = sum(path.suffix == ".png" for path in files)
+    frames = sum(path.suffix in (".png", ".light") for path in files)
     return f"{frames} frames, {len(files) - frames} ray traces and pieces"

@@ -94,7 +94,6 @@ def command(
     """
     from povgen.rendering import cache
     from povgen.rendering.estimate import describe
-    from povgen.rendering.frames import shard
     from povgen.rendering.parallel import checked_scheduler, worker_count
     from povgen.scene.scenes import input_files
     from povgen.scene.spec import spec_file
@@ -119,14 +118,14 @@ def command(
     output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
         inputs = [*input_files(scenes), *([source] if source else [] if sweep else [spec_file(read)])]
-        checked_movie(output, len(scenes), made.rate(rendering.quality), inputs)
+        checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
     if limit is not None:
         check_views(scenes, rendering)
         choice = chosen(scenes, options, limit, renderers, quiet)
         values["sheet"], options["antialias"], options["renderer"] = choice
         made, rendering = loaded.with_fixed(values), Rendering(**options)
         scenes = made.scenes(rendering.quality)
-    scenes = scenes if part is None else shard(scenes, part)
+    scenes, rendering = _shard(scenes, rendering, part)
     check_views(scenes, rendering)
     if dry_run:
         return tell(describe(scenes, rendering))
@@ -217,6 +216,16 @@ def _check_shard(part: str, scheduler: str | None, output: Path | None) -> None:
     for name, value in (("scheduler", scheduler), ("output", output)):
         if value is not None:
             raise InputError(f"shard = {part!r}, {name} = {str(value)!r}: a shard makes no movie; allowed: one of them")
+
+
+def _shard(scenes: list["Scene"], rendering: "Rendering", part: str | None) -> "tuple[list[Scene], Rendering]":
+    """Return a shard's frames, with the sampling of the whole movie; without a shard, all."""
+    from povgen.rendering.frames import shard
+
+    if part is None:
+        return scenes, rendering
+    sampling = rendering.suited(any(scene.has_prisms for scene in scenes))
+    return shard(scenes, part), rendering.replace(antialias=sampling.sampling)
 
 
 def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:

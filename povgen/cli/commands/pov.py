@@ -38,7 +38,7 @@ def command(
     if part and options:
         raise InputError(f"part = {part!r}, {next(iter(options))}: the picture is not povgen's; allowed: one of them")
     if output is not None:
-        checked_output(output, [".inc" if part else ".pov"], inputs=input_files([made]))
+        output = checked_output(output, [".inc" if part else ".pov"], inputs=input_files([made]))
     name = "scene.pov" if output is None else output.name
     text = to_sheets(made) if part else to_pov(made, file=name, **options)
     warn(values, [made])
