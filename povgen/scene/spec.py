@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
@@ -363,8 +364,12 @@ def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, 
     names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES, "sky": (), "floor": ("tiles", "none")}
     found = {x: from_folder(value, folder, names[x]) if x in names else value for x, value in values.items()}
     if isinstance(windows := window_list(found.get("window")), list):
-        tables = map(window_table, windows)
-        found["window"] = [_from_folder(each, folder) if isinstance(each, Mapping) else each for each in tables]
+        windows = [*windows]
+        for number, window in enumerate(windows):
+            with suppress(ValueError):  # the scene refuses it
+                window = window_table(window)
+            windows[number] = _from_folder(window, folder) if isinstance(window, Mapping) else window
+        found["window"] = windows
     return found
 
 

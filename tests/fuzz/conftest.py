@@ -194,7 +194,7 @@ def place(tmp_path_factory):
     WORK = ROOT.joinpath(*"abcdefgh")
     movies = tmp_path_factory.mktemp("movies")
     for path in own.glob("*.toml"):
-        (movies / path.name).write_text(re.sub(r"frames = \d+", "frames = 2", path.read_text()))
+        (movies / path.name).write_text(re.sub(r"frames = \d+", "frames = 3", path.read_text()))
 
     def encoded(pictures, output, rate, tags, record):
         assert 0 < rate < 1000 and all(picture.shape[2] == 3 for picture in pictures)
