@@ -39,7 +39,10 @@ export function fromHash(hash) {
   const values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
   const question = given.has("own") ? own(given.get("own")) : Number(given.get("question")) - 1;
-  if (QUESTIONS[question]) Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
+  if (QUESTIONS[question]) {
+    Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
+    session.lastQuestion = question;
+  }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
   [session.replaced, session.own] = [null, {}];
@@ -52,7 +55,8 @@ function own(text) {
     const { ask, choices, why, before, after } = JSON.parse(text);
     const texts = [ask, why, before, after, ...choices];
     if (choices.length < 2 || !ask || !texts.every((each) => typeof each === "string")) return -1;
-    const [first, then] = [before, after].map((hash) => valuesOf(new URLSearchParams(hash.slice(1))));
+    const [first, last] = [before, after].map((hash) => valuesOf(new URLSearchParams(hash.slice(1))));
+    const then = last.sheet ? { ...pick(OPENING, "windows", "compare"), ...last } : last;  // toHash leaves these out
     const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => name !== "question"));
     session.own_question = text;
     const n = setOwn({ ask, choices, why, before: { ...opening, ...START[first.scene ?? "chess"], ...first }, after: then });

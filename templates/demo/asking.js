@@ -8,7 +8,7 @@ import { compared, dashedOutline, isMatched, matching, numbersOf } from "./dashe
 import { printed, readNumber } from "./numbers.js";
 import { player, reducedMotion } from "./player.js";
 import { ask as textOf, choices, QUESTIONS, revealed, why } from "./questions.js";
-import { change, OPENING, session, state } from "./state.js";
+import { change, OPENING, session, state, WHOLE } from "./state.js";
 import { drawVotes } from "./votes.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
@@ -66,11 +66,15 @@ function glide(target) {
   const from = Object.fromEntries(Object.keys(target).map((name) => [name, state[name]]));
   const numeric = (x) => typeof x === "number" || Array.isArray(x);
   const mixed = (a, b, part) => (Array.isArray(a) ? a.map((x, k) => mixed(x, b[k], part)) : a + (b - a) * part);
+  const between = (name, to, part) => {
+    const x = mixed(from[name], to, part);
+    return WHOLE.includes(name) ? Math.round(x) : x;
+  };
   const tick = () => {
     const time = reducedMotion.matches ? 1 : Math.min(1, (performance.now() - start) / 1500);
     const part = time * time * (3 - 2 * time);
     if (session.gliding !== target) return;
-    change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? mixed(from[name], to, part) : to])));
+    change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? between(name, to, part) : to])));
     refresh();
     if (time < 1) requestAnimationFrame(tick);
     else session.gliding = null;
@@ -81,12 +85,15 @@ function glide(target) {
 // ---- The panel ----
 
 let drawnQuestion = null;
+let kept = null;  // a prediction, while the panel is written anew
+const NOT_TURNED = ["single", "mirror", "lenticular"];  // sheets whose picture is not the object, turned and sized
 
 // The numbers of the questions of this level, and of the one that is open.
 const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
 
 // The language has changed: the panel is written anew.
 export function rewriteQuestion() {
+  if (drawnQuestion === QUESTIONS[state.question]) kept = new FormData($("question-form")).get("prediction");
   drawnQuestion = null;
 }
 
@@ -97,6 +104,7 @@ export function drawQuestion() {
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
     return (drawnQuestion = null);
   }
+  /** @type {any} */
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
     $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
@@ -111,15 +119,17 @@ export function drawQuestion() {
   const open = (id) => !$(id).hidden;
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
-  aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || question.before.sheet === "lenticular";
+  const last = question.after.sheet ?? question.before.sheet;
+  aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || NOT_TURNED.includes(last);
   session.dashed = dashedOutline(question, open("drawing") && !aid("drawing").hidden);
   for (const input of $("prediction").querySelectorAll("input")) {
     input.disabled = revealed.has(n);
-    const made = revealed.get(n);
+    const made = revealed.get(n) ?? kept;
     if (made && input.type === "radio") input.checked = input.value === made;
     else if (made) input.value = made;
     input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());
   }
+  kept = null;
   const said = document.createElement("p");
   said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
@@ -172,7 +182,8 @@ function answerText(question) {
   const given = revealed.get(QUESTIONS.indexOf(question));
   if (question.match) return [strong(say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
   const right = question.answer();
-  const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= question.tolerance;
+  const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
+  const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= near;
   const number = printed(String(Number(right.toPrecision(4))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });

@@ -82,6 +82,7 @@ function seenInSeries(now) {
   if (now.beside) return besideSentence();
   if (now.nearPole) return poleSentence(now);
   if (!contents(now).has("thing")) return absent(now);
+  if (Number.isNaN(nu)) return say("seen.torn", { thing: thing() }) + doubtIfUnsure(now);
   const values = { thing: thingAt(z1), turned: turnedBy(nu, thing()), times: timesText(M / bare(now)) };
   const seen = say(state.scene === "spheres" ? "seen.through_both_about_eye" : "seen.through_both", values);
   return `${seen} ${imageSentence(now)}${doubtIfUnsure(now)}`;

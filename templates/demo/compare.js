@@ -5,6 +5,7 @@ import { LiveView } from "../live/view.js";
 import { $, data } from "./data.js";
 import { refresh } from "./frame.js";
 import { percent, say } from "./language.js";
+import { otherScene } from "./moment.js";
 import { ofKind } from "./phrases.js";
 import { change, session, state } from "./state.js";
 
@@ -18,7 +19,7 @@ export function drawCompare(now) {
   for (const id of ["curtain", "curtain-line", "other-view", "curtain-names"]) $(id).hidden = !on;
   $("compare").value = state.compare;
   if (!on) return;
-  const scene = { ...now.scene, sheet: state.compare, window: [] };
+  const scene = otherScene(now);
   if (!other) {
     other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);
     other.ready.then(() => sky && other.setSky(sky));

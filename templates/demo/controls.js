@@ -3,12 +3,11 @@
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, replace } from "./beyond.js";
-import { abs, arg, finite, minus } from "./complex.js";
+import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, pick } from "./data.js";
-import * as equations from "./equations.js";
 import { refresh } from "./frame.js";
 import { choose, entry, fill, LANGUAGES, localised, marked, say, spoken } from "./language.js";
-import { moment } from "./moment.js";
+import { appearance, moment } from "./moment.js";
 import { angle, brief, placeText, point, prismsText, quantity, readNumber, SETTINGS, size, unitText } from "./numbers.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
@@ -150,6 +149,7 @@ const named = (name) => data.languages[name].name;
 for (const name of [...LANGUAGES].sort((a, b) => named(a).localeCompare(named(b), "en"))) $("language").append(Object.assign(new Option(named(name), name), { lang: name }));
 $("language").addEventListener("change", () => {
   choose($("language").value, true);
+  session.refusals = [];
   refresh();
 });
 
@@ -237,7 +237,7 @@ export function showNumbers(now) {
   $("value-bare").textContent = now.sheet === "single" ? wideAndHigh(now, bare(now)) : some && Number.isFinite(now.M) ? size(now.M / bare(now)) : now.nearPole ? "∞" : "–";
   const real = some && now.glass;
   const byEquation = (value) => say("numbers.for_prisms", { prisms: prismsText(now.scene.prisms), value });
-  const fine = now.Z ? { nu: -arg(now.Z), M: now.z2 / abs(now.Z) } : { nu: equations.nu(now.r, now.alpha), M: equations.M(now.r, now.alpha) };
+  const fine = real && appearance({ ...now, glass: false });
   $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : state.level === "simple" || now.sheet === "single" ? "" : say("numbers.nu");  // the simple name says it
   $("about-bare").hidden = now.sheet === "single";
   $("about-M").textContent = real ? byEquation(size(fine.M)) : say(now.Z ? "numbers.M_series" : "numbers.M");
@@ -256,6 +256,11 @@ export function mark(name) {
 }
 
 export function showMarks() {
+  const pinned = document.querySelector(`button.symbol[value="${session.pinned}"]`);
+  if (pinned?.checkVisibility() === false && !document.body.classList.contains("present")) {  // nobody could release it
+    session.pinned = "";
+    return mark("");
+  }
   for (const part of document.querySelectorAll("svg .q")) part.classList.toggle("marked", part.classList.contains(`q-${session.marked}`));
   document.body.classList.toggle("marking", Boolean(session.marked));
   for (const button of document.querySelectorAll("button.symbol")) button.setAttribute("aria-pressed", button.value === session.pinned);

@@ -10,7 +10,7 @@ import { drawDiagram } from "./diagram.js";
 import { drawBy, refresh } from "./frame.js";
 import { placeHandles } from "./handles.js";
 import { say, spoken } from "./language.js";
-import { drawMeasure } from "./measure.js";
+import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
 import "./handouts.js";
 import "./look.js";
@@ -31,6 +31,8 @@ function rewrite() {
   fillPage();
   writeFailure();
   rewriteQuestion();
+  drawRows();
+  for (const id of ["own-message", "copied", "room-message"]) $(id).textContent = "";
 }
 
 function drawPage() {
@@ -48,7 +50,7 @@ function drawPage() {
   drawMeasure(now);
   placeHandles(now);
   showMarks();
-  player.draw();
+  player.draw(now);
   tour.draw();
   povray.draw();
   if (tour.step >= 0) speak(now);
@@ -112,7 +114,8 @@ view.ready.then(() => {
   $("hint").textContent = say($("hint").dataset.say = "page.hint");
   refresh();
   const isFrame = document.body.classList.contains("embed");
-  if (view.gl && !location.hash && !reducedMotion.matches && !isFrame) tour.start();
+  const untouched = !location.hash && toHash() === opened && !session.measuring;
+  if (view.gl && untouched && !reducedMotion.matches && !isFrame) tour.start();
 });
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = benchText(view)));

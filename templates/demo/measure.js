@@ -7,7 +7,7 @@ import { $, clamped, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { localised, say, separator } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
-import { angle, fixed, readNumber, SYMBOL, tilesText } from "./numbers.js";
+import { angle, brief, fixed, printed, readNumber, SYMBOL, tilesText } from "./numbers.js";
 import { outlineOf } from "./outline.js";
 import { onStage, tilePixels } from "./overlay.js";
 import { bare, placeSaid } from "./phrases.js";
@@ -125,17 +125,18 @@ $("put-on").addEventListener("click", () => {
   refresh();
 });
 
-function drawRows() {
+export function drawRows() {
   session.measured = rows.length > 0;
   $("rows").replaceChildren(...rows.map((row, n) => {
     const tr = document.createElement("tr");
     for (const name of QUANTITIES) {
       const td = tr.insertCell();
       if (name !== "nu" && name !== "M") {
-        td.textContent = String(Number(row[name].toPrecision(4)));
+        td.textContent = printed(String(Number(row[name].toPrecision(4))));
         continue;
       }
-      const field = Object.assign(document.createElement("input"), { className: "field", value: row[name], autocomplete: "off" });
+      const value = localised(row[name].replace(",", "."));
+      const field = Object.assign(document.createElement("input"), { className: "field", value, autocomplete: "off" });
       field.setAttribute("aria-label", say("measure.field", { name: name === "nu" ? "ν" : "M", n: n + 1 }));
       field.addEventListener("input", () => {
         row[name] = field.value;
@@ -193,7 +194,8 @@ function drawPlots(now) {
 function drawPlot(plot, name, x, now) {
   const { clientWidth: width, clientHeight: all } = plot;
   if (!width) return;
-  const [least, most] = ENDS[x], log = x !== "alpha";
+  const reached = [...ENDS[x], ...rows.map((row) => row[x])];
+  const [least, most] = [Math.min(...reached), Math.max(...reached)], log = x !== "alpha";
   const [left, right, top, bottom] = [30, width - 8, 16, all - 22];
   const present = { alpha: state.alpha, z1: now.z1, z2: now.z2 };
   const seen = (value) => {
@@ -215,7 +217,7 @@ function drawPlot(plot, name, x, now) {
   plot.replaceChildren(
     line("axis", [left, bottom], [right, bottom]), line("axis", [left, bottom], [left, top]),
     ...(name === "nu" ? [line("axis", to(least, 0), to(most, 0))] : [line("axis", to(least, 1), to(most, 1))]),
-    words("scale", [left, all - 10], fixed(least, log ? 1 : 0)), words("scale", [right - 8, all - 10], fixed(most, 0)), words("scale", [(left + right) / 2, all - 9], `${SYMBOL[x]} / ${x === "alpha" ? "°" : say("units.tiles")}`),
+    words("scale", [left, all - 10], brief(least)), words("scale", [right - 8, all - 10], brief(most)), words("scale", [(left + right) / 2, all - 9], `${SYMBOL[x]} / ${x === "alpha" ? "°" : say("units.tiles")}`),
     ...(name === "nu" ? [-end, 0, end] : [0, 1, 2, 3]).map((value) => words("scale", [15, to(least, value)[1]], fixed(value, 0))),
     words("scale", [left + 16, 8], name === "nu" ? "ν / °" : "M"), curve("curve", inside), ...marks,
   );

@@ -14,6 +14,14 @@ import { FLOOR, state } from "./state.js";
 // deep, so that it sees through.
 const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
 
+// The scene with the sheets that are to the right of the curtain. There is no second window.
+const compared = (scene) => ({ ...scene, sheet: state.compare, window: [] });
+// There the objects are where they are to the left.
+export const otherScene = ({ scene, objects, d }) => ({ ...compared(scene), z1: d ? objects.map((z1) => z1 + d) : scene.z1 });
+
+// The depth of the window's frame, on the side of the curtain where it is deeper.
+export const frameDepth = (scene) => Math.max(geometry.depth(scene), geometry.depth(compared(scene)));
+
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
   const { scene, piece, L, E, sheet2, alpha2, d } = state;
@@ -22,7 +30,7 @@ export function sceneValues() {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
     values.window[0].z = Math.max(d, geometry.depth(values) + 0.011);
   }
-  const back = geometry.depth(values) / 2;
+  const back = frameDepth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
   if (scene === "spheres") return { ...values, line: L };
   const foot = data.pedestals[piece];

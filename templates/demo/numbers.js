@@ -31,7 +31,7 @@ export function printed(text) {
   return sign + localised(digits) + (power ? ` × 10${raised(Number(power))}` : "");
 }
 
-export const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2));
+export const fixed = (x, digits) => printed(Math.abs(x) < 1e5 ? x.toFixed(digits) : x.toExponential(2).replace("Infinity", "∞"));
 export const size = (x) => (Number.isFinite(x) ? printed(x < 1e4 ? x.toPrecision(4) : x.toExponential(2)) : "∞");
 export const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrecision(3)))) : "∞");
 export const rough = (x) => printed(String(Number(x.toPrecision(2))));

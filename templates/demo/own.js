@@ -5,6 +5,7 @@ import { openQuestion } from "./asking.js";
 import { $ } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
+import { session } from "./state.js";
 
 const kept = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
 
@@ -25,6 +26,7 @@ $("own").addEventListener("submit", (event) => {
   const now = toHash().replace(/&(question|own)=[^&]*/g, "");
   const question = { ask, choices, why, before: kept.before || now, after: kept.after || now };
   openQuestion(-1);
+  session.own_question = "";  // the same one is asked anew
   fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);
   refresh();
   $("ask").focus();

@@ -3,6 +3,7 @@
 import { still } from "../live/readout.js";
 import { LiveView } from "../live/view.js";
 import { toHash } from "./address.js";
+import { openQuestion } from "./asking.js";
 import { replace } from "./beyond.js";
 import { drawOther } from "./compare.js";
 import { $, data } from "./data.js";
@@ -73,6 +74,7 @@ $("full-screen").addEventListener("click", () => (document.fullscreenElement ? d
 $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
 $("reset").addEventListener("click", () => {
+  openQuestion(-1);  // Undo brings back what has been explored
   player.pause();
   [session.explored, session.own] = [null, {}];
   replace(OPENING);

@@ -108,9 +108,9 @@ export const player = {
     this.preset = data.presets.find(({ scene }) => scene === state.scene);
   },
 
-  draw() {
+  draw({ z1, z2 }) {
     this.follow();
-    const { parameter, start, stop } = this.ends();
+    const { parameter, start, stop } = this.ends(), x = { ...state, z1, z2 }[parameter];
     for (const button of $("presets").children) {
       button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && chosenBeyond() === "none");
     }
@@ -118,8 +118,8 @@ export const player = {
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
     $("scrub").value = 1000 * this.part();
     $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
-    $("scrub").setAttribute("aria-valuetext", quantity(parameter, state[parameter]));
-    write("scrub-value", `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity("alpha", state.alpha) : brief(state[parameter])}`);
+    $("scrub").setAttribute("aria-valuetext", quantity(parameter, x));
+    write("scrub-value", `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity(parameter, x) : brief(x)}`);
   },
 };
 

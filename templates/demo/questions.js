@@ -9,9 +9,12 @@ import * as equations from "./equations.js";
 import { entry, forms, say } from "./language.js";
 import { brief, fixed } from "./numbers.js";
 import { turnedBy } from "./phrases.js";
-import { START, state } from "./state.js";
+import { OPENING, START, state } from "./state.js";
 
-const UP = { scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L };
+const UP = {
+  scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L,
+  prisms: OPENING.prisms, compare: "off",
+};
 const ANGLES = [0, 15, 66];
 const nuDegrees = (z1, z2, degrees) => equations.nu(z2 / z1, radians(degrees)) / radians(1);
 const way = (x) => (Math.abs(x) < 0.5 ? 2 : x > 0 ? 0 : 1);

@@ -5,6 +5,7 @@ import * as geometry from "../live/geometry.js";
 import { bending, hasPrisms } from "../live/sheets.js";
 import { passage } from "./trace.js";
 import { abs, finite, minus, plus, resolved, scaled } from "./complex.js";
+import { data, pick } from "./data.js";
 import { state } from "./state.js";
 
 /** Follow a ray from a point, in a direction, through all windows. `kind` is "designed", "stray" (has left the prisms on another
@@ -128,7 +129,8 @@ let kept = { key: "", found: null };
 export function lightInWindow(now) {
   if (!now.glass) return null;
   const { E, z2, windows, scene } = now;
-  const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values: { alpha, prisms, ratio, f_number, lenses } }) => [sheet, z, alpha, prisms, ratio, f_number, lenses])]);
+  const names = ["prisms", ...Object.keys(data.parameters)];
+  const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values }) => [sheet, z, pick(values, ...names)])]);
   if (kept.key === key) return kept.found;
   const count = { designed: 0, stray: 0, lost: 0, beside: 0 };
   for (let n = 0; n < SIDE ** 2; n++) {

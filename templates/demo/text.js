@@ -1,13 +1,12 @@
 // What the page says of what is seen, in sentences.
 
-import * as geometry from "../live/geometry.js";
 import { kinds, usesAlpha } from "./beyond.js";
 import { seenThrough } from "./beyondText.js";
 import { finite } from "./complex.js";
 import { contents } from "./contents.js";
 import { $, data } from "./data.js";
 import { entry, forms, listed, say } from "./language.js";
-import { NEAR_POLE, outside, unsure } from "./moment.js";
+import { frameDepth, NEAR_POLE, outside, unsure } from "./moment.js";
 import { angle, brief, briefly, prismsText, quantity, SYMBOL, tilesText, timesText } from "./numbers.js";
 import { absent, bare, doubt, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
@@ -48,7 +47,7 @@ export function seen(now) {
 
 // Which values were not allowed.
 function limitsMet({ z1, z2, d, scene }) {
-  const depth = geometry.depth(scene);
+  const depth = frameDepth(scene);
   const deep = (name, value) => say(`limits.${name}${depth > 1 ? "_deep" : ""}`, { value: brief(value), depth: tilesText(depth) });
   const met = [...session.refusals];
   if (state.scene === "chess" && state.z1 < z1 * 0.999) met.push(deep("piece", z1));

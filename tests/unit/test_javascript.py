@@ -96,6 +96,9 @@ def test_the_light_in_the_window_is_that_of_the_survey(page):
         assert 0 <= found["stray"] <= 1 - found["designed"]
     page.evaluate("fromHash('')")
     assert page.evaluate("lightInWindow(moment())") is None
+    page.evaluate("change", {"windows": 2, "sheet": "lens", "sheet2": "detailed"})
+    light = "(focal_length) => { change({ focal_length }); return lightInWindow(moment()); }"
+    assert page.evaluate(light, 4)["designed"] > page.evaluate(light, -0.5)["designed"] + 0.1  # found anew
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "lens", "axis"])
@@ -567,6 +570,40 @@ def test_nonsense_in_an_address_is_ignored(page, link):
     assert page.evaluate("({ ...state })") == page.evaluate("({ ...OPENING })")
 
 
+def test_a_linked_question_is_the_one_that_the_tab_opens(page):
+    """It has the prisms and the curtain of its own, not those of the address."""
+    page.evaluate("fromHash('#prisms=1&compare=single&question=5')")
+    assert page.evaluate("[state.prisms, state.compare]") == [100, "off"]
+    assert page.evaluate("[state.question, session.lastQuestion]") == [4, 4]
+
+
+def test_the_answer_of_ones_own_question_is_what_its_address_shows(page):
+    """An address leaves out that there is one window, and no curtain. One that is typed says what it changes."""
+    shown = """(question) => {
+      fromHash(`#own=${encodeURIComponent(JSON.stringify(question))}`);
+      const { before, after } = QUESTIONS.pop();
+      session.own_question = "";
+      change({ ...before, ...after });
+      return [state.windows, state.compare, state.alpha];
+    }"""
+    after = page.evaluate("toHash()")
+    page.evaluate("change", {"windows": 2, "compare": "none", "alpha": 20})
+    question = {"ask": "?", "choices": ["a", "b"], "why": "", "before": page.evaluate("toHash()")}
+    assert page.evaluate(shown, question | {"after": after}) == [1, "off", 66]
+    assert page.evaluate(shown, question | {"after": "#alpha=90"}) == [2, "none", 90]
+
+
+def test_object_and_eye_are_outside_the_frames_on_both_sides_of_the_curtain(page):
+    """Few prisms are deep."""
+    depths, values = "[moment().z1, moment().z2]", {"prisms": 1, "z1": 0.6, "z2": 1}
+    sentence(page, sheet="detailed", **values)
+    deep = page.evaluate(depths)
+    sentence(page, sheet="ideal")
+    assert page.evaluate(depths) == [0.6, 1]
+    assert "the piece would touch" in sentence(page, compare="detailed")
+    assert page.evaluate(depths) == deep
+
+
 # ---- The kinds of sheets ----
 
 # A kind with parameters that no other has: a lens along x only, which also shifts all light.
@@ -744,6 +781,7 @@ def test_a_small_number_keeps_the_minus_of_its_exponent(page):
     assert page.evaluate("(numbers) => numbers.map(brief)", [*texts]) == [*texts.values()]
     found = page.evaluate("[size(1e-8), rough(-2e-9), fixed(-1e6, 2), fixed(-0.001, 1)]")
     assert found == ["1.000 × 10⁻⁸", "−2 × 10⁻⁹", "−1.00 × 10⁶", "0.0"]
+    assert page.evaluate("[size, brief, (x) => fixed(x, 2)].map((text) => text(Infinity))") == ["∞"] * 3
     # M = 10^7, and the window is 3 tiles wide
     assert "only 3 × 10⁻⁷ tiles wide fills the window" in sentence(page, alpha=180, z1=6 * (1 + 1e-7))
 
@@ -779,6 +817,14 @@ def test_the_image_of_two_windows_is_said(page):
         else:
             assert "Z is not real: the knight has no image." in text
             assert (f"What stands at z₁ = {imaged:.3g} has one." in text) == (imaged > 0)
+
+
+def test_a_picture_that_two_windows_tear_apart_has_no_angle(page):
+    depths = {"d": 37.04, "z1": 27.09, "z2": 26.67}
+    angles = {"alpha": 133.95, "alpha2": 124.55}
+    text = sentence(page, windows=2, sheet="detailed", prisms=2, **angles, **depths, E=[0, 0], L=[0, 0.0457])
+    assert page.evaluate("[moment().nu, moment().nearPole]") == [pytest.approx(np.nan, nan_ok=True), False]
+    assert "The prisms tear the knight apart: it has no angle." in text and "undefined" not in text
 
 
 DOUBTFUL = [

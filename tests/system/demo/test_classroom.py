@@ -181,7 +181,7 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
         inputs.nth(choice).check() if isinstance(choice, int) else inputs.fill(choice)
         page.get_by_role("button", name="Reveal").click()
 
-    for n, wrong, right in ((1, 1, 0), (4, "9 tiles", "12/2")):
+    for n, wrong, right in ((1, 1, 0), (4, "9 tiles", "12/2"), (5, "2.11", "2.1")):  # 2, within 0.1
         page.evaluate("(n) => { openQuestion(n); draw(); }", n)
         predict(wrong)
         expect(answer).to_contain_text("No: ")
@@ -259,6 +259,11 @@ def test_settings_that_a_movie_replaces_come_back(page):
         undo.click()
         assert page.evaluate("({ ...state })") == before
         expect(undo).to_be_hidden()
+    show(page, alpha=100, z1=3)
+    page.evaluate("openQuestion(3)")
+    page.get_by_role("button", name="Reset").click()
+    undo.click()
+    assert page.evaluate("[state.question, state.alpha, state.z1]") == [-1, 100, 3]  # not the question's
     page.evaluate("fromHash('')")
     page.get_by_role("button", name="vary z₁").click()
     expect(undo).to_be_hidden()  # nothing was the user's own

@@ -45,6 +45,9 @@ def test_the_pole_of_two_windows_is_said(page):
     show(page, z2=2.1)
     expect(page.locator("#sentence")).to_contain_text("Near the pole")
     expect(page.locator("#overlay .say").first).to_contain_text("tiles of the knight fill the window")
+    show(page, sheet="detailed", prisms=40, z2=2)
+    expect(page.locator("#about-nu")).to_have_text("for 40 prisms; ideal sheet: undefined")
+    expect(page.locator("#about-M")).to_have_text("for 40 prisms; ideal sheet: ∞")
 
 
 def test_the_equations_of_two_windows_of_prisms_are_given_too(page):

@@ -103,6 +103,34 @@ def test_the_language_is_changed_and_kept_in_the_address(page):
         expect(page.locator("#reset")).to_have_text("Réinitialiser")
         page.evaluate("fromHash('#piece=queen'); draw()")
         expect(page.locator("#sentence")).to_contain_text("La dame paraît tournée de 15,0°")
+        page.locator("#number-alpha").fill("181")
+        expect(page.locator("#sentence")).to_contain_text("180°")
+        said = ["own-message", "copied", "room-message"]
+        page.evaluate("(said) => said.forEach((id) => ($(id).textContent = 'Copié.'))", said)
+        page.locator("#language").select_option("en")
+        page.evaluate("draw()")
+        expect(page.locator("#sentence")).not_to_contain_text("180°.")
+        assert page.evaluate("(said) => said.map((id) => $(id).textContent)", said) == [""] * 3
+    finally:
+        page.evaluate("choose('en'); draw()")
+
+
+def test_a_prediction_is_kept_in_another_language(page):
+    try:
+        page.evaluate("openQuestion(1); draw()")
+        page.locator("#prediction input").nth(1).check()
+        page.evaluate("choose('de'); draw()")
+        expect(page.locator("#prediction input").nth(1)).to_be_checked()
+        page.evaluate("openQuestion(5); draw()")
+        expect(page.locator("#prediction input")).to_have_value("")
+        page.locator("#prediction input").fill("2,5")
+        page.evaluate("choose('fr'); draw()")
+        expect(page.locator("#prediction input")).to_have_value("2,5")
+        page.locator("#prediction input").fill("2,6")  # it can be changed
+        page.evaluate("draw()")
+        expect(page.locator("#prediction input")).to_have_value("2,6")
+        page.evaluate("fromHash('#question=5&language=es'); draw()")  # another question
+        expect(page.locator("#prediction input")).to_have_value("")
     finally:
         page.evaluate("choose('en'); draw()")
 

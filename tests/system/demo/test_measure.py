@@ -114,6 +114,26 @@ def test_a_row_is_filled_by_hand_saved_and_removed(measure):
     expect(measure.locator("#save-csv")).to_be_disabled()
 
 
+def test_rows_are_in_the_plots_and_in_the_pages_language(measure):
+    for z1 in (2.5, 50):
+        show(measure, z1=z1)
+        measure.get_by_role("button", name="Write down").click()
+    measure.evaluate("draw()")
+    outside = """[...document.querySelectorAll(".plots .mark")].filter((mark) =>
+      Number(mark.getAttribute("cx")) > mark.ownerSVGElement.clientWidth)"""
+    assert measure.evaluate(f"{outside}.length") == 0
+    assert "50" in measure.locator("#plot-M text").all_text_contents()
+    fields = "[...$('rows').rows[0].cells].map((cell) => cell.firstChild.value || cell.textContent)"
+    before = measure.evaluate(fields)
+    try:
+        measure.locator("#language").select_option("de")
+        measure.evaluate("draw()")
+        assert measure.evaluate(fields) == [text.replace(".", ",") for text in before] != before
+        expect(measure.get_by_label("ν in Zeile 1")).to_be_visible()
+    finally:
+        measure.evaluate("choose('en'); draw()")
+
+
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844), (320, 568)], ids=str)
 def test_each_control_of_the_measurement_is_on_top(measure, size):
     measure.evaluate(STILL)

@@ -24,6 +24,11 @@ def test_presets_play_loop_stop_and_scrub(page):
     expect(page.locator("#scrub-value")).to_have_text("z₁ = 2.68")
     page.locator("#scrub").fill("501.3")  # any value, not steps
     assert page.evaluate("state.z1") == pytest.approx(0.6 * (12 / 0.6) ** 0.5013)
+    show(page, z1=0.05)
+    z1 = page.locator("#number-z1").input_value()  # the piece would touch the frame
+    assert float(z1) > 0.5
+    expect(page.locator("#scrub-value")).to_have_text(f"z₁ = {float(z1):.3g}")
+    expect(page.locator("#scrub")).to_have_attribute("aria-valuetext", f"{float(z1):.3g} tiles")
     page.get_by_role("button", name="Stop").click()
     assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
     page.evaluate("player.seek(0.99)")

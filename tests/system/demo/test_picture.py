@@ -176,3 +176,9 @@ def test_a_curtain_shows_two_settings(page):
     assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
+    places = """[view, otherView()].map(({ scene }) =>
+      [...geometry.pieces(scene).map(({ foot }) => foot), ...geometry.spheres(scene).map(({ centre }) => centre)])"""
+    for values in ({"windows": 2, "d": 6, "z1": 2, "z2": 8}, {"scene": "spheres"}, {"windows": 1}):
+        show(page, **values)
+        left, right = page.evaluate(places)
+        assert len(left) and left == [pytest.approx(place) for place in right]  # nothing but the sheets is exchanged

@@ -34,6 +34,16 @@ def test_it_begins_by_itself(browser, demo_file):
     page.close()
 
 
+@pytest.mark.parametrize("first", ["$('tab-measure').click()", "change({ alpha: 30 }); player.play()"])
+def test_it_does_not_begin_for_who_has_begun(browser, demo_file, first):
+    """Before the picture is ready."""
+    page = browser.new_page(reduced_motion="no-preference")
+    page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; {first}; }})")
+    page.goto(demo_file.as_uri())
+    assert page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl)])") == [-1, True]
+    page.close()
+
+
 def test_it_waits_for_who_uses_the_keyboard(browser, demo_file):
     page = browser.new_page(reduced_motion="no-preference")
     page.goto(demo_file.as_uri())

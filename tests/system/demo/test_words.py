@@ -57,6 +57,18 @@ def test_a_quantity_is_marked_in_picture_diagram_and_sketch(page, name):
     expect(marked[1]).to_have_count(0)
 
 
+def test_a_mark_goes_with_the_row_of_its_quantity(page):
+    marked = "[session.pinned, document.body.classList.contains('marking')]"
+    for name, hides in (("d", {"windows": 1}), ("P", {"level": "simple"})):
+        show(page, windows=2, level="expert")
+        page.locator(f".symbol[value={name}]").click()
+        page.mouse.move(5, 5)
+        page.evaluate("document.activeElement.blur(); draw()")
+        assert page.evaluate(marked) == [name, True]
+        show(page, **hides)
+        assert page.evaluate(marked) == ["", False]
+
+
 def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     spoken = page.locator("#spoken")
     show(page, alpha=90)
@@ -167,6 +179,12 @@ def test_a_prediction_is_drawn_and_compared(page):
     assert drawn.startswith("Your drawing was turned by 40.0°, and 1 times as large")
     assert drawn.endswith("What is seen is turned by 15.0°, and 1.13 times as large.")
     page.get_by_role("button", name="Predict by drawing").click()
+    hidden = """QUESTIONS.filter((_, n) => {
+      openQuestion(n);
+      return document.querySelector("[aria-controls=drawing]").hidden;
+    }).map(({ name }) => name)"""
+    # one sheet mirrors, lenses make ghosts, and one question has an outline of its own
+    assert page.evaluate(hidden) == ["sky", "single", "match", "lenses", "slower"]
 
 
 def test_the_diagram_is_in_reach_of_a_question(page):
@@ -223,6 +241,9 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.evaluate("reveal(); endGlide(); draw()")
     assert page.evaluate("state.alpha") == 70
     expect(page.locator("#answer")).to_have_text("Yes: up. It is so.")
+    page.get_by_role("button", name="Open the question").click()  # again
+    page.evaluate("draw()")
+    assert page.evaluate("[isAsked(), $('answer').textContent]") == [True, ""]
     for wrong in ("{", '{"ask": "a", "choices": ["b"], "why": "", "before": "", "after": ""}', '{"ask": 1}'):
         page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", wrong)
         assert page.evaluate("state.question") == -1
@@ -234,6 +255,12 @@ def test_an_input_ends_the_movement_to_the_answer(page):
     page.evaluate("openQuestion(6); reveal()")  # the eye moves
     page.locator("#number-z1").fill("3")
     assert page.evaluate("[state.z1, ...state.E, session.gliding]") == [3, 0.8, 0, None]
+
+
+def test_on_the_way_to_the_answer_prisms_are_whole(page):
+    page.evaluate("openQuestion(QUESTIONS.findIndex(({ name }) => name === 'prisms')); reveal()")
+    said = page.wait_for_function("state.prisms < 100 && [session.refusals]")
+    assert said.json_value() == [[]]
 
 
 def test_what_was_explored_comes_back_after_the_questions(page):
