@@ -315,6 +315,7 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
             ]
             ax.bar_label(bars, [text if one else "unknown" for text, one in zip(texts, known, strict=True)], padding=4)
             ax.margins(x=0.12)
+            ax.set_xlim(left=0)
             ax.tick_params(labelleft=column == 0, left=False)
             title = f"{field.capitalize()} most by: {worst}" if known.any() else f"{field.capitalize()}: unknown"
             ax.set(xlabel=f"{field}, {unit}", title=title)
