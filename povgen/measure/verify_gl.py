@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from povgen.files import temporary_folder
 from povgen.measure import probes
 from povgen.measure.drawn import Drawn
 from povgen.measure.measured import SMALL, Measured, px
@@ -18,15 +17,12 @@ from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.measure.verify_profiles import PROFILES
 from povgen.optics.trace import End
-from povgen.rendering import povray
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
-from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
-from povgen.rendering.parallel import thread_pool
 from povgen.scene import camera, survey
 from povgen.scene.scenes import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
-from povgen.settings import Rendering
+from povgen.video.still import render
 
 PICTURE = (320, 240)  # pictures are compared at this size
 RAYS = 64  # a pixel: `PACE.RAYS` in templates/live/scheduling.js
@@ -178,14 +174,7 @@ def shows_the_same(view: Drawn, scene: Scene, size: Size) -> Mask:
 
 def rendered(scenes: Sequence[Scene], size: Size, antialias: str = "off") -> list[Picture]:
     """Return POV-Ray's pictures of the scenes, several of which are rendered at once."""
-    runner, rendering = povray.Runner(), Rendering(size=size, antialias=antialias)
-
-    def one(text: str) -> Picture:
-        with temporary_folder() as folder:
-            return read_png(runner.run(text, rendering, folder))
-
-    with thread_pool(runner) as pool:
-        return [*pool.map(one, map(to_pov, scenes))]
+    return render(scenes, size=size, antialias=antialias, progress=False)
 
 
 def costs(size: Size = SMALL, rounds: int = 5) -> Iterator[Measured]:

@@ -70,8 +70,7 @@ def ghosts(scenes: tuple[tuple[float, float, float], ...] = GHOSTS, rays: int = 
         place = np.random.default_rng(1).uniform(-1, 1, (rays, 2)) * scene.aperture / 2
         direction = np.column_stack((place, np.full(rays, scene.z2)))
         found = scene.trace(Bundle(np.array([0, 0, -scene.z2]), direction))
-        P, slope = place @ (1, 1j), found.direction[:, :2] @ (1, 1j) / found.direction[:, 2]
-        off = found.position[:, :2] @ (1, 1j) + (z1 - found.position[:, 2]) * slope - scene.L
+        P, off = place @ (1, 1j), found.at(z1) - scene.L
         near = (found.end == End.THROUGH) & (abs(off) < 0.15)
         itself = Ghost((0, 0), complex(scene.apparent_position(scene.L, z1)), 1.0)
         for ghost in (itself, *scene.ghosts(scene.L, z1)):

@@ -1,7 +1,7 @@
 """Draw predicted positions on a picture, and add strips with texts: the key of the colours, and the caption."""
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from math import ceil
 from typing import NamedTuple
@@ -319,22 +319,17 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
     ends = scene.depth / 2, 1e4 * scene.z2
     infinite = apparent.infinite_z1(scene.elements)
 
-    def constant_alpha(L: complex) -> Curve:
-        return lambda z1: scene.seen(L, z1)
-
     curves = [
-        (_visible_parts(scene, constant_alpha(L), ends, infinite, step), ALPHA_COLOUR)
+        (_visible_parts(scene, partial(scene.seen, L), ends, infinite, step), ALPHA_COLOUR)
         for L in dict.fromkeys(L for L, _ in scene.objects) or [scene.L]
     ]
     if len(scene.objects) == 1 and not scene.window and scene.rotates:
         z1 = scene.distances[0]
         shape = scene.layered[0].shape if scene.layered else Prism(0.0)
         far = np.degrees(apparent.infinite_alpha(z1, scene.z2, shape).real)
-
-        def constant_r(alpha: Reals) -> tuple[Complexes, NDArray[np.bool_]]:
-            return scene.seen(scene.L, z1, alpha)
-
-        curves.append((_visible_parts(scene, constant_r, (-180, 180), (-far, far), step), R_COLOUR))
+        curves.append(
+            (_visible_parts(scene, partial(scene.seen, scene.L, z1), (-180, 180), (-far, far), step), R_COLOUR)
+        )
     return curves
 
 

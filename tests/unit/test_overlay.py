@@ -493,7 +493,10 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ),
         (
             [Chess(sheet="refraction", ratio=1.5, alpha=40, window="z=2,sheet=lenslets,ratio=2", z1=3)],
-            ["index behind/before sheet 1.5, light turned by 40°, rays turned by α = 40°, lenses' focal lengths f₁/f₂ = 2"],
+            [
+                "index behind/before sheet 1.5, light turned by 40°, rays turned by α = 40°, "
+                "lenses' focal lengths f₁/f₂ = 2"
+            ],
         ),
         (
             [Chess(sheet="law", law="x, alpha*y, z", parameter="alpha=0.3", window="z=2,sheet=ideal,alpha=30")],
