@@ -34,17 +34,21 @@ def results(
     """Return a table with a row for each scene, as a dictionary of arrays (n,), such as pandas.DataFrame takes.
 
     Its columns are the parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and
-    the quantities. `povgen.scene.quantities` says what they are.
+    the quantities. `povgen.scene.quantities` says what they are. A parameter that has the name of one of these
+    quantities, x, is called scene_x.
     Lengths are in tiles, angles in degrees. What does not exist is NaN.
 
     `workers` processes compute at once, by default as many as there are cores, or the workers of the Dask scheduler
     with the address `scheduler`. `progress=False` shows no progress bar. Raises InputError for what is no scene and no
     quantity, and PovrayError if a process or the cluster fails.
     """
+    if not isinstance(scenes, Iterable):
+        raise InputError(f"scenes = {shown(scenes)}: allowed: scenes")
     scenes = [checked_scene(scene) for scene in scenes]
-    for name in quantities or [None]:
-        if name not in QUANTITIES:
-            raise InputError(f"quantity = {shown(name)}: allowed: {', '.join(QUANTITIES)}")
+    wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
+    if wrong or not quantities:
+        what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"
+        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
     with bar("results", len(scenes), not progress, "scenes") as done:
         if scheduler is None:
@@ -54,7 +58,8 @@ def results(
     given = [parameters(scene) for scene in scenes]
     names = list(dict.fromkeys(name for each in given for name in each))
     differ = [name for name in names if len({each.get(name) for each in given}) > 1]
-    table = {name: _column([each.get(name) for each in given]) for name in differ}
+    columns = [f"scene_{name}" if name in quantities else name for name in differ]
+    table = {column: _column([each.get(name) for each in given]) for column, name in zip(columns, differ, strict=True)}
     return table | {name: np.array([row[n] for row in rows], float) for n, name in enumerate(quantities)}
 
 

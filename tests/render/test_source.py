@@ -89,6 +89,34 @@ def test_parameters_can_be_declared_on_the_command_line(scene, other, tmp_path):
     assert (found == wanted).all(-1).mean() > 0.995 and (wanted != render(scene, **options)).any(-1).mean() > 0.3
 
 
+@pytest.mark.parametrize(
+    ("sheets", "row"),
+    [
+        ("sheet=ideal,alpha=40", "  { Alpha_2, %g }\n"),
+        ("sheet=mirror,alpha=20", "  { Alpha_2, %g }\n"),
+        ("sheet=lens", "  { 0, %g }\n"),
+    ],
+)
+def test_the_places_of_windows_are_stated_once(sheets, row, tmp_path):
+    """Edited in the text, a window stands elsewhere for the camera, too. The array's alphas are the laws' own."""
+    options = {"size": (64, 48), "antialias": "off"}
+    near, far = (Chess(sheet="lens", window=f"z={z},{sheets}", view=4, z1=3) for z in (1, 3))
+    own = to_pov(near, **options)
+    assert own.count(row % 1) == 1
+    found, wanted = drawn(own.replace(row % 1, row % 3), tmp_path, more=["Declare=Cells=100"]), render(far, **options)
+    assert (abs(found.astype(int) - wanted).max(-1) < 9).mean() > 0.97
+    assert (wanted != render(near, **options)).any(-1).mean() > 0.1
+
+
+@pytest.mark.parametrize("arrangements", [("single", "pair"), ("pair", "single"), ("single", "single")])
+def test_windows_of_one_profile_in_any_arrangement(arrangements):
+    """POV-Ray stops at a name that is not declared."""
+    first, second = arrangements
+    scene = Chess(sheet="profile", arrangement=first, window=f"z=2,arrangement={second}", z1=3)
+    assert render(scene, size=(32, 32), antialias="off").std() > 10
+    assert to_sheets(scene).count("#declare SheetsApart") == ("pair" in arrangements)
+
+
 def test_the_sheets_in_a_scene_of_ones_own(tmp_path):
     """docs/usage.md: the scene shows through the sheets what it shows without them, but turned."""
     status, source, _ = povgen(["pov", "chess", "--part", "sheets", "--prisms", "60", "-o", "sheets.inc"], tmp_path)

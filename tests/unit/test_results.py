@@ -87,8 +87,10 @@ def test_scenes_of_ones_own(monkeypatch):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: results(SCENES), "quantity = None: allowed: x, y, nu, M"),
-        (lambda: results(SCENES, "nix"), "quantity = 'nix': allowed: x, y"),
+        (lambda: results(SCENES), "no quantity; allowed: x, y, nu, M"),
+        (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
+        (lambda: results(SCENES, ["nu"]), "quantity = ['nu']; allowed: x, y"),
+        (lambda: results(None, "nu"), "scenes = None: allowed: scenes"),
         (lambda: results([3], "M"), "scene = 3"),
         (lambda: results(SCENES, "M", workers=0), "workers = 0"),
         (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
@@ -98,6 +100,14 @@ def test_wrong_values_are_refused(call, words):
     with pytest.raises(InputError) as raised:
         call()
     assert words in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_a_parameter_with_the_name_of_a_quantity():
+    scenes = [Chess(x=x, sheet="ideal") for x in (0, 0.5)]
+    table = results(scenes, "x", "nu", progress=False)
+    assert list(table) == ["scene_x", "x", "nu"] and table["scene_x"].tolist() == [0, 0.5]
+    assert table["x"].tolist() == [scene.apparent_position(scene.objects[0][0], 2).real for scene in scenes]
+    assert results(scenes, "nu", progress=False)["x"].tolist() == [0, 0.5]
 
 
 def test_no_scenes_make_an_empty_table():
