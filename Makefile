@@ -206,14 +206,15 @@ clean:  ## remove what make made: movies, frame.png, pages, the virtual environm
 	@rmdir build 2> /dev/null; true
 
 help:  ## this list
-	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), RENDERER=povray|gl (now $(RENDERER)), OPTIONS='more options of povgen'"
+	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), RENDERER=povray|gl|auto (now $(RENDERER); auto with --sheet auto), OPTIONS='more options of povgen'"
 	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
 	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 
+chosen = '$(subst ','\'',$(QUALITY) $(RENDERER) $(OPTIONS))'
 # changes when QUALITY, RENDERER or OPTIONS change
 build/.make/options: FORCE
 	@mkdir -p build/.make
-	@echo "$(QUALITY) $(RENDERER) $(OPTIONS)" | cmp -s - $@ || echo "$(QUALITY) $(RENDERER) $(OPTIONS)" > $@
+	@printf '%s\n' $(chosen) | cmp -s - $@ || printf '%s\n' $(chosen) > $@
 FORCE:
 
 $(READY): pyproject.toml $(NEW)

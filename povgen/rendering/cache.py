@@ -66,7 +66,7 @@ def folder() -> Path:
     """
     if named := os.environ.get("POVGEN_CACHE"):
         try:
-            return Path(named).absolute()
+            return files.in_home(Path(named)).absolute()
         except FileNotFoundError:
             reason = "the current folder has been removed; allowed: an absolute path"
             raise InputError(f"POVGEN_CACHE = {named!r}: {reason}") from None
@@ -245,10 +245,11 @@ def trim(most: float) -> list[Path]:
     for _, size, path in stored:
         if total <= most:
             break
-        with suppress(FileNotFoundError, PermissionError):  # another povgen has removed it, or another user owns it
-            path.unlink()
-            removed.append(path)
-        total -= size
+        with suppress(PermissionError):  # another user owns it
+            with suppress(FileNotFoundError):  # another povgen has removed it
+                path.unlink()
+                removed.append(path)
+            total -= size
     return removed
 
 

@@ -89,10 +89,10 @@ def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -
 
 
 def _allow(ruleset: int, path: Path, rights: int) -> None:
-    """Add a rule: these rights on a file, or on all that is in a folder. A path that does not exist gets none."""
+    """Add a rule: these rights on a file, or on all that is in a folder. None for a path that is out of reach."""
     try:
         opened = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
         return
     try:
         if not path.is_dir():

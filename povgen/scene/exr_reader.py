@@ -28,17 +28,22 @@ def main() -> int:
     except ImportError:
         return NO_OPENEXR
     with OpenEXR.File(sys.argv[1], header_only=True) as file:
-        low, high = file.header()["dataWindow"]
-    width, height = (int(number) for number in high - low + 1)
-    if width * height > MAX_PIXELS:
+        windows = [file.header()[name] for name in ("dataWindow", "displayWindow")]
+    (across, down), (width, height) = ((high - low + 1).astype(int) for low, high in windows)
+    if max(across * down, width * height) > MAX_PIXELS:
         return TOO_LARGE
     with OpenEXR.File(sys.argv[1], separate_channels=True) as file:
         channels = file.channels()
         if not {"R", "G", "B"} <= channels.keys():
             return NO_COLOURS
-        light = np.dstack([np.asarray(channels[name].pixels, np.float32) for name in "RGB"])
+        stored = np.dstack([np.asarray(channels[name].pixels, np.float32) for name in "RGB"]).reshape(down, across, 3)
+    # the picture is the display window; it is black where the file has no pixels
+    light = np.zeros((height, width, 3), np.float32)
+    left, top = (windows[0][0] - windows[1][0]).astype(int)
+    (x0, x1), (y0, y1) = np.clip((left, left + across), 0, width), np.clip((top, top + down), 0, height)
+    light[y0:y1, x0:x1] = stored[y0 - top : y1 - top, x0 - left : x1 - left]
     output = BytesIO()  # numpy cannot always write to a pipe
-    np.save(output, light.reshape(height, width, 3), allow_pickle=False)
+    np.save(output, light, allow_pickle=False)
     sys.stdout.buffer.write(b"\0" + output.getvalue())  # after what OpenEXR may have written
     return 0
 

@@ -6,6 +6,7 @@ and by how much simplification moves a vertex at most. Lengths are the file's. A
 the exit status 1; NO_TRIMESH: trimesh is not installed. Only this module uses trimesh.
 """
 
+import json
 import resource
 import sys
 from io import BytesIO
@@ -16,6 +17,9 @@ MAX_MEMORY = 3 << 30  # bytes of address space
 MAX_TIME = 60  # seconds of CPU time
 MAX_TRIANGLES = 200_000  # of the result; a text for POV-Ray of about 8 MB
 FINEST = 2**20  # cells along the longest side, in which equal vertices are one vertex
+BOM = b"\xef\xbb\xbf"
+TRIANGLE_FAN = 6  # a primitive's mode in glTF
+COMPRESSIONS = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}  # extensions of glTF
 
 
 def main() -> int:
@@ -25,12 +29,16 @@ def main() -> int:
         hard = resource.getrlimit(limit)[1]
         resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
     try:
+        import trimesh  # noqa: F401  (after the limits are set)
+    except ImportError:
+        return NO_TRIMESH
+    try:
         output = BytesIO()  # numpy cannot always write to a pipe
         for array in _mesh(sys.stdin.buffer.read(), sys.argv[1]):
             _numpy().save(output, array, allow_pickle=False)
         sys.stdout.buffer.write(output.getvalue())
-    except ImportError:
-        return NO_TRIMESH
+    except ImportError:  # for edges, trimesh needs other packages
+        fault = "should be a mesh of vertices and faces alone"
     except MemoryError:
         fault = "should be a mesh that needs less memory"
     except ValueError as error:
@@ -54,6 +62,8 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
     import numpy as np
     import trimesh
 
+    if prepared := {"obj": _plain_obj, "stl": _whole_stl, "glb": _checked_glb}.get(kind):
+        data = prepared(data)
     mesh = trimesh.load_mesh(BytesIO(data), file_type=kind, process=False)
     vertices, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
     if not len(triangles):
@@ -73,6 +83,30 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
     if not len(left):
         raise ValueError("should be a mesh with triangles that have an area")
     return kept, left, np.array([count, moved])
+
+
+def _plain_obj(data: bytes) -> bytes:
+    """Return an OBJ file with single spaces, no comments and no continued lines. trimesh leaves out other lines."""
+    data = data.removeprefix(BOM).replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ")
+    return b"\n".join(b" ".join(line.partition(b"#")[0].split()) for line in data.split(b"\n"))
+
+
+def _whole_stl(data: bytes) -> bytes:
+    """Return a binary STL file without what follows its last triangle. A text file stays as it is."""
+    end = 84 + 50 * int.from_bytes(data[80:84], "little")
+    return data[:end] if b"\0" in data[:134] and 84 < end < len(data) else data
+
+
+def _checked_glb(data: bytes) -> bytes:
+    """Return a GLB file. Raises ValueError for what trimesh does not read, or reads as another shape."""
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    if any("sparse" in accessor for accessor in document.get("accessors", ())):
+        raise ValueError("should be a GLB file without sparse accessors")
+    if any(part.get("mode") == TRIANGLE_FAN for mesh in document.get("meshes", ()) for part in mesh["primitives"]):
+        raise ValueError("should be a GLB file without triangle fans")
+    if packed := {*document.get("extensionsRequired", ())} & COMPRESSIONS:
+        raise ValueError(f"should be a GLB file without {min(packed)}")
+    return data
 
 
 def _clustered(vertices: Any, triangles: Any, size: float) -> tuple[Any, Any, float]:  # noqa: ANN401  (numpy's)

@@ -262,6 +262,29 @@ def test_a_time_of_use_that_is_to_come_protects_nothing():
     assert cache.trim(2 * len(file(COLOURS))) == [places[1]]
 
 
+def test_a_file_of_another_user_does_not_count_as_removed(monkeypatch, place):
+    """The limit is kept as far as this user's files allow."""
+    for n in range(4):
+        rendered(SCENE.replace(view=3 + n))
+    files = [path for _, _, path in cache.by_last_use()]
+    sizes = [path.stat().st_size for path in files]
+    unlink = Path.unlink
+
+    def of_others(path, **more):
+        if path == files[0]:
+            raise PermissionError
+        unlink(path, **more)
+
+    monkeypatch.setattr(Path, "unlink", of_others)
+    assert cache.trim(sum(sizes) - 1) == [files[1]]
+
+
+def test_a_home_folder_in_the_caches_name(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("POVGEN_CACHE", "~/own")
+    assert cache.folder() == tmp_path / "own"
+
+
 def test_a_cache_of_no_size_delivers(monkeypatch, tmp_path):
     """Frames are rendered, from Python as well, and none is kept."""
     monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")

@@ -165,6 +165,25 @@ def test_light_is_stored_as_a_radiance_file(tmp_path):
     assert (hdr.read((tmp_path / "odd.exr").read_bytes())[0, 0] == (0, 0, hdr.MOST)).all()
 
 
+@pytest.mark.parametrize(
+    ("low", "high"), [((32, 16), (95, 47)), ((-10, -5), (140, 70)), ((100, -8), (131, 23)), ((200, 0), (231, 31))]
+)
+def test_the_picture_of_an_exr_file_is_its_display_window(low, high, tmp_path):
+    """Programs that crop a picture, or render more than is shown, store another window of data."""
+    OpenEXR = pytest.importorskip("OpenEXR")
+    windows = {"displayWindow": ((0, 0), (127, 63)), "dataWindow": (low, high)}
+    header = {name: tuple(np.array(end, np.int32) for end in ends) for name, ends in windows.items()}
+    shape = high[1] - low[1] + 1, high[0] - low[0] + 1
+    stored = np.dstack([*np.indices(shape), np.ones(shape)]).astype(np.float32)
+    header |= {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": stored}).write(str(tmp_path / "a.exr"))
+    found = hdr.read((tmp_path / "a.exr").read_bytes())
+    y, x = np.indices((64, 128))
+    inside = (low[0] <= x) & (x <= high[0]) & (low[1] <= y) & (y <= high[1])
+    expected = np.dstack((y - low[1], x - low[0], np.ones_like(x))) * inside[..., None]
+    assert np.array_equal(found, expected)
+
+
 def test_a_sky_of_light_is_made_again_and_shown_live(tmp_path):
     light_of(tmp_path)
     scene = Chess(sheet="none", sky=tmp_path / "sky.exr")

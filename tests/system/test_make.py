@@ -71,6 +71,17 @@ def test_make_keeps_an_environment_that_it_did_not_create(arguments, bare):
         assert {path: kept for path, kept in tree(bare).items() if path != bare / "build"} == before
 
 
+@pytest.mark.parametrize("note", ['"a (b)"', '"a; touch b"', "'a & b'", '"$$HOME \\ #1"', '"it\'s"'])
+def test_options_are_kept_as_they_are(note, bare):
+    """A shell would run what follows a semicolon."""
+    make(bare, "build/.make/options", f"OPTIONS=--note {note}")
+    kept = bare / "build" / ".make" / "options"
+    assert kept.read_text() == f"standard povray --note {note.replace('$$', '$')}\n" and not (bare / "b").exists()
+    before = kept.stat().st_mtime_ns
+    make(bare, "build/.make/options", f"OPTIONS=--note {note}")
+    assert kept.stat().st_mtime_ns == before
+
+
 @pytest.mark.parametrize("name", ["", "my env", " "])
 def test_a_name_that_is_no_folder_for_an_environment(name, bare):
     before = tree(bare)

@@ -94,6 +94,53 @@ def test_as_large_as_it_can_be(tmp_path):
     assert points(Chess(piece=slim).piece)[:, 1].max() == pytest.approx(mesh.MAX_HEIGHT, abs=1e-4)
 
 
+def ply_with_an_edge():
+    head, _, rows = ply().partition(b"end_header\n")
+    return head + b"element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n" + rows + b"0 1\n"
+
+
+def changed_glb(accessor=None, part=None, **more):
+    """Return a GLB file with other numbers in its first accessor and in its part, and with other keys."""
+    data = glb()
+    length = int.from_bytes(data[12:16], "little")
+    description = json.loads(data[20 : 20 + length])
+    description["accessors"][0] |= accessor or {}
+    description["meshes"][0]["primitives"][0] |= part or {}
+    text = json.dumps(description | more).encode()
+    text += b" " * (-len(text) % 4)
+    rest = struct.pack("<I4s", len(text), b"JSON") + text + data[20 + length :]
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(rest)) + rest
+
+
+def spaced(data):
+    """The same OBJ file, as other programs write it."""
+    lines = [f"\t{line.replace(' ', chr(9))}  # {line}" for line in data.decode().splitlines()]
+    return ("\ufeff" + "\r\n".join(lines).replace("f\t1\t2\t4", "f\t1\t2\\\r\n4")).encode()
+
+
+@pytest.mark.parametrize(
+    ("kind", "data"),
+    [
+        ("obj", spaced(obj())),
+        ("obj", obj().replace(b"\n", b"\r")),
+        ("obj", b"\xef\xbb\xbf" + obj().partition(b"\n")[2]),
+        ("stl", stl() + b"more"),
+        ("glb", changed_glb(extensionsUsed=["KHR_materials_unlit"], extensionsRequired=["KHR_materials_unlit"])),
+    ],
+    ids=["spaces", "returns", "mark", "more", "extension"],
+)
+def test_files_of_other_programs(kind, data, tmp_path):
+    assert np.sort(points(Chess(piece=write(tmp_path, kind, data)).piece).ravel()) == pytest.approx(
+        np.sort(points(Chess(piece=write(tmp_path, kind, globals()[kind]())).piece).ravel())
+    )
+
+
+def write(folder, kind, data):
+    path = folder / f"model{len(data)}.{kind}"
+    path.write_bytes(data)
+    return path
+
+
 def test_the_reader_simplifies(monkeypatch):
     """A bowl of 20 000 triangles: near each of its points is one of the result, and the other way round."""
     pytest.importorskip("trimesh")
@@ -144,8 +191,16 @@ def test_values_that_are_refused(tmp_path):
         ("ply", ply()[:-30], "should be a"),
         ("glb", b"glTF" + b"\xff" * 40, "should be a whole glb file"),
         ("glb", glb(count=10**10), "should be a mesh that needs less memory"),
+        ("ply", ply_with_an_edge(), "should be a mesh of vertices and faces alone"),
+        ("glb", changed_glb({"sparse": {"count": 1}}), "should be a GLB file without sparse accessors"),
+        ("glb", changed_glb(part={"mode": 6}), "should be a GLB file without triangle fans"),
+        (
+            "glb",
+            changed_glb(extensionsRequired=["KHR_draco_mesh_compression"]),
+            "should be a GLB file without KHR_draco_mesh_compression",
+        ),
     ],
-    ids=["empty", "cut", "count", "nan", "point", "index", "ply", "glb", "memory"],
+    ids=["empty", "cut", "count", "nan", "point", "index", "ply", "glb", "memory", "edge", "sparse", "fan", "packed"],
 )
 def test_files_that_are_refused(kind, data, said, tmp_path):
     assert said in refused(tmp_path / f"model.{kind}", data)
