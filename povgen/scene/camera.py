@@ -54,7 +54,7 @@ def along(scene: Scene, direction: ArrayLike) -> Bundle:
 def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """Return which pixels show the window, (height, width), and the unit directions of these pixels' rays, (n, 3).
 
-    A pixel does not show the window if its ray meets the window frame at z <= 0.
+    A pixel shows the window if its ray passes the frame's opening in two planes: at the frame's front, and at z = 0.
     """
     position = pixels(scene, size)
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)

@@ -54,7 +54,7 @@ def _functions(number: int, window: Placed) -> Functions:
             lines.append(Line(written, part, f"{_about(each, name)}{where}{unit}"))
     for name, value in sheet.numbers.items():
         if name not in names:
-            names[name] = f"Own{number if number > 1 else ''}_{name}"  # k and k_2 of two windows stay apart
+            names[name] = f"Own{number if number > 1 else ''}_{name}"  # in front: k_2 of window 1 is not k of window 2
             lines.append(Line(names[name], value, f"{name} in the law{where}"))
     return Functions(number, sheet, lines, sheet.law.expressions(lambda name: names.get(name, name)))
 
@@ -69,10 +69,10 @@ class Text(NamedTuple):
     """The law of a kind of ideal sheet in GLSL and JavaScript."""
 
     name: str
-    # by the name in the law: the parameter, its unit, and which component it is if the parameter is a direction
+    # for each name in the law: the parameter's name, its unit, and for a direction the number of the component
     numbers: dict[str, tuple[str, str, int | None]]
     constants: list[str]  # JavaScript: the parts that depend on parameters alone; a parameter is p.NAME
-    glsl: list[str]  # x, y and z; the shader keeps this law's constants from constants[at] on
+    glsl: list[str]  # x, y and z; this law's constants begin at constants[at] in the shader
     javascript: list[str]  # x, y and z; the constants are c[0], c[1], ...
 
 

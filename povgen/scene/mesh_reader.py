@@ -7,6 +7,7 @@ the exit status 1; NO_TRIMESH: trimesh is not installed. Only this module uses t
 """
 
 import json
+import re
 import resource
 import sys
 from io import BytesIO
@@ -87,8 +88,9 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
 
 def _plain_obj(data: bytes) -> bytes:
     """Return an OBJ file with single spaces, no comments and no continued lines. trimesh leaves out other lines."""
-    data = data.removeprefix(BOM).replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ")
-    return b"\n".join(b" ".join(line.partition(b"#")[0].split()) for line in data.split(b"\n"))
+    data = data.removeprefix(BOM).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    data = re.sub(rb"#[^\n]*", b"", data).replace(b"\\\n", b" ")
+    return b"\n".join(b" ".join(line.split()) for line in data.split(b"\n"))
 
 
 def _whole_stl(data: bytes) -> bytes:

@@ -14,7 +14,7 @@ from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.scenes import SCENES, Scene
-from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, window_list, window_table
+from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES
 from povgen.validation import Model, as_pair
@@ -265,7 +265,7 @@ class MovieSpec(Model):
         if count > 3 * MAX_FRAMES:
             raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
         if count < 3 and self._stays_halfway:
-            raise InputError(f"quality = {quality!r}: {count} frames, none of them at via; allowed: 3 or more")
+            raise InputError(f"quality = {quality!r}: {count} frames, none of them at via; allowed: frames = 3 or more")
         # Both end values are checked before the others. If they are allowed, all values between them are finite.
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
@@ -350,7 +350,7 @@ class MovieSpec(Model):
         if self.exact_frames or any(sweep.values for sweep in self.sweep):
             return self.frame_rate
         if not rate:
-            rate = self.frame_rate * (self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1)
+            rate = self.frame_rate * ((self._frames_there(quality) - 1) / ((self.frames or FRAMES) - 1))
         if not 0.1 <= rate <= 120:
             raise InputError(
                 f"frame_rate = {self.frame_rate:g}: {rate:.4g} frames a second at quality = {quality!r}; "
@@ -362,14 +362,21 @@ class MovieSpec(Model):
 def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, object]:
     """Return fixed parameters so that relative paths of files start in the folder, also those of windows."""
     names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES, "sky": (), "floor": ("tiles", "none")}
-    found = {x: from_folder(value, folder, names[x]) if x in names else value for x, value in values.items()}
-    if isinstance(windows := window_list(found.get("window")), list):
-        windows = [*windows]
-        for number, window in enumerate(windows):
-            with suppress(ValueError):  # the scene refuses it
-                window = window_table(window)
-            windows[number] = _from_folder(window, folder) if isinstance(window, Mapping) else window
-        found["window"] = windows
+
+    def moved(table: Mapping[str, object]) -> dict[str, object]:
+        return {x: from_folder(value, folder, names[x]) if x in names else value for x, value in table.items()}
+
+    def window(value: object) -> object:
+        with suppress(ValueError):  # the scene refuses it
+            table = window_table(value)
+            if isinstance(table, Mapping) and "profile" in table:
+                return moved(table)
+        return value
+
+    found = moved(values)
+    if "window" in found:
+        given = found["window"]
+        found["window"] = [*map(window, given)] if isinstance(given, list) else window(given)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The parameters of a scene's sheets, for pydantic. A window behind the first one is a `Window`.
+"""The parameters of sheets, for pydantic. The first window's are fields of the scene; every other window is a `Window`.
 
 Such a window can be given as text: `z=2,sheet=mirror`.
 """
@@ -66,8 +66,8 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
 def _fields(first: bool) -> dict[str, Any]:
     """Return the fields for the parameters of all kinds of sheets.
 
-    If `first`, they are those of a scene, for its first window. Otherwise they are those of a window behind it: a field
-    that is not given is None, and the first window's value is used.
+    If `first`, they are the fields of a scene, for its first window. Otherwise they are the fields of a `Window`. There
+    the default is None, which stands for the first window's value.
     """
     found: dict[str, Any] = {}
     for name, several in PARAMETERS.items():
@@ -75,8 +75,8 @@ def _fields(first: bool) -> dict[str, Any]:
         for kind in SHEETS.values():
             for text in (each.text for each in kind.parameters if each.name == name):
                 kinds.setdefault(text, []).append(kind.name)
-        # In a description, a text follows the names of the kinds of sheets that it describes. A single text stands
-        # without names if one of its kinds is in the paper: these are the kinds that readers know.
+        # A description has the form "NAME, NAME: text; NAME: text", with the names of the kinds of sheets. If all kinds
+        # have the same text, and one of them is in the paper, the names are left out.
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
@@ -115,14 +115,14 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # of its middle, tiles; of a pair, one sheet is in front of the middle and one behind it
+    z: float  # of the window's middle plane, tiles; of two sheets, one is in front of this plane, and one behind it
     sheet: Sheet
 
 
 def window_table(value: object) -> object:
     """Return a window's text, such as 'alpha=120,z=2', as a table. Commas also separate the components of a direction.
 
-    Other values stay. Raises ValueError for other text.
+    A value that is no text is returned as it is. Raises ValueError for text of another form.
     """
     if isinstance(value, str):
         parts: list[str] = []
@@ -147,7 +147,7 @@ def _window(value: object) -> object:
     return Window(**value) if isinstance(value, Mapping) else value
 
 
-def window_list(value: object) -> object:
+def _windows(value: object) -> object:
     """Accept a single window in place of a list of windows."""
     return [value] if isinstance(value, (str, Mapping, Window)) else value
 
@@ -160,7 +160,7 @@ WINDOW = (
 Windows = Annotated[
     tuple[Annotated[Window, BeforeValidator(_window)], ...],
     Field(max_length=MAX_WINDOWS - 1),
-    BeforeValidator(window_list),
+    BeforeValidator(_windows),
 ]
 
 

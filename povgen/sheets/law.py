@@ -10,8 +10,8 @@ A law is three expressions: the x, y and z components of the ray's new direction
 - decimal numbers, + - * / and parentheses, and the functions sqrt, sin, cos, abs, min, max and pow (of a base that is
   not negative).
 
-x points right and y up, as the eye sees them. The length of the new direction does not matter. The ray passes where
-its z, divided by its length, is above 1e-6. Light runs along the same path, towards the eye.
+x points right and y up, as the eye sees them. The length of the new direction does not matter. The ray passes
+only if the z component of the new unit direction is above 1e-6. Light runs along the same path, towards the eye.
 """
 
 import ast
@@ -48,7 +48,7 @@ class Law:
         """Read a law: three expressions, separated by commas.
 
         Raises ValueError if the text does not follow the grammar, is too long or too deeply nested, or if the name of a
-        parameter is not allowed. Where possible it says at which character of the text.
+        parameter is not allowed. If possible, the message states the place in the text.
         """
         self.parameters = tuple(parameters)
         for name in self.parameters:
@@ -101,7 +101,7 @@ class Law:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether x, y, z, X and Y are only added, multiplied and divided, and used in sin and cos."""
+        """Whether only constants are in other functions than sin and cos: then the law has no kinks."""
         calls = (node for part in self._parts for node in ast.walk(part) if isinstance(node, ast.Call))
         others = (call for call in calls if isinstance(call.func, ast.Name) and call.func.id not in ("sin", "cos"))
         return not any(isinstance(node, ast.Name) and node.id in RAY for call in others for node in ast.walk(call))
@@ -121,11 +121,11 @@ class Law:
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the largest subexpressions that contain parameters, but none of x, y, z, X and Y."""
+        """Return the parts of the law that depend on parameters alone, each as large as possible."""
         return [_written(part, name) for part in self._extracted[0]]
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
-        """Return the numbers of the `constants`. `values` has the parameters' numbers by name."""
+        """Return the values of the `constants`. `values` has the parameters' values by name."""
         import numpy as np
 
         with np.errstate(all="ignore"):

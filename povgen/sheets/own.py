@@ -1,9 +1,13 @@
 """A sheet whose law the user states."""
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from povgen.sheets.law import Law
 from povgen.sheets.sheet import Ideal, Parameter
+
+if TYPE_CHECKING:
+    from povgen.optics.paraxial import Matrix
 
 
 class OwnLaw(Ideal):
@@ -31,6 +35,14 @@ class OwnLaw(Ideal):
     @cached_property
     def law(self) -> Law:  # type: ignore[override]  # of other kinds it is the class's
         return Law(self.values["law"], self.values["parameter"])
+
+    @cached_property
+    def transfer(self) -> "Matrix | None":
+        """The ray-transfer matrix, or None. Only smooth laws have one.
+
+        `x + max(X - 3, 0), y, z` is linear where the rays that determine the matrix meet the sheet, but not everywhere.
+        """
+        return super().transfer if self.law.is_smooth else None
 
     @property
     def numbers(self) -> dict[str, float]:

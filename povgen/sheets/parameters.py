@@ -17,7 +17,7 @@ ALPHA = Parameter(
     symbol="α",
     said=Said("rays turned by α = {}", full="α = {}"),
 )
-RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")
+RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")  # each kind of sheet says of what
 FOCAL_LENGTH = Parameter(
     "focal_length", "focal length, -100 to -0.1 or 0.1 to 100 tiles", 4, -100, 100, "tiles", size=0.1, symbol="f"
 )
@@ -31,7 +31,7 @@ GLASS = Parameter(
 )
 GAP = Parameter(
     "gap",
-    f"air between prisms, and between two sheets, in units of the pitch, {MIN_GAP:g} to 0.5",
+    f"width of the air between neighbouring prisms, and between two sheets, in units of the pitch, {MIN_GAP:g} to 0.5",
     Prism.gap,
     MIN_GAP,
     0.5,
@@ -42,5 +42,5 @@ FOCAL_LENGTHS = Said("lenses' focal lengths f₁/f₂ = {}")  # of lenses in two
 
 
 def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:
-    """Return a shared parameter with another text (if it is not empty), and with these words in captions."""
+    """Return a shared parameter with this text, if it is given, and these words in captions, or none."""
     return replace(parameter, text=text or parameter.text, said=said)

@@ -1,6 +1,6 @@
 """Base classes of sheets. A subclass is a kind of sheet. An instance is a sheet with values of its parameters.
 
-The law of an ideal sheet states the direction in which a ray from the eye leaves it (`law.py`).
+An ideal sheet has a law: the direction of a ray behind the sheet, for a ray that comes from the eye (`law.py`).
 """
 
 import re
@@ -45,7 +45,7 @@ class Parameter:
     unit: str = ""  # such as "tiles"; for an angle "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
-    size: float = 0.0  # least absolute value: of a number, or of the largest component of a direction
+    size: float = 0.0  # a number, or the largest component of a direction, has at least this absolute value
     symbol: str = ""  # shown on the teaching page; if empty, the name is shown
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 
@@ -85,11 +85,10 @@ class Sheet:
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
     layers: ClassVar[int] = 0  # how many sheets of prisms or lenses it consists of
-    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values with which `povgen verify` measures it
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values for which `povgen verify` tests the sheet
     # values at the start on the teaching page; a parameter that is missing here has its default
     opening: ClassVar[Mapping[str, Any]] = {}
-    # first and last value of a parameter in the movies that the teaching page plays; if a parameter is missing here,
-    # they are those of the movies described in the paper
+    # first and last value of each parameter in the teaching page's movies; default: the values of the paper's movies
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
@@ -129,14 +128,17 @@ class Sheet:
 
     @property
     def thin(self) -> "Ideal":
-        """The ideal sheet that does to light what this sheet does to rays on the designed path.
+        """The ideal sheet that changes every ray as this sheet changes rays on the designed path.
 
         In prisms these rays enter at a facet, are reflected at the base, and leave through the other facet.
         """
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return the slope, behind the sheet, of a ray from the eye. A slope is dx/dz + i dy/dz, a place X + iY."""
+        """Return the slope behind the sheet of a ray from the eye.
+
+        Slopes and places are complex numbers: dx/dz + i dy/dz, and X + iY.
+        """
         return self.thin.slope(slope, place)
 
 
@@ -165,7 +167,7 @@ class Ideal(Sheet):
         return self.law.bend(direction, place, self.numbers)
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
-        """Return the slope, behind the sheet, of a ray from the eye. A slope is dx/dz + i dy/dz, a place X + iY."""
+        """Return the slope behind the sheet of a ray from the eye: `Sheet.slope`."""
         import numpy as np
 
         s = np.asarray(slope, complex)
@@ -178,17 +180,13 @@ class Ideal(Sheet):
         """The ray-transfer matrix; None if the sheet has none.
 
         A sheet has one if the slope behind it is a constant plus a linear function of the slope before the sheet and of
-        the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none. The law
-        `x + max(X - 3, 0), y, z` is linear where these rays meet the sheet, but not everywhere. So only smooth laws
-        have a matrix.
+        the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
         """
         import numpy as np
 
-        if not self.law.is_smooth:
-            return None
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
-        # Numbers can be arrays, to compute several sheets at once: in `s` the axis of the rays comes first, then those
-        # of the sheets.
+        # The parameters can be arrays, which stand for several sheets. The first axis of `s` counts the rays, the other
+        # axes count the sheets.
         axes = (slice(None), *[None] * len(shape))
         s = self.slope(np.array([0, 1, 1j, 0, 0])[axes], np.array([0, 0, 0, 1, 1j])[axes])
         steps = s[1:] - s[0]

@@ -194,6 +194,10 @@ def checked_movie(
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size
+    if rendering.side_view:
+        from povgen.video.side import HEIGHT
+
+        height += 2 * round(HEIGHT * height / 2)
     encode.check_size(output.suffix.lower(), width * (2 if rendering.stereo == "pair" else 1), height)
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)

@@ -151,12 +151,16 @@ def _words(scene: Scene, name: str) -> Said:
     number = name[len(name.rstrip(SUBSCRIPTS)) :]
     if plain == "z" and number:
         return SECOND if len(scene.window) == 1 else LATER
-    if plain == "z1":
+    if plain == "z1" and not kind:
         return BEHIND_LAST if scene.window else BEHIND
     sheets = [sheet for sheet in scene.sheets if kind in ("", sheet.name)]
-    found = [each.said for sheet in sheets for each in sheet.parameters if each.name == plain and each.said]
-    if found and not number:
-        return found[0]
+    said = next((each.said for sheet in sheets for each in sheet.parameters if each.name == plain), None)
+    if said and not number:
+        words = said.words
+        for name in _values(scene) if kind else ():  # {ratio} is the ratio of this kind of sheet
+            if name.endswith(f" {kind}"):
+                words = words.replace(f"{{{name.removesuffix(f' {kind}')}}}", f"{{{name}}}")
+        return said._replace(words=words)
     return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
 
 

@@ -72,6 +72,7 @@ def encode(
         for picture in pictures:
             if writer is None:
                 size = picture.shape[1], picture.shape[0]
+                check_size(output.suffix, *size)  # with the strips of text
                 writer = imageio_ffmpeg.write_frames(str(output), size, fps=rate, codec=codec, **options)
                 writer.send(None)  # starts ffmpeg
             written += 1

@@ -502,6 +502,22 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [Chess(sheet="law", law="x, alpha*y, z", parameter="alpha=0.3", window="z=2,sheet=ideal,alpha=30")],
             ["α = 0.3, rays turned by α = 30°"],
         ),
+        (
+            [Chess(sheet="lenslets", ratio=1.2, alpha=20, window="z=2,sheet=refraction,ratio=1.5,alpha=33", z1=3)],
+            [
+                "rays turned by α = 20°, lenses' focal lengths f₁/f₂ = 1.2, "
+                "index behind/before sheet 1.5, light turned by 33°"
+            ],
+        ),
+        (
+            [Chess(sheet="twist", twist=30, alpha=20, window="z=2,sheet=mirror,alpha=33", z1=3)],
+            ["α = 20°, twist = 30°/tile, mirror line at 16.5°"],
+        ),
+        (
+            [Chess(sheet="twist", alpha=x, window="z=2,sheet=mirror,alpha=33", z1=3) for x in (10, 20)],
+            ["α = 10°", "α = 20°"],
+        ),
+        ([Chess(sheet="law", law="x, z1*y, z", parameter="z1=0.3")], ["z₁ = 0.3"]),
         ([Chess(sheet="mirror", alpha=60), Chess(alpha=20)], ["mirror line at 30°", "rays turned by α = 20°"]),
         ([Chess(alpha=60), Chess(sheet="mirror", alpha=60)], ["rays turned by α = 60°", "mirror line at 30°"]),
         # a value that only some frames have is not rounded

@@ -33,6 +33,8 @@ def test_images_are_where_the_light_comes_together():
     assert side.images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
     assert side.images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
     assert side.images(Chess(sheet="lens", focal_length=4)) == pytest.approx([4])
+    for turned in (Chess(sheet="refraction", ratio=1, alpha=180), Chess(sheet="twist", twist=0, alpha=180)):
+        assert side.images(turned) == pytest.approx([-2])
 
 
 @pytest.mark.parametrize("scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9)])

@@ -73,6 +73,13 @@ def test_a_value_halfway_that_cannot_be_is_refused(values, words):
         MovieSpec(title="a", scene="chess", sweep=[{"parameter": "z1", **values}])
 
 
+def test_a_rate_at_the_end_of_its_range():
+    for frames in (44, 82, 87, 1001):
+        for rate in (0.1, 120):
+            spec = MovieSpec.of_sweeps("chess", ["z1=3:4"], {"frames": frames, "frame_rate": rate})
+            assert spec.rate("standard") == rate
+
+
 @pytest.mark.parametrize("spec", [ALPHA_MOVIE, ALPHA_MOVIE.model_copy(update={"loop": True})])
 def test_a_movie_lasts_as_long_at_each_quality(spec):
     for quality in ("draft", "standard", "high"):
@@ -228,6 +235,16 @@ def test_a_windows_profile_is_sought_beside_the_toml_file(window, tmp_path, monk
     assert scene.window[-1].profile.path == "specs/own.toml"
 
 
+def test_windows_are_refused_in_the_users_own_words():
+    head = HEAD + '[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n[fixed]\n'
+    for text, words in (
+        ('window = "z=3,sheet=nix"', "window = 'z=3,sheet=nix': "),
+        (".".join(["window"] * 3000) + ".z = 1", "window = "),
+    ):
+        with pytest.raises(InputError, match=re.escape(words)):
+            MovieSpec.parse(head + text, "a.toml")
+
+
 def test_a_whole_number_of_a_window_is_rounded():
     spec = MovieSpec.of_sweeps("chess", ["window2_prisms=20:100"], {"fixed": {"window": "z=5"}, "frames": 4})
     assert [scene.window[0].prisms for scene in spec.scenes("standard")] == [20, 47, 73, 100]
@@ -238,7 +255,7 @@ def test_a_whole_number_of_a_window_is_rounded():
 def test_a_movie_with_a_value_halfway_has_three_frames_or_more():
     sweep = {"parameter": "alpha", "start": 0, "stop": 10, "via": 90}
     spec = MovieSpec(title="a", scene="chess", sweep=[sweep], frames=2, exact_frames=True)
-    with pytest.raises(InputError, match="2 frames, none of them at via; allowed: 3 or more"):
+    with pytest.raises(InputError, match="2 frames, none of them at via; allowed: frames = 3 or more"):
         spec.scenes("draft")
     assert [scene.alpha for scene in spec.replace(frames=3).scenes("draft")] == [0, 90, 10]
 
