@@ -115,7 +115,8 @@ def changed_glb(accessor=None, part=None, **more):
 def spaced(data):
     """The same OBJ file, as other programs write it."""
     lines = [f"\t{line.replace(' ', chr(9))}  # {line}" for line in data.decode().splitlines()]
-    return ("\ufeff# C:\\models\\\r\n" + "\r\n".join(lines).replace("f\t1\t2\t4", "f\t1\t2\\\r\n4")).encode()
+    lines.insert(1, "# C:\\models\\")
+    return ("\ufeff" + "\r\n".join(lines).replace("f\t1\t2\t4", "f\t1\t2\\\r\n4")).encode()
 
 
 @pytest.mark.parametrize(
