@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from inspect import Parameter, Signature, cleandoc
+from numbers import Complex, Real
 from typing import Any, Self, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -50,8 +51,7 @@ class Model(BaseModel):
                 yield name, value
 
     def __hash__(self) -> int:
-        values = (getattr(self, name) for name in type(self).model_fields)
-        return hash((type(self), *(str(x) if isinstance(x, dict) else x for x in values)))
+        return hash((type(self), *(_hashable(getattr(self, name)) for name in type(self).model_fields)))
 
     def __delattr__(self, name: str) -> None:
         raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
@@ -108,9 +108,16 @@ class Model(BaseModel):
         )
 
 
+def _hashable(value: object) -> object:
+    """Return what equal values have in common. The values in a table can be of any type."""
+    if isinstance(value, Mapping):
+        return frozenset(value)
+    return tuple(map(_hashable, value)) if isinstance(value, (list, tuple)) else value
+
+
 def as_pair(value: object) -> object:
     """Accept text such as 'X,Y', and a complex number."""
-    if isinstance(value, complex):
+    if isinstance(value, (complex, Complex)) and not isinstance(value, Real):
         return value.real, value.imag
     return value.split(",") if isinstance(value, str) else value
 

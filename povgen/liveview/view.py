@@ -49,8 +49,9 @@ class Live:
         return html(self.scene)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401  (a parameter of a scene)
-        if name in type(self.scene).model_fields:
-            return getattr(self.scene, name)
+        scene = self.__dict__.get("scene")  # a copy that is being made has none yet
+        if scene is not None and name in type(scene).model_fields:
+            return getattr(scene, name)
         raise AttributeError(name)
 
     def __setattr__(self, name: str, value: object) -> None:

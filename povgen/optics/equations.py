@@ -64,7 +64,7 @@ def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
 
 def E_minus_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
     """Return eq. 5: r exp(i alpha) P, the projection of the ray from P to E onto the sheet. P and r are finite."""
-    return np.multiply(real("r", r, 0), np.exp(1j * radians("alpha", alpha)) * P)
+    return np.multiply(real("r", r, 0), np.multiply(np.exp(1j * radians("alpha", alpha)), P))
 
 
 def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:

@@ -215,6 +215,8 @@ def confocal(
     object's side is greater by the fraction `mismatch`. Raises ValueError for a focal length whose lens would be more
     than a semicircle.
     """
+    if not -1 < mismatch < LARGEST:
+        raise ValueError(f"mismatch = {mismatch:g}; allowed: above -1")
     near, far = _lens_radius(f_number, index), _lens_radius(ratio * f_number, index, 1 + max(mismatch, 0))
     thickness = (1 + ratio) * f_number
     made = Profile.of_outlines([_lenses(0.0, near, -1), _lenses(thickness, far, 1)], (1, 2), index, gap)

@@ -97,9 +97,11 @@ class Bundle(_Lines):
                 raise ValueError(f"{name}: not finite; allowed: finite numbers")
         if not along[..., 2].all():
             raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
-        self.position, along = np.broadcast_arrays(start, along)
-        along = along / abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
+        self.position, along = map(np.array, np.broadcast_arrays(start, along))  # the caller may change the own arrays
+        along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        if not self.direction[..., 2].all():
+            raise ValueError("direction: dz is too small, parallel to the sheets; allowed: a greater dz")
 
 
 class Traced(_Lines, Rays):
@@ -114,7 +116,7 @@ class Traced(_Lines, Rays):
     """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no single answer to ==
 class Spot:
     """A spot diagram: where the rays of a pencil cross a plane."""
 
@@ -134,9 +136,9 @@ class Spot:
 
 
 def pencil(
-    windows: Placed, point: ArrayLike, count: int, middle: complex, radius: float, seed: int, at_once: int = CHUNK
+    windows: Placed, point: ArrayLike, count: int, middle: complex, radius: float, seed: int
 ) -> Iterator[Bundle]:
-    """Yield `count` rays from a point (x, y, z) to random points of a disc, `at_once` at a time.
+    """Yield `count` rays from a point (x, y, z) to random points of a disc, CHUNK at a time.
 
     Regular points would make moire with prisms. The disc's centre is `middle`, x + iy, in the plane of the window that
     is nearest to the point. Raises ValueError for a point between the windows, and for numbers outside their ranges.
@@ -153,10 +155,16 @@ def pencil(
     rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
     count = checked_count("count", count, MOST)
     z = last if start[2] > last else first
-    for n in range(0, count, at_once):
-        size, turn = rng.uniform(size=(2, min(at_once, count - n)))
+    for n in range(0, count, CHUNK):
+        size, turn = rng.uniform(size=(2, min(CHUNK, count - n)))
         disc = middle + radius * np.sqrt(size) * np.exp(2j * np.pi * turn)
         yield Bundle(start, np.column_stack((disc.real, disc.imag, np.full(len(disc), z))) - start)
+
+
+def joined(bundles: Iterable[Bundle]) -> Bundle:
+    """Return the rays of several bundles (n,) as one bundle."""
+    position, direction = zip(*((bundle.position, bundle.direction) for bundle in bundles), strict=True)
+    return Bundle(np.concatenate(position), np.concatenate(direction))
 
 
 def checked_count(name: str, value: object, most: int, least: int = 1) -> int:

@@ -361,13 +361,16 @@ class Scene(ParametersOfSheets):
 
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
         light. `near` is for sheets without a ray-transfer matrix: the distance, in tiles, at which light may pass the
-        point. Arrays broadcast. NaN gives NaN. Raises InputError for a z1 that is infinite or below 0.
+        point. Arrays broadcast. NaN and an infinite L give NaN. Raises InputError for a z1 that is infinite or below 0.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import apparent, equations
 
-        z1 = _distances(z1)
+        z1, L = _distances(z1), numpy.asarray(L, complex)
+        turns = 0 if alpha is None else alpha
+        shape = numpy.broadcast_shapes(*map(numpy.shape, (L, z1, near, turns)))
+        L = numpy.broadcast_to(numpy.where(numpy.isfinite(L), L, numpy.nan), shape)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
             turn = numpy.radians(self.alpha if alpha is None else numpy.fmod(alpha, 360))
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
@@ -406,6 +409,7 @@ class Scene(ParametersOfSheets):
         half = self.aperture / 2
         return position, numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
 
+    @input_errors()
     def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
@@ -414,7 +418,8 @@ class Scene(ParametersOfSheets):
         """
         from povgen.optics.ghosts import ghosts
 
-        if self.window or not self.layered:
+        _distances(z1)
+        if self.window or not self.layered or not isfinite(L):
             return []
         half = (1 + self.depth / 2 / self.z2) * self.aperture / 2
         found = ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
@@ -436,7 +441,7 @@ class Scene(ParametersOfSheets):
         from povgen.optics import apparent, equations
 
         z1 = _distances(z1)
-        if not self.rotates and not self.is_empty:
+        if not all(sheet.rotates or sheet.name == "none" for sheet in self.sheets):
             return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)
         if self.sheets[0].name == "ideal" and not self.window:
@@ -472,12 +477,9 @@ class Scene(ParametersOfSheets):
         largest that the window contains. The rays are those of a random generator with this seed.
         Raises InputError for a point between the windows, and for numbers outside their ranges.
         """
-        from povgen.optics.rays import pencil
+        from povgen.optics.rays import joined, pencil
 
-        (rays,) = pencil(
-            self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed, count
-        )
-        return rays
+        return joined(pencil(self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed))
 
     @input_errors()
     def trace(self, rays: "Bundle", max_faces: int = 60, partial: "Generator | None" = None) -> "Traced":
@@ -552,6 +554,7 @@ class Scene(ParametersOfSheets):
             if own.glass is None and own.index is not None:  # the first window's glass has another index
                 object.__setattr__(own, "glass", "none")
             object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
+            own.model_fields_set.discard("index" if has_glass(own) else "")
             found.append(own)
         object.__setattr__(self, "window", tuple(found))
         if self.wavelength != WAVELENGTH and not (has_glass(self) or any(map(has_glass, found))):

@@ -18,7 +18,9 @@ TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind
 
 
 def as_table(value: object) -> object:
-    """Accept texts such as 'k=0.3', one or several, in place of a table of numbers."""
+    """Accept texts such as 'k=0.3', one or several, in place of a table of numbers. Raises ValueError for Booleans."""
+    if isinstance(value, Mapping) and any(isinstance(number, bool) for number in value.values()):
+        raise ValueError("should be a table of numbers")
     texts = [value] if isinstance(value, str) else value
     if not isinstance(texts, (list, tuple)):
         return value

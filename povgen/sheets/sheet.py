@@ -92,7 +92,8 @@ class Sheet:
     sweep: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     def __hash__(self) -> int:
-        return hash((type(self), str(sorted(self.values.items())), self.aperture))
+        plain = (self.values[name] for name in sorted(self.values))
+        return hash((type(self), self.aperture, *(x for x in plain if isinstance(x, (int, float, str)))))
 
     @property
     def alpha(self) -> Any:  # noqa: ANN401  (a number, or an array)
@@ -193,7 +194,7 @@ class Ideal(Sheet):
         others = np.random.default_rng(1).uniform(-2, 2, (4, 20))
         slope, place = others[0] + 1j * others[1], others[2] + 1j * others[3]
         linear = s[0] + np.einsum("i...,ij->j...", steps, others)
-        if not (abs(self.slope(slope[axes], place[axes]) - linear) <= 1e-11 * (1 + abs(steps).max())).all():
+        if not (abs(self.slope(slope[axes], place[axes]) - linear) <= 1e-11 * (1 + abs(steps).max(initial=0))).all():
             return None
         matrix = np.broadcast_to(np.eye(5), (*shape, 5, 5)).copy()
         columns = np.moveaxis(np.stack((*steps[2:], *steps[:2], s[0])), 0, -1)

@@ -128,6 +128,7 @@ def test_equations_1_to_6_lead_to_7(r, alpha):
     P = equations.P(r, alpha)
     assert equations.r_from_P(P) == pytest.approx(r, rel=1e-9)
     assert equations.E_minus_P(P, r, alpha) == pytest.approx(1 - P, abs=1e-9 * (1 + abs(P)))
+    assert equations.E_minus_P([P, P], [r, r], alpha) == pytest.approx([1 - P] * 2, abs=1e-9 * (1 + abs(P)))
     assert equations.E_from_P(P, r, alpha) == pytest.approx(1)
     assert equations.one_minus_P(r, alpha) == pytest.approx(1 - P, abs=1e-12 * (1 + abs(P)))
 

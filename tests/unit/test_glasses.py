@@ -64,6 +64,13 @@ def test_windows_can_have_glass_of_their_own():
     assert scene.replace(wavelength=600).sheets[3].values["index"] == pytest.approx(index("N-SF11", 600e-9), abs=1e-12)
 
 
+def test_a_dump_keeps_the_glass_of_a_window():
+    scene = Chess(window="z=2,glass=BK7")
+    again = Chess(**scene.model_dump())
+    assert again == scene and again.replace(wavelength=500) == scene.replace(wavelength=500)
+    assert again.replace(wavelength=500).window[0].index != scene.window[0].index
+
+
 def test_a_wavelength_can_be_swept():
     spec = MovieSpec.of_sweeps("chess", ["wavelength=400:700"], {"frames": 4, "fixed": {"glass": "N-SF11"}})
     assert [scene.index for scene in spec.scenes("standard")] == [

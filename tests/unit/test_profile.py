@@ -94,6 +94,8 @@ def test_the_constructors_refuse_what_does_not_fit():
         (lambda: confocal(ratio=0.4), "semicircle"),
         (lambda: lenticulars(sheet=0.01), "sheet = 0.01; allowed: above"),
         (lambda: wedges(80), "angle = 80; allowed: 1 to 60"),
+        (lambda: confocal(mismatch=-1.0), "mismatch = -1; allowed: above -1"),
+        (lambda: confocal(mismatch=float("nan")), "mismatch = nan; allowed: above -1"),
         (lambda: confocal(index=1.0), "index = 1; allowed: above 1"),
         (lambda: lenticulars(index=0.0), "index = 0; allowed: above 1"),
         (lambda: confocal(0.95, 1.5, mismatch=-0.1), "allowed: 1.5 periods or more"),

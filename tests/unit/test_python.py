@@ -1,5 +1,6 @@
 """Calls from Python: errors of one line, copies, and what help() says."""
 
+import copy
 import inspect
 import json
 import pickle
@@ -11,7 +12,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, live, to_pov
+from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, info, live, save, to_pov
 from povgen.liveview.page import demo
 from povgen.scene.scenes import Scene
 from povgen.scene.spec import Sweep
@@ -194,6 +195,27 @@ def test_a_live_view_and_its_scene():
     assert widget.scene["name"] == "spheres" and seen.z2 == Spheres().z2
     with pytest.raises(AttributeError):
         _ = seen.nothing
+
+
+def test_a_live_view_can_be_copied():
+    view = live(Spheres(z1=3))
+    for made in (copy.copy(view), copy.deepcopy(view), pickle.loads(pickle.dumps(view))):
+        assert made.scene == view.scene and made.z1 == 3
+    with pytest.raises(AttributeError):
+        view.nothing  # noqa: B018
+
+
+def test_equal_values_have_equal_hashes(tmp_path):
+    law = {"sheet": "law", "law": "k*x + m*y, y, z"}
+    sweep = {"title": "a", "scene": "chess", "sweep": [{"parameter": "z1", "start": 2, "stop": 3}]}
+    for one, other in (
+        (Chess(**law, parameter={"k": 1, "m": 0.0}), Chess(**law, parameter={"m": -0.0, "k": 1.0})),
+        (MovieSpec(**sweep, fixed={"alpha": 90, "x": [0, 1]}), MovieSpec(**sweep, fixed={"x": [0, 1], "alpha": 90.0})),
+        (Chess(alpha=0.0).sheets[0], Chess(alpha=-0.0).sheets[0]),
+    ):
+        assert one == other and len({one, other}) == 1
+    save(Chess(sheet="none"), tmp_path / "a.png", size=(32, 32), antialias="off")
+    assert hash(info(tmp_path / "a.png")) == hash(info(tmp_path / "a.png"))
 
 
 def test_repr_shows_what_differs_from_the_default():

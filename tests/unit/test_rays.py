@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from povgen import Bundle, Chess, InputError, Spheres
-from povgen.optics import equations, series, trace
+from povgen.optics import equations, rays, series, trace
+from povgen.optics.rays import Spot
 from povgen.optics.shares import shares
 from povgen.optics.trace import End
 from povgen.scene import camera
@@ -66,6 +67,27 @@ def test_ideal_sheets_bend_by_their_laws_and_prisms_as_in_the_trace():
 
 
 @pytest.mark.filterwarnings("error")
+def test_a_spot_is_that_of_its_pencil():
+    """Also if its rays are traced in several parts."""
+    scene = Chess(sheet="lens")
+    light = scene.trace(scene.pencil((0.1, 0, 5), rays.CHUNK + 9, seed=4))
+    spot = scene.spot((0.1, 0, 5), 2, rays.CHUNK + 9, seed=4)
+    assert np.allclose(spot.points, light[light.designed].at(2))
+
+
+def test_a_bundle_keeps_its_own_numbers():
+    start, along = np.zeros((2, 3)) - (0, 0, 3), np.ones((2, 3))
+    bundle = Bundle(start, along)
+    start[0], along[0] = 9, 9
+    assert (bundle.position == (0, 0, -3)).all() and bundle.direction[0] == pytest.approx(bundle.direction[1])
+    pixels = Chess().rays((4, 4))
+    pixels.position[0, 0, 0] = 1
+    assert pixels.position[..., 0].sum() == 1
+    with pytest.raises(ValueError, match="dz is too small"):
+        Bundle([0, 0, -3], [1e300, 0, 1e-300])
+    assert (Spot(np.zeros(2), 0.0, 1.0) == Spot(np.zeros(2), 0.0, 1.0)) is False
+
+
 def test_one_ray_and_no_rays():
     for scene in (Chess(), Chess(sheet="ideal")):
         one = scene.trace(Bundle((0.1, 0.02, -5), (0, 0.1, 1)))
@@ -202,6 +224,21 @@ def test_wrong_values_are_refused(call, words):
 def test_what_a_user_gives_a_scene_is_an_input_error(call, words, sheet):
     with pytest.raises(InputError, match=words):
         call(Chess(sheet=sheet))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "none", "lens", "refraction", "twist", "lenticular"])
+def test_positions_broadcast_and_what_is_infinitely_far_aside_is_unknown(sheet):
+    scene = Chess(sheet=sheet)
+    for L in (np.inf, -np.inf * 1j, np.nan):
+        position, visible = scene.seen(L, 2)
+        assert np.isnan(position) and not visible and scene.ghosts(L, 2) == []
+    for alpha, near, shape in (([10, 20], 0, (3, 2)), (None, [0, 0.1], (3, 2)), ([], 0, (3, 0)), (5, 0, (3, 1))):
+        assert scene.apparent_position(np.zeros((3, 1)), 2, alpha, near).shape == shape
+        assert [x.shape for x in scene.seen(np.zeros((3, 1)), 2, alpha, near)] == [shape, shape]
+    assert np.shape(scene.apparent_position(0, 2)) == ()
+    with pytest.raises(InputError, match="z1 = -1"):
+        scene.ghosts(0, -1)
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "lens", "refraction"])

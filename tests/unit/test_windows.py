@@ -293,6 +293,9 @@ def test_the_pole_of_windows_in_series_is_infinite(alpha, second, d, z1, z2):
 
 def test_nu_and_M_where_nothing_is_turned():
     z1 = np.array([2.0, 3.0])
+    nu, M = Chess(sheet="ideal", alpha=40, window="sheet=none,z=2").nu_and_M(z1)
+    wanted = Chess(sheet="ideal", alpha=40).nu_and_M(2 + z1)
+    assert nu == pytest.approx(wanted[0]) and M == pytest.approx(wanted[1])
     nu, M = Chess(sheet="none", window="alpha=20,z=2").nu_and_M(z1)
     assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
     for sheet in ("single", *OTHER):  # what an object looks like there is more than an angle and a size
