@@ -32,7 +32,7 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
         )
     x, y = scene.eye
     half = rendering.eye_distance / 2
-    eyes = [(x, y)] if rendering.stereo == "none" else [(x - half, y), (x + half, y)]
+    eyes = [(x, y)] if rendering.stereo == "none" else [(round(x - half, 12), y), (round(x + half, 12), y)]
     backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
     if len(eyes) * len(backgrounds) == 1:
         return [scene]

@@ -50,10 +50,12 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     low, high = points.min(axis=0), points.max(axis=0)
     points -= [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
     reach, tall = float(np.hypot(points[:, 0], points[:, 2]).max()), float(points[:, 1].max())
-    most = min(radius / reach if reach else np.inf, TALLEST / tall if tall else np.inf)
-    scale = min(most, MAX_HEIGHT / tall if tall else np.inf)
+    if not tall:
+        raise ValueError("should have a height: all its corners are in one level; allowed: another up=")
+    most = min(radius / reach if reach else np.inf, TALLEST / tall)
+    scale = min(most, MAX_HEIGHT / tall)
     if height is not None:
-        if not tall or height / tall > most * (1 + 1e-9):
+        if height / tall > most * (1 + 1e-9):
             raise ValueError(
                 f"should be within {radius:g} tiles of its axis: height = {height:g} is too much; "
                 f"allowed: up to {most * tall:.4g}"

@@ -215,7 +215,7 @@ def facts(scene: Scene) -> dict[str, str]:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
     if scene.rotates:
         nu, M = scene.nu_and_M(z1)
-        texts = {**_values(scene), **texts, "nu": f"{_range(nu, '.1f')}°", "M": _range(M)}
+        texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:
         texts = {**_values(scene), **texts}
     glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
@@ -250,12 +250,12 @@ def _values(scene: Scene) -> dict[str, str]:
     return {name: ", ".join(texts) for name, texts in found.items()}
 
 
-def _range(values: Reals, form: str = ".3g") -> str:
+def _range(values: Reals, form: str = ".3g", unit: str = "") -> str:
     """Return the least and the greatest number as text, and '?' if one is NaN (nu at the pole)."""
     numbers = values[~np.isnan(values)]
     ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
-    unknown = "?" if len(numbers) < len(values) else ""
-    return ", ".join(filter(None, [" to ".join(ends), unknown]))
+    known = [" to ".join(ends) + unit] if len(numbers) else []
+    return ", ".join([*known, *["?"] * (len(numbers) < len(values))])
 
 
 def _number(value: float, form: str) -> str:

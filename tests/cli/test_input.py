@@ -438,6 +438,11 @@ def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path):
     assert povgen([*line, "--quality=standard"], tmp_path)[0] == 0 == povgen([*line, "--quality=hd"], tmp_path)[0]
 
 
+def test_the_number_in_the_name_of_pictures(tmp_path):
+    for name in ("f%4d.png", "f%s.png", "f%04d%d.png"):
+        assert "such as f%04d.png, for a PNG file of every frame" in refused(["movie", "vary-z1", "-o", name], tmp_path)
+
+
 def test_the_home_folder_in_an_outputs_name(tmp_path, monkeypatch):
     """A shell leaves ~ after = as it is."""
     monkeypatch.setenv("HOME", str(tmp_path / "home"))

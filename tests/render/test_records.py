@@ -134,6 +134,8 @@ def test_a_movie_is_made_again(kind, made):
     file = made / f"a.{kind}"
     assert Scene.list_from_file(file) == SCENES and info(file).frame_rate == 4
     assert info(file).frames[1] == {"x": 0.25}  # what differs from the first frame
+    status, out, err = povgen(["movie", "--from", file.name, "--dry-run"], made)  # of the file's own name, too
+    assert (status, err) == (0, "") and out.startswith("3 frames")
     status, _, err = povgen(["movie", "--from", file.name, "-o", f"b.{kind}", "--quiet"], made)
     assert (status, err) == (0, "")
     assert info(made / f"b.{kind}").title == info(file).title == "What α does"

@@ -190,14 +190,14 @@ def test_the_caption_prints_what_the_equations_predict():
         # beyond the pole, on it and before it
         (
             Spheres(alpha=180, sheet="ideal", z1=[9, 6, 3]),
-            ["3 to 9 tiles", "0.667 to 2", "0.0 to 180.0, ?°", "2 to infinite"],
+            ["3 to 9 tiles", "0.667 to 2", "0.0 to 180.0°, ?", "2 to infinite"],
         ),
         (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9 tiles", "0.667 to 0.75", "-180.0°", "2 to 3"]),
-        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6 tiles", "1", "?°", "infinite"]),
-        (Chess(alpha=180, sheet="ideal", z1=6), ["6 tiles", "1", "?°", "infinite"]),
+        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6 tiles", "1", "?", "infinite"]),
+        (Chess(alpha=180, sheet="ideal", z1=6), ["6 tiles", "1", "?", "infinite"]),
         (Chess(alpha=-180, sheet="ideal", z1=5.9), ["5.9 tiles", "1.02", "0.0°", "60"]),
         # light meets the eye's plane in a line or not at all, in a mirrored image
-        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9 tiles", "0.667 to 1", "180.0, ?°", "2 to 61.1"]),
+        (Spheres(alpha=180, z1=[9, 6]), ["6 to 9 tiles", "0.667 to 1", "180.0°, ?", "2 to 61.1"]),
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):

@@ -117,7 +117,8 @@ def command(
     read = source or spec or ""
     output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
-        inputs = [*input_files(scenes), *([source] if source else [] if sweep else [spec_file(read)])]
+        own = [] if sweep or dry_run else [source or spec_file(read)]
+        inputs = [*input_files(scenes), *own]
         checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
     if limit is not None:
         check_views(scenes, rendering)
