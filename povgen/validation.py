@@ -109,15 +109,15 @@ class Model(BaseModel):
 
 
 def _hashable(value: object) -> object:
-    """Return what equal values have in common. The values in a table can be of any type."""
+    """Return what equal values have in common. Of a table, values that may have no hash are left out."""
     if isinstance(value, Mapping):
-        return frozenset(value)
+        return frozenset((name, x) for name, x in value.items() if isinstance(x, (Real, str)))
     return tuple(map(_hashable, value)) if isinstance(value, (list, tuple)) else value
 
 
 def as_pair(value: object) -> object:
     """Accept text such as 'X,Y', and a complex number."""
-    if isinstance(value, (complex, Complex)) and not isinstance(value, Real):
+    if isinstance(value, Complex) and not isinstance(value, Real):
         return value.real, value.imag
     return value.split(",") if isinstance(value, str) else value
 
@@ -128,7 +128,7 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
     for name, value in values.items():
         field = model.model_fields.get(name)
         # pydantic would read it as 0 or 1
-        if field and field.annotation is not bool and _has_boolean(value):
+        if field and field.annotation is not bool and has_boolean(value):
             raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
     try:
         yield
@@ -140,11 +140,11 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
         raise InputError(f"{error}; allowed: the names of parameters, as in help()") from None
 
 
-def _has_boolean(value: object, depth: int = 2) -> bool:
+def has_boolean(value: object, depth: int = 2) -> bool:
     """Return whether a value is a Boolean, or has one among its parts, or in lists of lists among their parts."""
     value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
     if depth and isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
-        return any(_has_boolean(part, depth - 1) for part in value)
+        return any(has_boolean(part, depth - 1) for part in value)
     return isinstance(value, bool)
 
 

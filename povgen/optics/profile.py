@@ -212,8 +212,8 @@ def confocal(
 
     f_number is the focal length in the glass of the lenses on the eye's side, in periods; ratio is the focal length on
     the object's side over it. The block is as thick as both focal lengths together. The period of the lenses on the
-    object's side is greater by the fraction `mismatch`. Raises ValueError for a focal length whose lens would be more
-    than a semicircle.
+    object's side is greater by the fraction `mismatch`. Raises ValueError for a mismatch of -1 or less, and for a focal
+    length whose lens would be more than a semicircle.
     """
     if not -1 < mismatch < LARGEST:
         raise ValueError(f"mismatch = {mismatch:g}; allowed: above -1")

@@ -97,11 +97,13 @@ class Bundle(_Lines):
                 raise ValueError(f"{name}: not finite; allowed: finite numbers")
         if not along[..., 2].all():
             raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
-        self.position, along = map(np.array, np.broadcast_arrays(start, along))  # the caller may change the own arrays
+        self.position, along = map(
+            np.array, np.broadcast_arrays(start, along)
+        )  # copies: the caller may change the given ones
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
-        if not self.direction[..., 2].all():
-            raise ValueError("direction: dz is too small, parallel to the sheets; allowed: a greater dz")
+        if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite
+            raise ValueError("direction: dz is too small, parallel to the sheets; allowed: dz farther from 0")
 
 
 class Traced(_Lines, Rays):

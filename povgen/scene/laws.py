@@ -54,7 +54,7 @@ def _functions(number: int, window: Placed) -> Functions:
             lines.append(Line(written, part, f"{_about(each, name)}{where}{unit}"))
     for name, value in sheet.numbers.items():
         if name not in names:
-            names[name] = f"Own{number if number > 1 else ''}_{name}"  # in front: k_2 of window 1 is not k of window 2
+            names[name] = f"Own{number if number > 1 else ''}_{name}"  # Own_k_2 is a name of window 1
             lines.append(Line(names[name], value, f"{name} in the law{where}"))
     return Functions(number, sheet, lines, sheet.law.expressions(lambda name: names.get(name, name)))
 

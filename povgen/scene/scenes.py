@@ -276,6 +276,11 @@ class Scene(ParametersOfSheets):
         return all(sheet.rotates for sheet in self.sheets)
 
     @property
+    def only_rotates(self) -> bool:
+        """Whether the sheets do no more than to rotate light about their normal. Windows may have none."""
+        return all(sheet.rotates or sheet.name == "none" for sheet in self.sheets)
+
+    @property
     def alphas(self) -> tuple[float, ...]:
         """The angle by which each window rotates light about its normal, degrees."""
         return tuple(sheet.values.get("alpha", 0.0) for sheet in self.sheets)
@@ -414,7 +419,8 @@ class Scene(ParametersOfSheets):
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
         L and z1 are in tiles. A ghost is left out if less than this share of the light at its position makes it, or if
-        the window's frame hides it. Windows in series are not followed: then the list is empty.
+        the window's frame hides it. Windows in series are not followed: then the list is empty, as for an L that is NaN
+        or infinite. Raises InputError for a z1 that is infinite or below 0.
         """
         from povgen.optics.ghosts import ghosts
 
@@ -432,7 +438,7 @@ class Scene(ParametersOfSheets):
 
         They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `apparent.nu_and_M`.
         Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
-        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a window does not rotate
+        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a sheet does not rotate
         light: then it can distort an object. z1 is in tiles; arrays broadcast. Raises InputError for a z1
         that is infinite or below 0.
         """
@@ -441,7 +447,7 @@ class Scene(ParametersOfSheets):
         from povgen.optics import apparent, equations
 
         z1 = _distances(z1)
-        if not all(sheet.rotates or sheet.name == "none" for sheet in self.sheets):
+        if not self.only_rotates:
             return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)
         if self.sheets[0].name == "ideal" and not self.window:
@@ -554,7 +560,8 @@ class Scene(ParametersOfSheets):
             if own.glass is None and own.index is not None:  # the first window's glass has another index
                 object.__setattr__(own, "glass", "none")
             object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
-            own.model_fields_set.discard("index" if has_glass(own) else "")
+            if has_glass(own):  # the index is found, not given
+                own.model_fields_set.discard("index")
             found.append(own)
         object.__setattr__(self, "window", tuple(found))
         if self.wavelength != WAVELENGTH and not (has_glass(self) or any(map(has_glass, found))):

@@ -29,7 +29,7 @@ FRAMES = 61  # of a movie that does not state it
 
 def _number_or_pair(value: object) -> object:
     """Accept text such as 'X,Y', and a complex number."""
-    return as_pair(value) if isinstance(value, complex) or (isinstance(value, str) and "," in value) else value
+    return value if isinstance(value, str) and "," not in value else as_pair(value)
 
 
 Value = Annotated[float | tuple[float, float], BeforeValidator(_number_or_pair)]

@@ -1,4 +1,4 @@
-"""The parameters of sheets, for pydantic. The first window's are fields of the scene; every other window is a `Window`.
+"""The parameters of sheets, for pydantic: fields of the scene for its first window, and of `Window` for each other one.
 
 Such a window can be given as text: `z=2,sheet=mirror`.
 """
@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from povgen.sheets import PAPER, PARAMETERS, SHEETS
 from povgen.sheets.profile import NAMES, ProfileFile, as_profile
 from povgen.sheets.sheet import Parameter, Sheet
-from povgen.validation import Model, as_pair
+from povgen.validation import Model, as_pair, has_boolean
 
 MAX_WINDOWS = 5
 TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind == "table"}
@@ -19,7 +19,7 @@ TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind
 
 def as_table(value: object) -> object:
     """Accept texts such as 'k=0.3', one or several, in place of a table of numbers. Raises ValueError for Booleans."""
-    if isinstance(value, Mapping) and any(isinstance(number, bool) for number in value.values()):
+    if isinstance(value, Mapping) and has_boolean(value.values()):
         raise ValueError("should be a table of numbers")
     texts = [value] if isinstance(value, str) else value
     if not isinstance(texts, (list, tuple)):
@@ -117,7 +117,7 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # of the window's middle plane, tiles; of two sheets, one is in front of this plane, and one behind it
+    z: float  # of the window's middle plane, tiles; a pair of sheets stands on both sides of this plane
     sheet: Sheet
 
 

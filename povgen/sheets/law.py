@@ -101,7 +101,7 @@ class Law:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether only constants are in other functions than sin and cos: then the law has no kinks."""
+        """Whether x, y, z, X and Y occur in no function except sin and cos: then the law has no kinks."""
         calls = (node for part in self._parts for node in ast.walk(part) if isinstance(node, ast.Call))
         others = (call for call in calls if isinstance(call.func, ast.Name) and call.func.id not in ("sin", "cos"))
         return not any(isinstance(node, ast.Name) and node.id in RAY for call in others for node in ast.walk(call))

@@ -17,7 +17,7 @@ ALPHA = Parameter(
     symbol="α",
     said=Said("rays turned by α = {}", full="α = {}"),
 )
-RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")  # each kind of sheet says of what
+RATIO = Parameter("ratio", "ratio, 0.1 to 10", 1, 0.1, 10, symbol="|η|")  # each kind of sheet has a text of its own
 FOCAL_LENGTH = Parameter(
     "focal_length", "focal length, -100 to -0.1 or 0.1 to 100 tiles", 4, -100, 100, "tiles", size=0.1, symbol="f"
 )
@@ -42,5 +42,5 @@ FOCAL_LENGTHS = Said("lenses' focal lengths f₁/f₂ = {}")  # of lenses in two
 
 
 def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:
-    """Return a shared parameter with this text, if it is given, and these words in captions, or none."""
+    """Return a copy of a shared parameter with this text, or its own if `text` is empty, and `said` in captions."""
     return replace(parameter, text=text or parameter.text, said=said)

@@ -160,7 +160,7 @@ def sequence(output: Path, frames: int) -> list[Path]:
     if output.suffix.lower() != ".png":
         return []
     if re.fullmatch(r"[^%]*%(0[1-9])?d[^%]*", output.name) is None:
-        plain = re.sub("%[0-9]*[a-z]?", "", output.stem)
+        plain = re.sub("%([0-9]*[disux](?![a-z]))?", "", output.stem)
         allowed = f"a name with a number, such as {plain}%04d.png, for a PNG file of every frame"
         raise InputError(f"output = {str(output)!r}: one picture; allowed: {', '.join(encode.FORMATS)}, or {allowed}")
     return [output.with_name(output.name % number) for number in range(1, frames + 1)]

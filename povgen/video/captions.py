@@ -208,12 +208,12 @@ def facts(scene: Scene) -> dict[str, str]:
     tiles = UNITS["z1"]
     texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
     texts["r"] = _range(equations.r(z1, scene.z2))
-    other = not (scene.rotates or scene.is_empty or scene.sheet == "single")
+    other = not (scene.only_rotates or scene.sheet == "single")
     if scene.window or other:  # r is for a single window that rotates light
         del texts["r"]
     if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
-    if scene.rotates:
+    if scene.only_rotates and not scene.is_empty:
         nu, M = scene.nu_and_M(z1)
         texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:
@@ -255,7 +255,7 @@ def _range(values: Reals, form: str = ".3g", unit: str = "") -> str:
     numbers = values[~np.isnan(values)]
     ends = dict.fromkeys(_number(end, form) for end in (numbers.min(), numbers.max())) if len(numbers) else ()
     known = [" to ".join(ends) + unit] if len(numbers) else []
-    return ", ".join([*known, *["?"] * (len(numbers) < len(values))])
+    return ", ".join(known if len(numbers) == len(values) else [*known, "?"])
 
 
 def _number(value: float, form: str) -> str:

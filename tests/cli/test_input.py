@@ -439,7 +439,7 @@ def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path):
 
 
 def test_the_number_in_the_name_of_pictures(tmp_path):
-    for name in ("f%4d.png", "f%s.png", "f%04d%d.png"):
+    for name in ("f%4d.png", "f%s.png", "f%04d%d.png", "%f.png"):
         assert "such as f%04d.png, for a PNG file of every frame" in refused(["movie", "vary-z1", "-o", name], tmp_path)
 
 

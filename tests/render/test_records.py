@@ -136,6 +136,7 @@ def test_a_movie_is_made_again(kind, made):
     assert info(file).frames[1] == {"x": 0.25}  # what differs from the first frame
     status, out, err = povgen(["movie", "--from", file.name, "--dry-run"], made)  # of the file's own name, too
     assert (status, err) == (0, "") and out.startswith("3 frames")
+    assert "povgen reads this file" in povgen(["movie", "--from", file.name, "--dry-run", "-o", file.name], made)[2]
     status, _, err = povgen(["movie", "--from", file.name, "-o", f"b.{kind}", "--quiet"], made)
     assert (status, err) == (0, "")
     assert info(made / f"b.{kind}").title == info(file).title == "What α does"

@@ -214,6 +214,7 @@ def test_equal_values_have_equal_hashes(tmp_path):
         (Chess(alpha=0.0).sheets[0], Chess(alpha=-0.0).sheets[0]),
     ):
         assert one == other and len({one, other}) == 1
+    assert len({hash(Chess(error={"turn": n / 100})) for n in range(20)}) > 15
     save(Chess(sheet="none"), tmp_path / "a.png", size=(32, 32), antialias="off")
     assert hash(info(tmp_path / "a.png")) == hash(info(tmp_path / "a.png"))
 

@@ -209,7 +209,7 @@ def test_a_law_of_ones_own_in_a_scene():
         Chess(sheet="law", parameter=["k"])
     for name in ("parameter", "error"):
         with pytest.raises(InputError, match=f"{name} = .*: should be a table of numbers"):
-            Chess(**{name: {"facets": True}})
+            Chess(**{name: {"facets": np.True_ if name == "error" else True}})
     assert Chess(eye=np.complex64(1 + 2j)).eye == (1, 2)
     with pytest.raises(InputError, match="should have each name once"):
         Chess(sheet="law", law="x, y, z*k", parameter=["k=1", " k = 2"])

@@ -73,6 +73,11 @@ def test_a_value_halfway_that_cannot_be_is_refused(values, words):
         MovieSpec(title="a", scene="chess", sweep=[{"parameter": "z1", **values}])
 
 
+def test_a_complex_number_is_a_point():
+    for E in (1 + 1j, np.complex64(1 + 1j), "1,1", (1, 1)):
+        assert Sweep(parameter="eye", start=E, stop=0j).ends == ((1, 1), (0, 0))
+
+
 def test_a_rate_at_the_end_of_its_range():
     for frames in (44, 82, 87, 1001):
         for rate in (0.1, 120):

@@ -296,6 +296,7 @@ def test_nu_and_M_where_nothing_is_turned():
     nu, M = Chess(sheet="ideal", alpha=40, window="sheet=none,z=2").nu_and_M(z1)
     wanted = Chess(sheet="ideal", alpha=40).nu_and_M(2 + z1)
     assert nu == pytest.approx(wanted[0]) and M == pytest.approx(wanted[1])
+    assert {"nu", "M"} < captions.facts(Chess(sheet="ideal", window="sheet=none,z=2")).keys()
     nu, M = Chess(sheet="none", window="alpha=20,z=2").nu_and_M(z1)
     assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
     for sheet in ("single", *OTHER):  # what an object looks like there is more than an angle and a size

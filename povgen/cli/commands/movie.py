@@ -115,9 +115,10 @@ def command(
     if part is not None:
         _check_shard(part, scheduler, output)
     read = source or spec or ""
+    unnamed = dry_run and output is None  # then the source's own name is no fault
     output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
-        own = [] if sweep or dry_run else [source or spec_file(read)]
+        own = [] if sweep or unnamed else [source or spec_file(read)]
         inputs = [*input_files(scenes), *own]
         checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
     if limit is not None:
