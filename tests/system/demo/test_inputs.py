@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from conftest import scene_of
+from conftest import scene_of, wait_for
 from playwright.sync_api import expect
 
 from demo.conftest import bounds, centre, drag, numbers, show
@@ -205,8 +205,8 @@ def test_a_double_tap_resets_the_eye(page):
     x, y = area["x"] + 0.3 * area["width"], area["y"] + 0.3 * area["height"]
     page.mouse.click(x, y)
     assert page.evaluate("state.E") == [0.8, 0.3]
-    page.mouse.click(x, y)
-    assert page.evaluate("state.E") == [0, 0]
+    # on a busy machine, two clicks can be too far apart in time
+    wait_for(lambda: page.mouse.dblclick(x, y) or page.evaluate("state.E") == [0, 0], 20)
 
 
 def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
