@@ -97,9 +97,8 @@ class Bundle(_Lines):
                 raise ValueError(f"{name}: not finite; allowed: finite numbers")
         if not along[..., 2].all():
             raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
-        self.position, along = map(
-            np.array, np.broadcast_arrays(start, along)
-        )  # copies: the caller may change the given ones
+        # copies: the caller may change the given arrays
+        self.position, along = map(np.array, np.broadcast_arrays(start, along))
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
         if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite

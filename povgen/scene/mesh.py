@@ -51,7 +51,7 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     points -= [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
     reach, tall = float(np.hypot(points[:, 0], points[:, 2]).max()), float(points[:, 1].max())
     if not tall:
-        raise ValueError("should have a height: all its corners are in one level; allowed: another up=")
+        raise ValueError("should have a height: all its corners are in one horizontal plane; allowed: another up=")
     most = min(radius / reach if reach else np.inf, TALLEST / tall)
     scale = min(most, MAX_HEIGHT / tall)
     if height is not None:

@@ -10,6 +10,7 @@ import json
 import re
 import resource
 import sys
+from importlib import import_module
 from io import BytesIO
 from typing import Any
 
@@ -30,7 +31,7 @@ def main() -> int:
         hard = resource.getrlimit(limit)[1]
         resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
     try:
-        import trimesh  # noqa: F401  (after the limits are set)
+        import_module("trimesh")  # after the limits are set
     except ImportError:
         return NO_TRIMESH
     try:

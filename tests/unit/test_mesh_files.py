@@ -180,7 +180,9 @@ def test_values_that_are_refused(tmp_path):
     assert "No such file" in refused(tmp_path / "no.glb")
     flat = stl(CORNERS * (1, 1, 0))
     for options in ("", ",height=0.5"):
-        assert "should have a height: all its corners are in one level" in refused(tmp_path / "flat.stl", flat, options)
+        assert "should have a height: all its corners are in one horizontal plane" in refused(
+            tmp_path / "flat.stl", flat, options
+        )
 
 
 @pytest.mark.parametrize(
