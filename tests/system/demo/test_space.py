@@ -237,11 +237,19 @@ def test_all_that_the_view_names_is_inside_it(page, size, language):
         {"light": "aim", "W": [-1.4, 1.4]},
         {"light": "field"},
     )
-    for values in states:
-        page.evaluate("fromHash('')")
-        for camera in ("corner", "side", "above"):
-            page.evaluate("(camera) => { session.camera = CAMERAS[camera]; }", camera)
-            show(page, level="simple", **values)
-            page.evaluate("draw()")  # when all sentences have their lengths
-            assert page.evaluate(OUTSIDE) == [], (values, camera)
+    found = page.evaluate(
+        f"""(states) => states.flatMap((values) => {{
+          fromHash("");
+          return ["corner", "side", "above"].map((camera) => {{
+            session.camera = CAMERAS[camera];
+            change({{ level: "simple", ...values }});
+            draw();
+            draw();  // when all sentences have their lengths
+            return [values, camera, ({OUTSIDE})()];
+          }});
+        }})""",
+        states,
+    )
+    assert len(found) == 3 * len(states)
+    assert [(values, camera, outside) for values, camera, outside in found if outside] == []
     page.evaluate("session.camera = CAMERAS.corner; choose('en'); draw()")
