@@ -5,7 +5,7 @@ import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
 import { contents, SHOWN } from "./contents.js";
 import { data } from "./data.js";
-import { entry, forms, listed, say } from "./language.js";
+import { entry, forms, listed, percent, say } from "./language.js";
 import { imagingPole, possibleError } from "./moment.js";
 import { angle, brief, fixed, placeText, rough, tilesText } from "./numbers.js";
 import { lightInWindow } from "./rays.js";
@@ -37,10 +37,12 @@ export function turnedBy(nu, of) {
 
 export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { pixels: rough(possibleError(now)) }) : say("seen.doubt_wide"));
 
-const percent = (part) => `${Math.round(100 * part)} %`;
-
 // How much of the window shows the picture, and how much stray light.
-const percents = ({ designed, stray }) => ({ picture: percent(designed), stray: percent(stray), lost: `${100 - Math.round(100 * designed) - Math.round(100 * stray)} %` });
+function percents({ designed, stray }) {
+  const whole = [designed, stray].map((share) => Math.round(100 * share));
+  const [picture, astray, lost] = [...whole, 100 - whole[0] - whole[1]].map((number) => percent(number / 100));
+  return { picture, stray: astray, lost };
+}
 export const lightShares = (now) => say("light.shares", percents(lightInWindow(now)));
 
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.

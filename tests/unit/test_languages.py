@@ -54,6 +54,14 @@ def test_a_language_has_all_sentences_with_the_same_words_in_braces(language):
             assert all({*marks(text)[0]} <= {*marks(value["other"])[0]} for text in value.values()), key
 
 
+def test_no_line_of_french_breaks_before_a_mark():
+    """French has a space before these marks. It must not break: U+00A0 or the narrower U+202F."""
+    for key, value in sentences(TABLES["fr"]).items():
+        texts = value.values() if isinstance(value, dict) else [value] if isinstance(value, str) else value
+        text = "\n".join(texts)
+        assert not re.search(r" [:;?!»]|« |[^\s\u00a0\u202f][?!;»]|«[^\u00a0]", text), key
+
+
 @pytest.mark.parametrize("language", TABLES)
 def test_every_slider_has_a_label_of_the_table(language):
     """A kind that no table has is called by its title."""

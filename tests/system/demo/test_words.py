@@ -356,7 +356,7 @@ def test_stray_light_and_dark_bands_are_said_where_they_fill_the_window(page):
     expect(sentence).not_to_contain_text("stray")
     expect(page.locator("#light-says")).to_contain_text("% is picture, ")
     show(page, z2=1.2)
-    expect(sentence).to_contain_text("% is stray light: below 25 % little is recognised")
+    expect(sentence).to_contain_text("% is stray light: below 25% little is recognised")
     page.evaluate("fromHash('')")
     show(page, sheet="detailed", alpha=1)
     expect(sentence).to_contain_text("dark bands (moire)")
