@@ -77,11 +77,13 @@ def checked_output(
     return path
 
 
-def check_new_folder(path: Path) -> None:
-    """Raise InputError if the folder of this output, which is missing, cannot be made."""
+def check_new_folder(path: Path, longest: str) -> None:
+    """Raise InputError if the folder of this output, which is missing, or a file of this name in it cannot be made."""
     with _refused(f"output = {str(path)!r}", "a file in a folder that can be written to, or in a new one there"):
         with suppress(FileNotFoundError):
             os.lstat(path.parent)  # raises for a name that is too long
+        with suppress(FileNotFoundError):
+            os.lstat(path.parent.parent / longest)  # of the same file system
         tempfile.TemporaryFile(dir=path.parent.resolve().parent).close()
 
 

@@ -26,6 +26,11 @@ def say(message: str) -> None:
         sys.stderr = open(os.devnull, "w")
 
 
+def counted(number: int, what: str) -> str:
+    """Return a number of things as text: 1 frame, 2 frames."""
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def _printable(message: str) -> str:
     return "\n".join(map(one_line, message.split("\n")))
 

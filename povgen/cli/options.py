@@ -287,13 +287,25 @@ def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "t
 
 
 def chosen(
-    scenes: list["Scene"], options: Values, tolerance: "AutoTolerance", renderers: list[str], quiet: bool
+    scenes: list["Scene"],
+    options: Values,
+    tolerance: "AutoTolerance",
+    renderers: list[str],
+    quiet: bool,
+    scheduler: str | None = None,
 ) -> tuple[str, str, str]:
-    """Return what --sheet auto chooses for scenes with prisms: sheet, antialiasing and renderer. Print why."""
+    """Return what --sheet auto chooses for scenes with prisms: sheet, antialiasing and renderer. Print why.
+
+    Raises PovrayError before anything is rendered if the scheduler, which will be needed, does not answer.
+    """
     from povgen.rendering import auto
     from povgen.rendering.views import views
     from povgen.settings import Rendering
 
+    if scheduler:
+        from povgen.rendering.cluster import ask
+
+        ask(scheduler)
     rendering = Rendering(**options)
     shown = [view for scene in scenes for view in views(scene, rendering)]
     choice, why = auto.choose(shown, rendering, tolerance, options.get("antialias"), renderers)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from io import StringIO
 from itertools import product
 from pathlib import Path
+from statistics import median
 from textwrap import fill
 from typing import Any, NamedTuple
 
@@ -60,11 +61,12 @@ def save_frames(points: list[Point], folder: Path) -> None:
 
 
 def _finding(sheet: str, points: list[Point]) -> str:
-    """Return what a panel of these points shows."""
-    if sheet == "detailed":
-        return "Prisms: gl takes about a tenth of POV-Ray's time"
-    ours, theirs = (min((p.rms for p in points if p.method == name), default=0) for name in ("gl ideal", "ideal"))
-    return "Ideal sheet: gl is faster, except for the least errors" if ours > theirs else "Ideal sheet: gl is faster"
+    """Return what a panel of these points shows: the median of the renderers' ratios at equal sampling."""
+    shown = {"detailed": "Prisms", "ideal": "Ideal sheet"}[sheet]
+    seconds = {(p.method, p.sampling): p.cpu for p in points}
+    theirs = {sampling: cpu for (method, sampling), cpu in seconds.items() if method == sheet}
+    shares = [seconds[f"gl {sheet}", each] / cpu for each, cpu in theirs.items() if (f"gl {sheet}", each) in seconds]
+    return f"{shown}: gl takes {median(shares):.0%} of POV-Ray's time" if shares else f"{shown}: error against cost"
 
 
 def read_frames(file: Path) -> list[Point]:
@@ -142,12 +144,18 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
+    counts, seconds, errors = np.transpose([row[1:] for row in rows if row[0] == "detailed"])
+    halved = (abs(np.diff(np.log(errors)) / np.diff(np.log(counts)) + 1) < 0.3).all()
+    cheap = seconds[-1] < 2 * seconds[0]
     with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
         for ax, n, label, title, better in zip(
             figure.subplots(1, 2),
             (3, 2),
             ("distance from the ideal image (px of 1280x960)", "CPU seconds for a frame of 640x480"),
-            ("Twice as many prisms: half the error …", "… for little more CPU time"),
+            (
+                "Twice as many prisms: half the error" if halved else "Error for each number of prisms",
+                "More prisms cost little more CPU time" if cheap else "CPU time for each number of prisms",
+            ),
             (-1, 0),
             strict=True,
         ):
@@ -193,14 +201,16 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
         fewer = [
             [cost[kind, str(n)] for n in range(1, int(name))] if name.isdigit() else [] for kind, name, _, _ in rows
         ]
-        further = [f" (+{row[2] - less[-1]:.2f})" if less else "" for row, less in zip(rows, fewer, strict=True)]
+        steps = [row[2] - less[-1] if less else None for row, less in zip(rows, fewer, strict=True)]
+        further = [f" ({step:+.2f})" if step is not None else "" for step in steps]
+        dear = any(step is not None and step >= less[0] for step, less in zip(steps, fewer, strict=True))
         colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows]
         for ax, column, title, form in (
             (
                 axes[0],
                 2,
-                "A further window costs less than the first",
-                "CPU seconds for a frame of 640x480 (+: for the last window)",
+                "CPU time of several windows" if dear else "A further window costs less than the first",
+                "CPU seconds for a frame of 640x480 (in brackets: of the last window)",
             ),
             (axes[1], 3, "Only prisms displace what is seen", "distance from the exact position (px of 1280x960)"),
         ):
@@ -232,7 +242,9 @@ def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> Non
         ax.plot(workers, wall, "o-", color=PRISMS, label="measured")
         ax.plot(workers, wall * busy, ":", color=GREY, label="if no core were idle")
         ax.set(xlabel=f"POV-Ray processes at once, on {cores} cores", ylabel="wall seconds for 61 frames of 320x240")
-        ax.set_title("Several processes for each core keep the cores busy")
+        several = workers > cores
+        better = several.any() and busy[several].max() > busy[~several].max(initial=0)
+        ax.set_title("Several processes for each core keep the cores busy" if better else "A movie's time by processes")
         ax.set_xscale("log", base=2)
         ax.set_xticks(workers)
         ax.xaxis.set_major_formatter("{x:g}")
@@ -242,9 +254,10 @@ def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> Non
 
 
 class Tables(NamedTuple):
-    """What was measured: the arguments of `save_frames`, `save_prism_counts`, `save_beyond` and `save_workers`."""
+    """What was measured: the arguments of `save_frames`, `save_flicker` and the other functions that save rows."""
 
     frames: list[Point]
+    flicker: list[tuple[str, float]]
     prism_counts: list[tuple[str, int, float, float]]
     beyond: list[tuple[str, str, float, float]]
     workers: list[tuple[int, float, float, int]]
@@ -254,6 +267,7 @@ def read_tables(folder: Path) -> Tables:
     """Return the tables of an earlier measurement. Raises InputError if one is not there."""
     return Tables(
         read_frames(folder / "frames.csv"),
+        _read(folder / "flicker.csv", str, float),
         _read(folder / "prisms.csv", str, int, float, float),
         _read(folder / "beyond.csv", str, str, float, float),
         _read(folder / "workers.csv", int, float, float, int),
@@ -263,6 +277,7 @@ def read_tables(folder: Path) -> Tables:
 def redraw(tables: Tables, folder: Path) -> None:
     """Draw the charts again, from the tables of an earlier measurement."""
     save_frames(tables.frames, folder)
+    save_flicker(tables.flicker, folder)
     save_prism_counts(tables.prism_counts, folder)
     save_beyond(tables.beyond, folder)
     save_workers(tables.workers, folder)
@@ -310,9 +325,8 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
             most, worst = values.max(), _words(ordered[int(values.argmax())])
             names = [f"{ERROR_WORDS[name]} {_with_unit(name, units[name][0])}" for name in ordered]
             bars = ax.barh(names, values, color=PRISMS)
-            texts = [
-                f"below {most / 100:.1g}" if value < most / 100 else f"{value:#.2g}".rstrip(".") for value in values
-            ]
+            least = _rounded_up(most / 100)  # less cannot be seen beside the longest bar
+            texts = [f"below {least:g}" if value < least else _two_digits(value) for value in values]
             ax.bar_label(bars, [text if one else "unknown" for text, one in zip(texts, known, strict=True)], padding=4)
             ax.margins(x=0.12)
             ax.set_xlim(left=0)
@@ -338,7 +352,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
         for ax, (field, unit) in zip(axes, EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             limit = percentile(found, 95)
-            _draw_builds(ax, found[np.isfinite(found)], limit)
+            _draw_builds(ax, found, limit)
             sign = "°" if unit == "degrees" else f" {unit}"
             title = f"95 of 100 builds: {field} by at most {limit:.2g}{sign}"
             if not np.isfinite(limit):
@@ -352,6 +366,18 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
     save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
 
 
+def _rounded_up(value: float) -> float:
+    """Return the least number of one digit that is not below a value, which is 0 or more."""
+    if not value:
+        return 0.0
+    unit = 10.0 ** np.floor(np.log10(value))
+    return float(f"{np.ceil(value / unit - 1e-9) * unit:.1g}")
+
+
+def _two_digits(value: float) -> str:
+    return f"{value:.0f}" if value >= 99.5 else f"{value:#.2g}".rstrip(".")
+
+
 def _words(name: str) -> str:
     """Return what an error is, without its size."""
     return ERROR_WORDS[name].removesuffix(" by").removesuffix(",")
@@ -362,16 +388,26 @@ def _with_unit(name: str, value: float) -> str:
     return f"{value:g}" + {"degrees": "°", "": ""}.get(ERRORS[name].unit, f" {ERRORS[name].unit}")
 
 
-def _draw_builds(ax: Axes, values: Floats, limit: float) -> None:
-    """Draw how many builds have which value. Those above the limit are pale."""
-    width = limit / 12 if 0 < limit < np.inf else np.max(values, initial=1) / 20
-    counts, edges = np.histogram(values, np.arange(0, np.max(values, initial=0) + width, width))
-    colours = ["#a9cbe8" if middle > limit else PRISMS for middle in (edges[1:] + edges[:-1]) / 2]
-    ax.bar(edges[:-1], counts, np.diff(edges), align="edge", color=colours, edgecolor="white")
+def _draw_builds(ax: Axes, found: Floats, limit: float) -> None:
+    """Draw how many builds have which value. Those above the limit are pale. NaN: the object is not seen."""
+    values = found[np.isfinite(found)]
+    most = np.max(values, initial=0)
+    width = limit / 12 if 0 < limit < np.inf else most / 20 or 1.0
+    bins = int(min(np.ceil(most / width - 1e-9), 120)) or 1
+    # a bin has the values above its lower edge, up to its upper edge; the last one also has what is beyond
+    places = np.clip(np.ceil(values / width - 1e-9) - 1, 0, bins - 1).astype(int)
+    edges = width * np.arange(bins)
+    colours = [PRISMS if edge < limit * (1 - 1e-9) or not limit else "#a9cbe8" for edge in edges]
+    ax.bar(edges, np.bincount(places, minlength=bins), width, align="edge", color=colours, edgecolor="white")
     ax.set_xlim(left=0)
+    said = []
     if np.isfinite(limit):
         ax.axvline(limit, color=GREY, linestyle=":")
-        ax.text(0.98, 0.95, "pale: the other 5 of 100", transform=ax.transAxes, ha="right", va="top", color="#444444")
+        above = int((values > limit).sum())
+        said += [f"pale: the other {above} of {len(found)}"] * (above > 0)
+        said += [f"beyond: {number}" for number in [int((values > width * bins * (1 + 1e-9)).sum())] if number]
+    said += [f"not seen: {number}" for number in [len(found) - len(values)] if number]
+    ax.text(0.98, 0.95, "\n".join(said), transform=ax.transAxes, ha="right", va="top", color="#444444")
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:

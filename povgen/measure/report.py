@@ -2,7 +2,7 @@
 
 import csv
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 
@@ -20,10 +20,20 @@ def save_report(path: Path, title: str, text: str, tables: Sequence[Table], pict
     save(to_report(title, text, tables, encoded).encode(), path)
 
 
-def read_tables(folder: Path) -> list[Table]:
-    """Return the tables of a folder's .csv files, but those that are too long for the page."""
+def times(folder: Path) -> dict[Path, int]:
+    """Return when each file of a folder was written, nanoseconds."""
+    return {path: path.stat().st_mtime_ns for path in folder.iterdir() if path.is_file()}
+
+
+def written(folder: Path, before: Mapping[Path, int], suffix: str) -> list[Path]:
+    """Return the files of a folder with a suffix that have been written since `times` was called, by name."""
+    return sorted(path for path, time in times(folder).items() if path.suffix == suffix and before.get(path) != time)
+
+
+def read_tables(files: Iterable[Path]) -> list[Table]:
+    """Return the tables of .csv files, but those that are too long for the page."""
     found: list[Table] = []
-    for file in sorted(folder.glob("*.csv")):
+    for file in files:
         head, *rows = csv.reader(StringIO(file.read_text("utf-8")))
         if len(rows) <= LONGEST:
             found.append((file.name, head, rows))

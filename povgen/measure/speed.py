@@ -110,6 +110,10 @@ def baselines(folder: Path) -> dict[str, str]:
     if not found:
         raise InputError(f"baselines = {str(folder)!r}: no .inc file in it; allowed: a folder of .inc files")
     for name, text in found.items():
+        if name.endswith(("detailed", "ideal")):
+            raise InputError(
+                f"baselines = {str(folder)!r}: {name}.inc: allowed: a name that is none of povgen's methods"
+            )
         if not BASELINE.fullmatch(text):
             raise InputError(f"baselines = {str(folder)!r}: {name}.inc: allowed: a macro Sheet whose names are #local")
     return found

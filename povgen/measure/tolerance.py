@@ -4,12 +4,13 @@ All is found by the exact ray trace, on the designed path (`scene.quantities.see
 `sheets.prisms.ERRORS`, without those of lenses.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError
 from povgen.rendering.results import results
@@ -42,15 +43,24 @@ class Spread(Model):
     """
 
     deviation: Annotated[
-        dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0, le=1)]],  # type: ignore[valid-type]
+        dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0)]],  # type: ignore[valid-type]
         BeforeValidator(as_table),
     ] = Field(
         default={},
-        description="standard deviation of an error, 0 to 1, such as turn=0.05; a separation below 0 is made positive; "
+        description="standard deviation of an error, such as turn=0.05, from 0 to the error's greatest value and to 1; "
+        "a separation below 0 is made positive; "
         "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
+
+    @model_validator(mode="after")
+    def _check_deviation(self) -> Self:
+        for name, value in self.deviation.items():
+            most = min(1.0, ERRORS[name].most)
+            if value > most:
+                raise ValueError(f"deviation: {name} = {value:g}; allowed: 0 to {most:g}")
+        return self
 
 
 class Change(NamedTuple):
@@ -68,21 +78,36 @@ def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | Non
     The unit is a degree; for `separation` it is a tile, and for an index a difference of 1. Two scenes are compared:
     the error is less by its step of `STEPS` in one, and greater in the other. If the scene does not allow the whole
     step, a part of it is used; if it allows no part, the error stays as it is. The difference in what is seen is
-    divided by the difference between the two errors. `displaced` has no sign. Raises InputError for other sheets than
-    one pair of prisms, and for an error that can be neither less nor greater.
+    divided by the difference between the two errors. `displaced` has no sign. Tilts are compared otherwise: `_tilted`.
+    Raises InputError for other sheets than one pair of prisms, and for an error that can be neither less nor greater.
     """
     _checked(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
-    units = {name: high.error.get(name, 0.0) - low.error.get(name, 0.0) for name, (low, high) in ends.items()}
-    for name in STEPS:
-        if not units[name]:
-            raise InputError(f"error: {name}: the scene allows neither less nor more of it")
-    seen = _seen([end for both in ends.values() for end in both], workers, scheduler)
+    seen = _seen([scene, *(end for both in ends.values() for end in both)], workers, scheduler)
     found = {}
-    for number, name in enumerate(STEPS):
-        change = _change(scene, seen.at(2 * number), seen.at(2 * number + 1))
-        found[name] = Change(*(each / units[name] for each in change))
+    for number, (name, both) in enumerate(ends.items()):
+        less, more = (end.error.get(name, 0.0) - scene.error.get(name, 0.0) for end in both)
+        if less == more:
+            raise InputError(f"error: {name}: the scene allows neither less nor more of it")
+        before, after = seen.at(2 * number + 1), seen.at(2 * number + 2)
+        if "tilt" in name and less and more:
+            sides = [_change(scene, seen.at(0), end) for end in (before, after)]
+            found[name] = _tilted(np.divide(sides[0], -less), np.divide(sides[1], more))
+        else:
+            found[name] = Change(*(each / (more - less) for each in _change(scene, before, after)))
     return found
+
+
+def _tilted(less: Floats, more: Floats) -> Change:
+    """Return the greater of the changes by one degree less and by one degree more of a tilt.
+
+    Both ways to tilt a sheet move it away from the other sheet. In the difference between the two scenes, what this
+    does would cancel. The sign is that of a greater tilt or, if both ways do nearly the same, that of what they do.
+    """
+    opposite, same = more - less, more + less
+    sign = np.where(abs(opposite) >= abs(same), opposite, same)
+    displaced, *others = np.copysign(np.maximum(abs(less), abs(more)), sign)
+    return Change(abs(displaced), *others)
 
 
 def _moved(scene: Scene, name: str, step: float) -> Scene:
@@ -93,17 +118,18 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
     return scene
 
 
-def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: str | None = None) -> Change:
-    """Return by how much each of many builds differs from the scene: arrays (builds,), without signs.
+def drawn(scene: Scene, spread: Spread) -> list[Scene]:
+    """Return random builds of a scene.
 
     The drawn errors are added to the scene's own. `facets` and `pitches` replace the scene's, and each build has
     another `seed`. Raises InputError for other sheets than one pair of prisms, and for an error outside its range.
     """
+    _checked(scene)
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
-    drawn = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
-    scenes = [_checked(scene)]
-    for number, errors in enumerate((drawn * list(deviation.values())).tolist()):
+    normal = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
+    scenes = []
+    for number, errors in enumerate((normal * list(deviation.values())).tolist()):
         added = dict(zip(deviation, errors, strict=True))
         error = {name: scene.error.get(name, 0.0) + added.get(name, 0.0) for name in ERRORS}
         if random:  # each build has prisms of its own
@@ -112,7 +138,12 @@ def builds(scene: Scene, spread: Spread, workers: int | None = None, scheduler: 
             scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
         except InputError as problem:
             raise InputError(f"random build {number + 1}: {problem}") from None
-    seen = _seen(scenes, workers, scheduler)
+    return scenes
+
+
+def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, scheduler: str | None = None) -> Change:
+    """Return by how much each of many builds, those of `drawn`, differs from the scene: arrays, without signs."""
+    seen = _seen([scene, *made], workers, scheduler)
     change = _change(scene, seen.at(0), seen.at(slice(1, None)))
     return Change(*map(abs, change))
 
@@ -154,8 +185,18 @@ def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:
     first, second = (_direction(scene, each.position) for each in (before, after))
     angle = 2 * np.arcsin(np.linalg.norm(second - first, axis=-1) / 2)
     turned = (after.nu - before.nu + 180) % 360 - 180
-    blurred = (after.blur - before.blur) / scene.z2
+    blurred = _blur_angle(scene, after) - _blur_angle(scene, before)
     return Change(angle / ARCMINUTE, turned, 100 * (after.M / before.M - 1), blurred / ARCMINUTE)
+
+
+def _blur_angle(scene: Scene, seen: _Seen) -> Any:  # noqa: ANN401  (an array, or a single number)
+    """Return the RMS blur as the eye sees it, radians.
+
+    Seen from the eye, a length in the plane z = 0 is 1/D if it is across the line of sight, of the length D, and z2/D^2
+    if it is in the plane of the line of sight and the normal. The blur is taken as equal in all directions.
+    """
+    square = scene.z2**2 + abs(seen.position - scene.E) ** 2
+    return seen.blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2)
 
 
 def _direction(scene: Scene, position: NDArray[np.complex128]) -> Floats:

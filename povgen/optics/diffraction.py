@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 from povgen.optics.equations import Floats, depth, real
 
 LONGEST = 1e-3  # wavelength, metres
+FARTHEST = 1e200  # z1, metres: for more, the blur is the same
 SINC = 0.8858929414  # full width at half maximum of sinc^2(x) = (sin(pi x)/(pi x))^2
 SHIFT = sqrt(2 / 3)  # RMS displacement of rays by two sheets, in pitches
 SPREAD = sqrt(2) * SINC / (2 * sqrt(2 * log(2)))  # RMS angle of the diffraction at two sheets, in lambda/pitch: 0.532
@@ -35,10 +36,11 @@ def blur(pitch: ArrayLike, wavelength: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
     """Return the RMS blur, radians, in which an eye sees a point at the distance z1 behind a window.
 
     All lengths are in metres, and alpha is in radians. At the pole, Z = 0, the blur is infinite, and so it is for a
-    pitch of 0. Raises ValueError for a negative length, and for a wavelength above a millimetre.
+    pitch of 0. For an infinite z1 it is the limit. Raises ValueError for a negative length, and for a wavelength above
+    a millimetre.
     """
     pitch, waves = real("pitch", pitch, 0), _metres(wavelength)
-    z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
+    z1, z2 = np.minimum(real("z1", z1, 0), FARTHEST), real("z2", z2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.where(pitch == 0, np.inf, SPREAD * waves * z1 / pitch)
         return np.hypot(SHIFT * pitch, spread) / np.abs(depth(z1, z2, alpha))

@@ -69,7 +69,8 @@ class _Lines:
             raise ValueError(f"{len(slope)} rays; allowed: two or more")
         ds, dP = slope - slope.mean(), place - place.mean()
         square = np.vdot(ds, ds).real
-        if square <= 1e-30 * len(ds):
+        # light that comes from behind is bent to within _PRECISION
+        if square <= np.sum((10 * _PRECISION * (1 + abs(slope))) ** 2):
             return Convergence(np.nan, np.nan, np.inf, float(np.sqrt(np.mean(abs(dP) ** 2))))
         z = -np.vdot(ds, dP).real / square
         middle = place.mean() + z * slope.mean()
@@ -163,8 +164,10 @@ def pencil(
 
 
 def joined(bundles: Iterable[Bundle]) -> Bundle:
-    """Return the rays of several bundles (n,) as one bundle."""
-    position, direction = zip(*((bundle.position, bundle.direction) for bundle in bundles), strict=True)
+    """Return the rays of several bundles of any shapes as one bundle (n,). Without bundles, it has no rays."""
+    none = np.empty((0, 3))
+    parts = [(bundle.position.reshape(-1, 3), bundle.direction.reshape(-1, 3)) for bundle in bundles]
+    position, direction = zip((none, none), *parts, strict=True)
     return Bundle(np.concatenate(position), np.concatenate(direction))
 
 
@@ -178,7 +181,7 @@ def checked_count(name: str, value: object, most: int, least: int = 1) -> int:
 def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
     """Return the spot diagram in the plane z of all these rays that are designed, or with `stray` of all that leave.
 
-    Raises ValueError if z is not a finite number.
+    Raises ValueError if z is not a finite number, and without rays.
     """
     if isinstance(z, bool) or not isinstance(z, (int, float, np.number)) or not np.isfinite(z):
         raise ValueError(f"z = {z!r}: allowed: a finite number, tiles")
@@ -186,6 +189,8 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
     for rays in traced:
         points.append(rays[rays.end == End.THROUGH if stray else rays.designed].at(z).ravel())
         count += rays.end.size
+    if not count:
+        raise ValueError("0 rays; allowed: one or more")
     joined = np.concatenate(points)
     return Spot(joined, z, len(joined) / count)
 

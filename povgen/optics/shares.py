@@ -23,12 +23,14 @@ class Shares:
 
 
 def shares(rays: Rays, black_tops: bool = False) -> Shares:
-    """Return what becomes of rays, a result of `trace.trace`.
+    """Return what becomes of rays, a result of `trace.trace`. Raises ValueError without rays.
 
     With `black_tops`, the tops of the prisms absorb light: rays that meet a top from inside the prism, and rays that
     run through the gap between two prisms to the top of the lower one. No ray on the designed path meets a top. Behind
     a top nothing else changes, so that the trace is the same.
     """
+    if not rays.end.size:
+        raise ValueError("0 rays; allowed: one or more")
     absorbed = (rays.faces == Face.TOP).any(-1) & black_tops & ~rays.designed  # edges of profiles have numbers, too
     through = rays.end == End.THROUGH
     kinds = {

@@ -139,7 +139,8 @@ def work_folder() -> AbstractContextManager[Path]:
     try:
         path.mkdir(mode=0o700 if path == _temporary() else 0o777, parents=True, exist_ok=True)
         if not os.access(path, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            code = errno.EROFS if os.statvfs(path).f_flag & os.ST_RDONLY else errno.EACCES
+            raise OSError(code, os.strerror(code))
     except OSError as error:
         raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
     check()
@@ -245,7 +246,7 @@ def trim(most: float) -> list[Path]:
     for _, size, path in stored:
         if total <= most:
             break
-        with suppress(PermissionError):  # another user owns it
+        with suppress(OSError):  # another user owns it, or the disk is read-only
             with suppress(FileNotFoundError):  # another povgen has removed it
                 path.unlink()
                 removed.append(path)

@@ -214,38 +214,49 @@ def call(wanted: str, renderer: str | None, function: Callable[..., Result], *ar
         # this worker may have joined after the others were checked
         check(wanted, renderer)
         return function(*arguments)
-    except (InputError, PovrayError, OSError) as error:
+    except Exception as error:  # of any kind: this worker's code may be another
         kind = type(error) if isinstance(error, PovrayError) else PovrayError
-        named = kind(f"worker {distributed.get_worker().address}: {error}")
+        named = kind(f"worker {distributed.get_worker().address}: {str(error) or type(error).__name__}")
         named.line = getattr(error, "line", None)
         raise named from None
 
 
-def _connected(scheduler: str) -> distributed.Client:
-    """Return a client of the scheduler. Raises PovrayError if no scheduler with this Dask's version answers."""
+def ask(scheduler: str) -> None:
+    """Raise PovrayError if no scheduler with this Dask's version answers."""
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # povgen says what went wrong
 
-    async def ask() -> str:
+    async def version() -> str:
         arguments = distributed.Security().get_connection_args("client")
         async with distributed.rpc(scheduler, timeout=PATIENCE, connection_args=arguments) as there:
             return str((await there.versions())["packages"]["distributed"])
 
-    # Ask first: Dask's client would wait for ever if a server accepts the connection and does not answer. Ask in a
-    # thread: in a notebook, this thread's event loop runs already.
+    # in a thread: in a notebook, this thread's event loop runs already
     try:
         with concurrent.futures.ThreadPoolExecutor(1) as thread:
-            there = thread.submit(asyncio.run, asyncio.wait_for(ask(), PATIENCE)).result()
+            there = thread.submit(asyncio.run, asyncio.wait_for(version(), 2 * PATIENCE)).result()
     except Exception as error:
-        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_first_line(error)})") from None
+        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_cause(error)})") from None
     if there != (here := distributed.__version__):
         raise PovrayError(f"scheduler {scheduler}: it has Dask {there}; wanted, as on this machine: {here}")
+
+
+def _connected(scheduler: str) -> distributed.Client:
+    """Return a client of the scheduler. Raises PovrayError if no scheduler with this Dask's version answers."""
+    ask(scheduler)  # Dask's client would wait for ever if a server accepts the connection and does not answer
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about other versions of other packages
         try:
             return distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except OSError as error:
             raise PovrayError(f"scheduler {scheduler}: {_first_line(error)}") from None
+
+
+def _cause(error: BaseException) -> str:
+    """Return what the first of the errors says that led to this one."""
+    while before := error.__cause__ or error.__context__:
+        error = before
+    return _first_line(error)
 
 
 def _first_line(error: BaseException) -> str:

@@ -232,6 +232,13 @@ def _finished(
         yield frames.popleft()
 
 
+def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
+    """Return how many frames of scenes, of which some have several, are not in the cache."""
+    every = list(chain(*(views(scene, rendering) for scene in scenes)))
+    to_text, *_ = _renderer(every, rendering, None, 1)
+    return sum(not cache.frame_path(to_text(scene), rendering).is_file() for scene in every)
+
+
 def shard(scenes: list[Scene], part: str) -> list[Scene]:
     """Return every n-th of a movie's scenes, starting with the i-th. `part` is "i/n". Raises InputError."""
     found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)

@@ -3,6 +3,7 @@
 import logging
 import os
 import re
+import shutil
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
@@ -148,7 +149,8 @@ def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -
     for part, png in zip(parts, pngs, strict=True):
         part.write_bytes(png)
     with output_folder(files[0].parent) as there, work_folder(there) as beside:
-        for part, file in zip(parts, files, strict=True):
+        moved = [Path(shutil.move(part, beside / part.name)) for part in parts]  # if the disk is full, nothing changes
+        for part, file in zip(moved, files, strict=True):
             save(part, file, beside)
 
 
@@ -160,7 +162,7 @@ def sequence(output: Path, frames: int) -> list[Path]:
     if output.suffix.lower() != ".png":
         return []
     if re.fullmatch(r"[^%]*%(0[1-9])?d[^%]*", output.name) is None:
-        plain = re.sub("%([0-9]*[disux](?![a-z]))?", "", output.stem)
+        plain = re.sub("%(-?[0-9]*[disux](?![a-z]))?", "", output.stem)
         allowed = f"a name with a number, such as {plain}%04d.png, for a PNG file of every frame"
         raise InputError(f"output = {str(output)!r}: one picture; allowed: {', '.join(encode.FORMATS)}, or {allowed}")
     return [output.with_name(output.name % number) for number in range(1, frames + 1)]
@@ -186,11 +188,11 @@ def checked_movie(
     output = as_path(output, [*encode.FORMATS, ".png"], "output")
     if files := sequence(output, frames):
         if not os.path.lexists(output.parent):  # it is made when all frames are there
-            check_new_folder(output)
+            check_new_folder(output, files[-1].name)
             return output
         inputs = [*inputs]
         for file in files:
-            if file == files[0] or file.exists():
+            if file in (files[0], files[-1]) or os.path.lexists(file):  # the last one has the longest name
                 checked_output(file, [".png"], inputs=inputs)
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)

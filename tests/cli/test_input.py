@@ -1,7 +1,9 @@
 """A value that is not allowed is refused: exit status 2, one or two lines that name it, and no file is touched."""
 
+import errno
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -467,6 +469,45 @@ def test_the_folder_of_numbered_pictures(tmp_path):
     assert said.startswith("povgen: output = 'new/er/%d.png': No such file or directory; allowed: a file in a folder")
     for name in ("file", "link"):
         assert f"output = '{name}/1.png': " in refused([*sweep, f"{name}/%d.png"], tmp_path)
+
+
+def test_a_fault_of_a_later_numbered_picture_is_found_before_rendering(tmp_path):
+    long = 250 * "x"
+    for name, target in (("2.png", "circle"), ("circle", "circle"), ("3.png", "missing/3.png")):
+        (tmp_path / name).symlink_to(target)
+    with pytest.raises(InputError, match="output = '.*/2.png': .*loop"):
+        build.checked_movie(tmp_path / "%d.png", 3, 10, Rendering(), [])
+    (tmp_path / "2.png").unlink()
+    with pytest.raises(InputError, match="output = '.*/3.png': No such file"):
+        build.checked_movie(tmp_path / "%d.png", 3, 10, Rendering(), [])
+    for name in (f"{long}%d.png", f"new/{long}%d.png"):  # up to 9, the names have 255 letters
+        build.checked_movie(tmp_path / name, 9, 10, Rendering(), [])
+        with pytest.raises(InputError, match="output = .*(12|%d).png': File name too long"):
+            build.checked_movie(tmp_path / name, 12, 10, Rendering(), [])
+
+
+def test_a_disk_that_becomes_full_changes_no_numbered_picture(tmp_path, monkeypatch):
+    (tmp_path / "work").mkdir()
+    there = tmp_path / "there"
+    there.mkdir()
+    files = [there / f"{number}.png" for number in (1, 2, 3)]
+    for file in files:
+        file.write_bytes(b"before")
+    move, moved = shutil.move, []
+
+    def full(*paths):
+        moved.append(paths)
+        if len(moved) == 3:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return move(*paths)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(shutil, "move", full)
+        with pytest.raises(OSError, match="No space left"):
+            build._save_sequence(3 * [b"after"], tmp_path / "work", files)
+    assert {file.read_bytes() for file in files} == {b"before"} and len([*there.iterdir()]) == 3
+    build._save_sequence(3 * [b"after"], tmp_path / "work", files)
+    assert {file.read_bytes() for file in files} == {b"after"} and len([*there.iterdir()]) == 3
 
 
 def test_a_chart_does_not_replace_a_picture_that_the_scene_shows(tmp_path):

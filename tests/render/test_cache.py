@@ -1,5 +1,6 @@
 """The cache: which folder it may use, which files count as a frame, and what is removed."""
 
+import errno
 import io
 import json
 import multiprocessing
@@ -14,11 +15,12 @@ import tempfile
 import time
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import platformdirs
 import pytest
-from conftest import POVGEN, refused, run_povgen, tree
+from conftest import POVGEN, povgen, refused, run_povgen, tree
 from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, sheets, to_pov
@@ -304,6 +306,42 @@ def test_a_cache_that_is_cleared_at_any_moment(monkeypatch):
     scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 3, 4)]
     found = [frames.read_png(png) for (png,) in frames.render_all(scenes, SMALL, runner=StandIn())]
     assert np.array_equal(found, [COLOURS] * 3)
+
+
+def test_a_cache_on_a_read_only_disk(monkeypatch, tmp_path):
+    """To remove a file fails with another error than without permission."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    list(frames.render_all([Chess(sheet="none")], SMALL, runner=StandIn()))
+
+    def read_only(*_, **__):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", read_only)
+        status, out, err = povgen(["cache", "clear"], tmp_path)
+        assert status == 1 and out.startswith("removed 0 frames") and "files that could not be removed: 1" in err
+        patch.setattr(os, "access", lambda *_: False)
+        patch.setattr(os, "statvfs", lambda _: SimpleNamespace(f_flag=os.ST_RDONLY))
+        with pytest.raises(OSError, match="Read-only file system"):
+            cache.work_folder()
+    assert povgen(["cache", "clear"], tmp_path)[:2] == (
+        0,
+        f"removed 1 frame, 0 ray traces and pieces from {tmp_path}/cache\n",
+    )
+
+
+def test_a_frame_that_is_rendered_again_while_the_cache_is_cleared_could_be_removed(monkeypatch, tmp_path):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    list(frames.render_all([Chess(sheet="none")], SMALL, runner=StandIn()))
+    trim = cache.trim
+
+    def again(most):
+        removed = trim(most)
+        list(frames.render_all([Chess(sheet="none")], SMALL, runner=StandIn()))
+        return removed
+
+    monkeypatch.setattr(cache, "trim", lambda most: again(most) if most < 0 else trim(most))
+    assert povgen(["cache", "clear"], tmp_path)[0] == 0
 
 
 class Removing(StandIn):

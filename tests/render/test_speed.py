@@ -7,7 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
-from conftest import PROJECT
+from conftest import PROJECT, refused
 from typer.testing import CliRunner
 
 from povgen import Chess, MovieSpec, to_pov
@@ -96,18 +96,22 @@ def test_the_command_writes_charts_and_tables(tmp_path, tmp_path_factory, monkey
 
 def test_charts_are_drawn_again_from_their_tables(tmp_path):
     tables = PROJECT / "docs" / "chart"
+    (tmp_path / "again").mkdir()
+    for name in ("empty.csv", "other.csv", "holiday.png"):  # no files of this measurement
+        (tmp_path / "again" / name).write_bytes(b"\xff" * (name != "empty.csv"))
     done = CliRunner().invoke(app, ["chart", "--from", str(tables), "-o", str(tmp_path / "again")])
     assert done.exit_code == 0, done.output
-    for table in ("frames.csv", "prisms.csv", "beyond.csv", "workers.csv"):
+    for table in ("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv"):
         assert (tmp_path / "again" / table).read_text() == (tables / table).read_text()
-        assert any((tmp_path / "again").glob(table.replace(".csv", "*.png")))
+        assert table == "flicker.csv" or any((tmp_path / "again").glob(table.replace(".csv", "*.png")))
     (tmp_path / "prisms.csv").write_text("sheet,prisms\nideal,many\n")
-    shutil.copy(tables / "frames.csv", tmp_path)
+    for table in ("frames.csv", "flicker.csv"):
+        shutil.copy(tables / table, tmp_path)
     with pytest.raises(InputError, match=r"table = 'prisms.csv': allowed: one that povgen chart wrote"):
         charts.read_tables(tmp_path)
     page = (tmp_path / "again" / "charts.html").read_text()
     assert (
-        page.count("data:image/png;base64,") == 10 and page.count("<details>") == 5
+        page.count("data:image/png;base64,") == 10 and page.count("<details>") == 6
     )  # diffraction.csv ... are too long
     assert "<td>1,0.9,2</td>" in page and not re.search("(src|href)=.?(http|//)", page)
 
@@ -194,3 +198,43 @@ def test_a_baseline_is_one_macro_that_leaves_the_scenes_names_as_they_are(tmp_pa
             speed.baselines(tmp_path)
     (tmp_path / "own.inc").write_text(macro)
     assert speed.baselines(tmp_path) == {"own": macro}
+    for name in ("ideal", "gl detailed", "nonideal"):  # would be taken for one of povgen's own
+        (tmp_path / f"{name}.inc").write_text(macro)
+        with pytest.raises(InputError, match=f"{name}.inc: allowed: a name that"):
+            speed.baselines(tmp_path)
+        (tmp_path / f"{name}.inc").unlink()
+
+
+def test_titles_say_what_was_measured(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *_: figures.append(figure))
+
+    def point(method, cpu, sampling="2x"):
+        return speed.Point(method, sampling, (64, 48), None, [cpu], 0.1, 0.1, 0.1)
+
+    points = [point("detailed", 2), point("gl detailed", 3), point("gl detailed", 9, "5x"), point("ideal", 1)]
+    charts.save_frames(points, tmp_path)
+    titles = [ax.get_title("left") for ax in figures[-1].axes]
+    assert titles == ["Prisms: gl takes 150% of POV-Ray's time", "Ideal sheet: error against cost"]
+    for dear, costs in ((False, (1, 1.8, 2.6)), (True, (1, 2.1, 2.0))):
+        charts.save_beyond([("ideal", str(n), cost, 0.0) for n, cost in enumerate(costs, 1)], tmp_path)
+        left, _ = figures[-1].axes
+        assert left.get_title("left").startswith("CPU time" if dear else "A further window costs less")
+        assert [text.get_text() for text in left.texts][2] == ("2.00 (-0.10)" if dear else "2.60 (+0.80)")
+    for errors, costs, titles in (
+        ((8, 4), (1, 1.2), ["Twice as many prisms: half the error", "More prisms cost little more CPU time"]),
+        ((8, 7), (1, 2.2), ["Error for each number of prisms", "CPU time for each number of prisms"]),
+    ):
+        rows = [("detailed", n, cost, error) for n, cost, error in zip((50, 100), costs, errors, strict=True)]
+        charts.save_prism_counts(rows, tmp_path)
+        assert [ax.get_title("left") for ax in figures[-1].axes] == titles
+    for busy, title in ((0.9, "Several processes for each core keep the cores busy"), (0.4, "A movie's time by")):
+        charts.save_workers([(2, 10.0, 0.5, 2), (4, 8.0, busy, 2)], tmp_path)
+        assert figures[-1].axes[0].get_title("left").startswith(title)
+
+
+@pytest.mark.parametrize("options", [("--from", "--baselines"), ("--from", "--optics"), ("--baselines", "--optics")])
+def test_options_of_chart_that_do_not_go_together(options, tmp_path):
+    values = {"--from": [str(PROJECT / "docs" / "chart")], "--baselines": [str(BASELINES)]}
+    line = [word for option in options for word in (option, *values.get(option, []))]
+    assert re.match("povgen: (baselines|optics): with --(from|optics)", refused(["chart", *line], tmp_path))

@@ -90,6 +90,16 @@ def test_a_shard_without_frames():
         assert list(frames.render_all([], Rendering(renderer=renderer))) == []
 
 
+@pytest.mark.parametrize("renderer", ["povray", "gl"])
+def test_a_shard_fails_if_the_cache_does_not_keep_its_frames(renderer, tmp_path, monkeypatch):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("POVGEN_CACHE_SIZE", "0")
+    sweep = ["movie", "chess", "--sweep=alpha=0:90", "--frames=4", "--sheet=ideal", "--size=32x32", "--antialias=off"]
+    status, out, err = povgen([*sweep, "--shard=1/2", f"--renderer={renderer}"], tmp_path)
+    assert (status, out) == (1, "")
+    assert "povgen: shard 1/2: frames that the cache does not keep: 2; allowed: a larger cache" in err
+
+
 def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):
     """Its frames are those that the movie takes from the cache."""
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))

@@ -12,6 +12,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import distributed
 import imageio_ffmpeg
@@ -23,7 +24,7 @@ from forked import Dask
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, remedies, render, results, to_pov
 from povgen.errors import TransientError
 from povgen.files import WORK_PREFIX
-from povgen.rendering import cache, cluster, frames, povray
+from povgen.rendering import auto, cache, cluster, frames, povray
 from povgen.rendering.cluster import Cluster
 from povgen.video import build
 
@@ -418,6 +419,26 @@ def test_no_scheduler(monkeypatch, tmp_path):
         for port in (1, silent.getsockname()[1]):  # where nobody listens, and where nobody answers
             with pytest.raises(PovrayError, match=f"scheduler tcp://127.0.0.1:{port}: no Dask scheduler answers"):
                 Cluster(f"tcp://127.0.0.1:{port}")
+
+
+def test_why_no_scheduler_answers():
+    for address, why in (("127.0.0.1:1", "Connection refused"), ("no.such.host.invalid:1", "not known|resolution")):
+        with pytest.raises(PovrayError, match=f"no Dask scheduler answers .*({why})"):
+            cluster.ask(f"tcp://{address}")
+
+
+def test_the_scheduler_is_asked_before_a_sheet_is_chosen(tmp_path, monkeypatch):
+    monkeypatch.setattr(auto, "choose", lambda *_: pytest.fail("something was rendered"))
+    line = ["movie", "chess", "--sweep=alpha=10:90", "--frames=3", "--size=32x32", "--sheet=auto", "--tolerance=1px"]
+    status, _, err = povgen([*line, "--scheduler=tcp://127.0.0.1:1"], tmp_path)
+    assert status == 1 and "no Dask scheduler answers" in err and "sheet" not in err
+
+
+def test_a_worker_with_other_code_is_named(monkeypatch):
+    monkeypatch.setattr(cluster, "check", lambda *_: None)
+    monkeypatch.setattr(distributed, "get_worker", lambda: SimpleNamespace(address="tcp://one:2"))
+    with pytest.raises(PovrayError, match="worker tcp://one:2: .*missing 1 required positional argument"):
+        cluster.call("", None, lambda x: x)
 
 
 def test_no_workers_and_no_address(tmp_path):

@@ -156,6 +156,32 @@ def test_a_lens_makes_parallel_rays_of_its_focus():
     assert scene.trace(scene.pencil((0, 0, -6), 100)).convergence().z == pytest.approx(12)  # 1/6 + 1/12 = 1/4
 
 
+@pytest.mark.parametrize(
+    "sheet", [{"sheet": "ideal", "alpha": 66}, {"sheet": "law", "law": "x+0.3*z, y, z"}, {"sheet": "lenslets"}]
+)
+@pytest.mark.parametrize("slope", [0, 1, 5, 5j, 4 - 3j])
+@pytest.mark.parametrize("way", [1, -1])
+def test_parallel_rays_stay_parallel_however_steep(sheet, slope, way, rng):
+    """Rays towards the eye are bent by a search, which is less exact."""
+    middle = np.column_stack((rng.uniform(-0.5, 0.5, (200, 2)), np.zeros(200)))
+    direction = np.array([complex(slope).real, complex(slope).imag, 1.0])
+    light = Chess(**sheet).trace(Bundle(middle - 6 * way * direction, way * direction))
+    assert light.designed.all() and light.convergence().z == np.inf
+
+
+def test_bundles_of_any_shape_are_joined_and_none_has_no_spot():
+    two = rays.joined([Bundle(np.zeros((2, 3, 3)) - 6, (0, 0, 1)), Bundle(np.zeros((4, 3)) - 6, (0, 0, 1))])
+    assert two.shape == (10,) and rays.joined([]).shape == (0,)
+    scene = Chess(sheet="ideal")
+    for call in (
+        lambda: rays.spot([scene.trace(rays.joined([]))], 1),
+        lambda: rays.spot([], 1),
+        lambda: shares(scene.trace(rays.joined([]))),
+    ):
+        with pytest.raises(ValueError, match="0 rays; allowed: one or more"):
+            call()
+
+
 def test_a_spot_through_prisms_shrinks_with_them():
     spots = [Chess(alpha=180, prisms=N).spot((0.1, 0.2, 2), -2, 2000, 0.1, 0.4) for N in (50, 100, 200)]
     sizes = np.array([spot.rms for spot in spots])

@@ -160,7 +160,7 @@ def test_the_prediction_knows_the_pitch(mismatch):
 def test_facets_of_random_builds():
     """Each build draws its own facets, and all are blurred alike."""
     rough = Chess(prisms=200, alpha=90, z1=10, z2=10)
-    change = tolerance.builds(rough, tolerance.Spread(deviation={"facets": 0.1}, builds=6))
+    change = tolerance.builds(rough, tolerance.drawn(rough, tolerance.Spread(deviation={"facets": 0.1}, builds=6)))
     assert len(set(change.displaced)) == 6 and (change.blurred > 2).all()
 
 
@@ -178,8 +178,27 @@ def test_sensitivities(found):
     assert found["separation"].displaced == pytest.approx(abs(moved - before) / tolerance.ARCMINUTE, rel=0.02)
     # at alpha = 90 the light of an object as far as the eye appears displaced by 1/sqrt(2) of the light's deviation
     assert found["far_tilt_x"].displaced == pytest.approx(120 / np.sqrt(2), rel=0.02)
-    assert found["far_tilt_y"].displaced < 1
+    # whichever way it is tilted, it is moved away from the other sheet
+    tilted = (FINE.replace(error={"far_tilt_y": tilt}).apparent_position(FINE.L, FINE.z1) for tilt in (1, -1))
+    apart = max(abs(position - exact) for position in tilted) / FINE.z2 / tolerance.ARCMINUTE
+    assert found["far_tilt_y"].displaced == pytest.approx(apart, abs=0.25) and apart > 0.5
     assert np.hypot(found["tilt_x"].displaced, found["tilt_y"].displaced) == pytest.approx(120 / np.sqrt(2), rel=0.02)
+
+
+def test_the_sign_of_a_tilt_is_that_of_a_greater_one_or_of_both():
+    less, more = np.array([2.0, -3.0, 5.0, 0.1]), np.array([1.0, 4.0, 6.0, -0.1])
+    assert tolerance._tilted(less, more) == (2, 4, 6, -0.1)
+    assert tolerance._tilted(more, less) == (2, -4, 6, 0.1)
+
+
+@pytest.mark.parametrize("aside", [0, 3])
+def test_a_blur_is_an_angle_at_the_eye(aside):
+    scene = Chess(eye=(aside, aside), z2=6)
+    seen = tolerance._Seen(np.array([-0.5 + 0.2j]), np.zeros(1), np.ones(1), np.array([1e-3]))
+    step = np.exp(2j * np.pi * np.arange(360) / 360)
+    cloud = tolerance._direction(scene, seen.position + 1e-3 * step)
+    angles = np.linalg.norm(cloud - tolerance._direction(scene, seen.position), axis=-1)
+    assert tolerance._blur_angle(scene, seen) == pytest.approx(np.sqrt(np.mean(angles**2)), rel=1e-3)
 
 
 def test_sensitivities_of_errors_at_the_end_of_their_range():
@@ -198,13 +217,13 @@ def test_sensitivities_where_the_scene_allows_only_smaller_errors():
 
 def test_random_builds_of_a_scene_with_an_error():
     wrong = FINE.replace(error={"turn": 1})
-    change = tolerance.builds(wrong, tolerance.Spread(deviation={"turn": 0.01}, builds=5))
+    change = tolerance.builds(wrong, tolerance.drawn(wrong, tolerance.Spread(deviation={"turn": 0.01}, builds=5)))
     assert (change.turned < 0.05).all() and (change.displaced < 0.2).all()
 
 
 def test_random_builds_agree_with_the_sensitivities(found):
     spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
-    change = tolerance.builds(FINE, spread)
+    change = tolerance.builds(FINE, tolerance.drawn(FINE, spread))
     unit = found["far_tilt_x"].displaced
     drawn = abs(np.random.default_rng(1).normal(size=60)) * 0.02
     np.testing.assert_allclose(change.displaced, unit * drawn, rtol=0.05, atol=0.02)
@@ -242,6 +261,45 @@ def test_the_chart_of_errors_has_a_bar_for_each_and_names_the_worst(tmp_path, mo
         '"turn, 1 degree","displaced, arcminutes",2',
         '"separation, 0.01 tiles","displaced, arcminutes",9',
     ]
+
+
+def test_the_numbers_at_the_bars_are_right(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
+    found = {"turn": tolerance.Change(149.0, 1.49, 0.0, 0.0), "tilt_x": tolerance.Change(1.4, 0.0141, 0.0, 0.0)}
+    charts.save_sensitivities(found, tmp_path / "errors.png")
+    left, right = ([text.get_text() for text in ax.texts] for ax in figures[0].axes)
+    assert left == ["below 2", "149"] and right == ["below 0.02", "1.5"]
+    charts.save_sensitivities(dict.fromkeys(found, tolerance.Change(0.0, 0.0, 0.0, 0.0)), tmp_path / "errors.png")
+    assert [text.get_text() for text in figures[1].axes[0].texts] == ["0.0", "0.0"]
+
+
+@pytest.mark.parametrize(
+    "values, pale, said",
+    [
+        (np.arange(1, 101) / 100, 4, ["pale: the other 4 of 100"]),
+        (np.full(20, 0.3), 0, []),
+        ([*np.full(199, 1e-9), 50.0], 1, ["pale: the other 1 of 200", "beyond: 1"]),
+        ([*np.full(188, 0.0025), *np.full(12, np.nan)], 0, ["not seen: 12"]),
+        ([*np.full(99, 0.5), np.nan], 0, ["not seen: 1"]),
+        (np.zeros(10), 0, []),
+        (np.full(4, np.nan), 0, ["not seen: 4"]),
+    ],
+)
+def test_the_chart_of_builds_counts_each(values, pale, said, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: figures.append(figure))
+    values = np.array(values)
+    charts.save_builds(tolerance.Change(*[values] * 4), {"turn": 0.1}, tmp_path / "builds.png")
+    ax = figures[0].axes[0]
+    blue = {bar.get_facecolor() for bar in ax.patches if bar.get_x() == 0}
+    found = {bar.get_x(): bar.get_height() for bar in ax.patches if bar.get_height()}
+    assert sum(found.values()) == np.isfinite(values).sum()
+    assert sum(bar.get_height() for bar in ax.patches if bar.get_facecolor() not in blue) == pale
+    assert len(ax.patches) <= 120 and [text.get_text() for text in ax.texts] == ["\n".join(said)]
+    seen = values[np.isfinite(values)]
+    if len(seen) and seen.max() > 0 and "beyond: 1" not in said:  # bars as wide as the values
+        assert ax.patches[0].get_width() < seen.max() / 5
 
 
 def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
@@ -288,9 +346,11 @@ def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
             lambda: tolerance.sensitivities(Chess(sheet="ideal")),
             "windows: 1, sheet = 'ideal'; allowed: one window, sheet = 'detailed'",
         ),
-        (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation = ['turn=2']: should be less than"),
+        (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation: turn = 2; allowed: 0 to 1"),
+        (lambda: tolerance.Spread(deviation="pitches=0.5"), "deviation: pitches = 0.5; allowed: 0 to 0.05"),
+        (lambda: tolerance.Spread(deviation={"turn": -1}), "deviation = {'turn': -1}: should be greater than"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
-        (lambda: tolerance.builds(FINE, tolerance.Spread(deviation={"index": 1})), "random build 1: error: index = "),
+        (lambda: tolerance.drawn(FINE, tolerance.Spread(deviation={"index": 0.1})), "random build 4: error: index = "),
     ],
 )
 def test_what_is_refused(call, words):

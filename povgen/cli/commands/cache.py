@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from povgen.errors import InputError
-from povgen.progress import tell
+from povgen.progress import counted, tell
 
 
 def command(
@@ -26,11 +26,12 @@ def command(
         raise InputError(f"{what!r}: allowed: info or clear")
     cache.check()
     if what == "clear":
-        found = [path for _, _, path in cache.by_last_use()]
-        tell(f"removed {_counts(cache.trim(-1))} from {cache.folder()}")
-        if removed := cache.remove_leftovers():
-            tell(f"removed {removed} folders that killed povgens left")
-        if kept := sum(path.exists() for path in found):
+        found, removed = [path for _, _, path in cache.by_last_use()], cache.trim(-1)
+        tell(f"removed {_counts(removed)} from {cache.folder()}")
+        if left := cache.remove_leftovers():
+            tell(f"removed {counted(left, 'folder')} that killed povgens left")
+        # a movie that is being made can have written a removed file again
+        if kept := sum(path.exists() for path in {*found} - {*removed}):
             raise PermissionError(EACCES, f"files that could not be removed: {kept}", str(cache.folder()))
     else:
         files = cache.by_last_use()
@@ -38,9 +39,9 @@ def command(
         counts = _counts([path for _, _, path in files])
         tell(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
         if sizes := cache.leftover_sizes():
-            tell(f"{len(sizes)} folders that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
+            tell(f"{counted(len(sizes), 'folder')} that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
 
 
 def _counts(files: list[Path]) -> str:
     frames = sum(path.suffix in (".png", ".light") for path in files)
-    return f"{frames} frames, {len(files) - frames} ray traces and pieces"
+    return f"{counted(frames, 'frame')}, {len(files) - frames} ray traces and pieces"

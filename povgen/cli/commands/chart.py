@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import made_folder, output_to
+from povgen.errors import InputError
 from povgen.progress import say
 
 
@@ -32,10 +33,18 @@ def command(
     from povgen.files import save
     from povgen.measure import charts, field, glass, report, speed
 
+    for name, given in (("baselines", baselines), ("optics", optics)):
+        if tables and given:
+            raise InputError(
+                f"{name}: with --from nothing is measured, and all charts are drawn; allowed without --from"
+            )
+    if optics and baselines:
+        raise InputError("baselines: with --optics no pictures are measured; allowed without --optics")
     sheet_macros = speed.baselines(baselines) if baselines else {}
     others = [p for file in sorted(baselines.glob("*.csv")) for p in charts.read_frames(file)] if baselines else []
     measured = charts.read_tables(tables) if tables else None
     with made_folder(output) as folder:
+        before = report.times(folder)
         glass.save_charts(folder)
         field.save_charts(folder)
         if measured:
@@ -48,6 +57,5 @@ def command(
             charts.save_workers(list(speed.measure_workers(say)), folder)
             save(f"{speed.machine()}\n".encode(), folder / "machine.txt")
         text = "Cost and error of pictures. The data of each chart stand in a .csv file beside this page."
-        report.save_report(
-            folder / "charts.html", "povgen's charts", text, report.read_tables(folder), sorted(folder.glob("*.png"))
-        )
+        drawn, saved = (report.written(folder, before, suffix) for suffix in (".png", ".csv"))
+        report.save_report(folder / "charts.html", "povgen's charts", text, report.read_tables(saved), drawn)

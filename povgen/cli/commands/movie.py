@@ -24,7 +24,7 @@ from povgen.cli.options import (
 )
 from povgen.cli.report import tell_if_long, warn
 from povgen.errors import InputError, one_line
-from povgen.progress import bar, tell
+from povgen.progress import bar, counted, tell
 
 if TYPE_CHECKING:
     from povgen.scene.scenes import Scene
@@ -123,7 +123,7 @@ def command(
         checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
     if limit is not None:
         check_views(scenes, rendering)
-        choice = chosen(scenes, options, limit, renderers, quiet)
+        choice = chosen(scenes, options, limit, renderers, quiet, scheduler)
         values["sheet"], options["antialias"], options["renderer"] = choice
         made, rendering = loaded.with_fixed(values), Rendering(**options)
         scenes = made.scenes(rendering.quality)
@@ -231,11 +231,17 @@ def _shard(scenes: list["Scene"], rendering: "Rendering", part: str | None) -> "
 
 
 def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:
-    """Render the frames of a shard into the cache."""
-    from povgen.rendering.frames import render_all
+    """Render the frames of a shard into the cache. Raises TransientError for frames that are not there at the end."""
+    from povgen.errors import TransientError
+    from povgen.rendering.frames import missing, render_all
 
     with bar(f"shard {part}", len(scenes), quiet) as done:
         for _ in render_all(scenes, rendering, count, done):
             pass
+    if lost := missing(scenes, rendering):
+        raise TransientError(
+            f"shard {part}: frames that the cache does not keep: {lost}; allowed: a larger cache (POVGEN_CACHE_SIZE), "
+            "to which povgen can write"
+        )
     if not quiet:
-        tell(f"rendered shard {part}: {len(scenes)} frames")
+        tell(f"rendered shard {part}: {counted(len(scenes), 'frame')}")

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import SceneName, Scheduler, Workers, output_to, scene_of, takes
+from povgen.errors import InputError
 from povgen.progress import tell
 
 
@@ -45,6 +46,9 @@ def command(
 
     made, count = scene_of(scene, values), worker_count(workers)
     spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
+    if builds and not deviation:
+        raise InputError(f"builds = {builds}: no build has an error; allowed with --deviation")
+    random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
         from povgen.measure import charts  # says what is missing before anything is traced
@@ -56,10 +60,10 @@ def command(
         unit = {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of")
         table.add_row(f"{unit} {name}", *(f"{float(value):.3g}" for value in change))
     console.print(table)
-    if output and not spread.deviation:
+    if output and not random:
         charts.save_sensitivities(found, output)
-    if spread.deviation:
-        differing = tolerance.builds(made, spread, count, scheduler)
+    if random:
+        differing = tolerance.builds(made, random, count, scheduler)
         given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
         table = Table("of the builds", *columns, title=f"{spread.builds} builds with the standard deviations {given}")
         for percentile in tolerance.PERCENTILES:

@@ -79,11 +79,13 @@ def command(
             shown.update(table, refresh=True)
 
         if folder:
+            from povgen.measure import report
             from povgen.measure.stability import maps
             from povgen.measure.stability_chart import save_maps
 
+            before = report.times(folder)
             save_maps(maps(sheet), folder, add)
-            pictures = sorted(folder.glob("*.png"))
+            pictures = report.written(folder, before, ".png")
         else:
             for measured in _checks(sheet, gl, live):
                 add(measured)

@@ -14,7 +14,7 @@ pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
 
 def test_the_page_is_one_small_file(demo_file):
-    assert demo_file.stat().st_size < 1_200_000
+    assert demo_file.stat().st_size < 1_250_000
     text = demo_file.read_text("utf-8")
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r'(src|href)="(?!data:|\$\{)', text)

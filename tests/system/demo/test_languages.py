@@ -98,7 +98,7 @@ def test_the_language_is_changed_and_kept_in_the_address(page):
         page.locator("#number-z1").fill("2,5")
         assert page.evaluate("state.z1") == 2.5 and "language=de" in page.evaluate("toHash()")
         page.evaluate("openQuestion(1); draw()")
-        expect(page.locator("#ask")).to_contain_text("Wohin dreht sich der Springer?")
+        expect(page.locator("#ask")).to_contain_text("In welchem Sinn dreht sich der Springer?")
         page.evaluate("fromHash('#language=fr'); draw()")
         expect(page.locator("#reset")).to_have_text("Réinitialiser")
         page.evaluate("fromHash('#piece=queen'); draw()")
