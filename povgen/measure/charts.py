@@ -61,12 +61,14 @@ def save_frames(points: list[Point], folder: Path) -> None:
 
 
 def _finding(sheet: str, points: list[Point]) -> str:
-    """Return what a panel of these points shows: the median of the renderers' ratios at equal sampling."""
+    """Return what a panel of these points shows, by the median of the renderers' ratios of cost at equal sampling."""
     shown = {"detailed": "Prisms", "ideal": "Ideal sheet"}[sheet]
     seconds = {(p.method, p.sampling): p.cpu for p in points}
     theirs = {sampling: cpu for (method, sampling), cpu in seconds.items() if method == sheet}
     shares = [seconds[f"gl {sheet}", each] / cpu for each, cpu in theirs.items() if (f"gl {sheet}", each) in seconds]
-    return f"{shown}: gl takes {median(shares):.0%} of POV-Ray's time" if shares else f"{shown}: error against cost"
+    if not shares:
+        return f"{shown}: error against cost"
+    return f"{shown}: gl is {'faster' if median(shares) < 1 else 'slower'} than POV-Ray"
 
 
 def read_frames(file: Path) -> list[Point]:
