@@ -101,6 +101,32 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
         return (E + distance * s)[()]
 
 
+def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
+    """Return z of the plane in which light of points comes together again, from the first window, and where in it.
+
+    L (n,) are points a distance z1 behind the last window. Their light runs as if it came from the places (n,) in this
+    plane, whatever its slope: an image, virtual behind the first window (z > 0), real before it. z is infinite if the
+    light of each point is parallel. The result is NaN if light of a point does not come together, or if a window has no
+    matrix.
+    """
+    points = np.asarray(L, complex)
+    nowhere = np.full(points.shape, complex(np.nan, np.nan))
+    (_, first), *others = windows
+    total = matrix([(0.0, first), *others])
+    if total is None or not np.isfinite(total).all():
+        return np.nan, nowhere
+    # rays with place p and slope s at the first window meet the points' plane at a p + b s + c
+    a, b, c = (total[:2, part] + z1 * total[2:4, part] for part in (slice(2), slice(2, 4), 4))
+    small = 1e-11 * (np.linalg.norm(b) + (1 + abs(z1)) * np.linalg.norm(a))
+    if (1 + abs(z1)) * np.linalg.norm(a) <= small:
+        return np.inf, nowhere
+    z = np.vdot(a, b) / np.vdot(a, a)  # those through the place p in the plane z are at p - z s in the first window
+    if np.linalg.norm(b - z * a) > small or abs(np.linalg.det(a)) <= 1e-9 * np.linalg.norm(a) ** 2:
+        return np.nan, nowhere
+    x, y = np.linalg.solve(a, np.stack((points.real - c[0], points.imag - c[1])))
+    return float(z), x + 1j * y
+
+
 def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
     """Return A and B: if the slope at the eye changes by a small ds, L moves by A ds + B conj(ds).
 

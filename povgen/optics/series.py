@@ -25,19 +25,6 @@ def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Comple
     return depth(z1, 0, alpha, behind)
 
 
-def image_distance(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Floats:
-    """Return the distance of the image of the object's plane behind the first window, or NaN if there is no image.
-
-    A positive distance is a virtual image: light seems to come from it. A negative distance is a real image, before the
-    first window. An eye sees it standing in the air if it is farther from the window than the image. The image is
-    upright and as large as the object.
-    """
-    behind = tuple(behind)
-    W = image_depth(z1, alpha, behind)
-    size = np.abs(z1) + sum(np.abs(d) for d, _ in behind)
-    return np.where(np.abs(W.imag) <= ROUNDING * size, W.real, np.nan)[()]
-
-
 def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats]:
     """Return z1 of the plane that has an image, and the distance of the image behind the first window.
 
@@ -46,7 +33,7 @@ def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats
     sines: z1 = -d sin(alpha_1)/sin(alpha_1 + alpha_2), and W = d sin(alpha_2)/sin(alpha_1 + alpha_2).
 
     z1 < 0 is a plane before the last window: no object can stand there, but an image made by other optics can. If
-    sin(phi) = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `image_distance`.
+    sin(phi) = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `apparent.image`.
     """
     behind = tuple(behind)
     c = image_depth(0, alpha, behind)

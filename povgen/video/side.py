@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from povgen.optics import apparent
-from povgen.optics.series import image_depth, image_distance
 from povgen.scene.scenes import MAX_ASIDE, Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
@@ -23,29 +22,6 @@ ARROW = 1.2  # height of the arrow that stands for a piece, tiles
 ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
 
 
-def images(scene: Scene) -> list[float]:
-    """Return z of the image of each object, tiles: NaN where light from the object never comes together.
-
-    For ideal sheets, of which prisms are an approximation, and for others that have a ray-transfer matrix. z < 0 is
-    before the first window: a real image.
-    """
-    if not scene.rotates:
-        return [_image_of_slopes(scene, z1) for z1 in scene.distances]
-    found = image_distance(np.array(scene.distances), np.radians(scene.alphas[0]), scene.behind)
-    return [float(z) for z in np.atleast_1d(found)]
-
-
-def _image_of_slopes(scene: Scene, z1: float) -> float:
-    """Return z of the image by a single sheet that multiplies slopes by a real number, and adds one times the place."""
-    matrix = scene.sheets[0].transfer if len(scene.sheets) == 1 else None
-    if matrix is None:
-        return float("nan")
-    of_place, of_slope = matrix[2:4, 0:2], matrix[2:4, 2:4]
-    alike = [np.allclose(part, part[0, 0] * np.eye(2), atol=1e-9) for part in (of_place, of_slope)]
-    with np.errstate(divide="ignore"):  # an image at infinity
-        return float(z1 * of_slope[0, 0] / (1 + z1 * of_place[0, 0])) if all(alike) else float("nan")
-
-
 class Extent(NamedTuple):
     """What a side view shows: least and greatest z, and up to which distance from the z axis, tiles.
 
@@ -58,14 +34,30 @@ class Extent(NamedTuple):
     from_above: bool
 
 
+class Drawn(NamedTuple):
+    """An object, or its image, in a side view: x + iy of its points in the plane z, tiles."""
+
+    z: float
+    place: complex  # of a piece the centre of its foot, of a sphere its centre
+    tip: complex  # of the arrow that stands for a piece
+    rim: complex
+
+    def heights(self, from_above: bool) -> list[float]:
+        """Return how high the ends are in the view."""
+        return [_height(each, from_above) for each in (self.place, self.tip)]
+
+
 class Shown(NamedTuple):
     """An object in a side view."""
 
-    L: complex
-    z: float
-    radius: float
+    thing: Drawn
+    image: Drawn  # z is NaN if light from the object never comes together, and infinite if it is parallel
     z1: float
-    image: float  # z of its image, NaN if there is none
+
+    def covers_its_image(self, from_above: bool) -> bool:
+        """Whether both are drawn at the same place."""
+        thing, image = ([each.z, *each.heights(from_above)] for each in (self.thing, self.image))
+        return bool(np.allclose(thing, image, atol=1e-6))
 
 
 def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
@@ -78,9 +70,11 @@ def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
     ends, heights = [0.0], [0.1]
     for scene in scenes:
         shown, there = _shown(scene)
-        ends += [-scene.z2, *scene.places, *(each.z for each in shown), *there]
-        places = scene.E - aside, scene.E + aside, *(each.L for each in shown)
-        heights += [scene.aperture / 2, *(abs(_height(place, from_above)) for place in places)]
+        drawn = [*(each.thing for each in shown), *there]
+        ends += [-scene.z2, *scene.places, *(each.z for each in drawn)]
+        high = [height for each in drawn for height in each.heights(from_above)]
+        high += [_height(place, from_above) for place in (scene.E - aside, scene.E + aside)]
+        heights += [scene.aperture / 2, *map(abs, high)]
     return Extent(min(ends), max(ends), max(heights), from_above)
 
 
@@ -89,12 +83,22 @@ def _height(place: complex, from_above: bool) -> float:
     return -place.real if from_above else place.imag
 
 
-def _shown(scene: Scene) -> tuple[list[Shown], list[float]]:
-    """Return the objects that are not beyond FARTHEST, and z of their images that are not."""
+def _shown(scene: Scene) -> tuple[list[Shown], list[Drawn]]:
+    """Return the objects that are not beyond FARTHEST, and those of their images that are not.
+
+    The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
+    """
     most, last = FARTHEST * scene.z2, scene.places[-1]
-    found = zip(scene.objects, scene.radii, images(scene), strict=True)
-    shown = [Shown(L, last + z1, radius, z1, image) for (L, z1), radius, image in found if z1 <= most]
-    return shown, [each.image for each in shown if -most <= each.image <= last + most]
+    distances = np.diff((-scene.z2, *scene.places))
+    windows = [(float(d), sheet.thin) for d, sheet in zip(distances, scene.sheets, strict=True)]
+    empty = all(sheet.name == "none" for sheet in scene.sheets)
+    shown = []
+    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
+        if z1 <= most:
+            points = [L, L + 1j * ARROW * isinstance(scene, Chess), L + radius]
+            z, places = apparent.image(points, z1, windows)
+            shown.append(Shown(Drawn(last + z1, *points), Drawn(z, *map(complex, places)), z1))
+    return shown, [each.image for each in shown if -most <= each.image.z <= last + most and not empty]
 
 
 def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
@@ -119,7 +123,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     draw = ImageDraw.Draw(image)
     thick = FINER * max(1, round(height / 240))
     draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
-    if len(shown) == 1 and (scene.rotates or there):
+    if len(shown) == 1:
         for eye, points in _rays(scene, shown[0], from_above)[::-1]:
             colour = RAY if eye == scene.E else OTHER_RAYS
             (z, end), (window, start) = points[:2]
@@ -131,37 +135,48 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     half = scene.aperture / 2
     for z in scene.places:
         draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
+
+    def show(each: Drawn, colour: tuple[int, int, int], thick: int) -> None:
+        radius = None if upright else FINER * scale * abs(each.rim - each.place)
+        _object(draw, at(each.z, each.place), at(each.z, each.tip)[1], radius, colour, thick)
+
     upright = isinstance(scene, Chess) and not from_above
     for each in shown:
-        _object(draw, at(each.z, each.L), FINER * scale, each.radius, upright, OBJECT, thick)
-        if each.image in there:
-            _object(draw, at(each.image, each.L), FINER * scale, each.radius, upright, IMAGE, thick)
+        if each.image in there:  # wider if the object covers it, so that both are seen
+            show(each.image, IMAGE, thick * (1 + each.covers_its_image(from_above)))
+        show(each.thing, OBJECT, thick)
     x, y = at(-scene.z2, scene.E)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
     image = image.reduce(FINER)
     draw = ImageDraw.Draw(image)
     write(draw, 0.3 * size, 0.9 * size, "from above" if from_above else "from the side", size)
     numbers = [(z, f"window {n}" if n == 1 else str(n)) for n, z in enumerate(scene.places, 1)]
-    windows = numbers if scene.window else [(0.0, "sheets")]
+    sheet = scene.sheets[0]
+    word = "window" if sheet.name == "none" else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
+    windows = numbers if scene.window else [(0.0, word)]
     for names, aside in ((windows, -1), (_names(scene, shown, there, last), 1)):
         labels = [(left + scale * z, text) for z, text in names]
         _labels(draw, labels, middle + aside * (scale * (reach if aside > 0 else half) + 0.9 * size), size, width)
     return np.asarray(image)
 
 
-def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[float], last: float) -> list[tuple[float, str]]:
+def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Drawn], last: float) -> list[tuple[float, str]]:
     """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
 
-    `there` is z of the images that are shown, and `last` the greatest z.
+    `there` are the images that are shown, and `last` is the greatest z.
     """
     names = [(-scene.z2, "eye")]
-    names += [(each.z, "object" if len(shown) == 1 else "objects") for each in shown[-1:]]
-    names += [(z, "real image" if z < 0 else "virtual image") for z in there[:1]]
+    names += [(each.thing.z, "object" if len(shown) == 1 else "objects") for each in shown[-1:]]
+    for each in there[:1]:
+        kind = "image in the window" if abs(each.z) < 1e-6 else "real image" if each.z < 0 else "virtual image"
+        names.append((each.z, kind))
     if len(shown) < len(scene.objects):
         names.append((last, f"{len(scene.objects) - len(shown)} farther"))
-    elif scene.rotates and all(np.isnan(each.image) for each in shown):
-        nearest = image_depth(scene.distances[0], np.radians(scene.alphas[0]), scene.behind).real
-        names.append((float(nearest), "no common point of rays"))
+    found = [each.image.z for each in shown]
+    if found and np.isnan(found).all():
+        names.append((0.0, "no common point of rays"))
+    elif found and np.isinf(found).all():
+        names.append((0.0, "image at infinity"))
     return names
 
 
@@ -172,7 +187,7 @@ def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[co
     windows is left out.
     """
     z1 = shown.z1
-    tip = shown.L + 1j * (ARROW if isinstance(scene, Chess) and not from_above else 0)
+    tip = shown.thing.place if from_above else shown.thing.tip
     found = []
     for way in (0, *ASIDE):
         step = complex(way) * scene.aperture
@@ -184,7 +199,7 @@ def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[co
         corners = [(-scene.z2, eye)]
         for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
             corners.append((z, complex(before)))
-        found.append((eye, [*corners, (shown.z, tip)]))
+        found.append((eye, [*corners, (shown.thing.z, tip)]))
     return found
 
 
@@ -196,20 +211,20 @@ def _moved(place: float, step: float) -> float:
 def _object(
     draw: ImageDraw.ImageDraw,
     place: tuple[float, float],
-    scale: float,
-    radius: float,
-    upright: bool,
+    top: float,
+    radius: float | None,
     colour: tuple[int, int, int],
     thick: int,
 ) -> None:
-    """Draw a piece as an arrow that stands on the place, or a sphere around it."""
+    """Draw an arrow from a place to the height `top`, or if there is a radius a disc around the place."""
     x, y = place
-    if upright:
-        top, head = y - ARROW * scale, 4 * thick
-        draw.line([(x, y), (x, top + head)], fill=colour, width=2 * thick)
+    if radius is None:
+        head = 4 * thick * (1 if top < y else -1)
+        if abs(top - y) > abs(head):
+            draw.line([(x, y), (x, top + head)], fill=colour, width=2 * thick)
         draw.polygon([(x, top), (x - head, top + 1.6 * head), (x + head, top + 1.6 * head)], fill=colour)
     else:
-        half = max(radius * scale, 2 * thick)
+        half = max(radius, 2 * thick)
         draw.ellipse([x - half, y - half, x + half, y + half], fill=colour)
 
 

@@ -23,18 +23,61 @@ def rays(scene, from_above=False):
     return side._rays(scene, side._shown(scene)[0][0], from_above)
 
 
+def images(scene):
+    return [each.image.z for each in side._shown(scene)[0]]
+
+
 def test_images_are_where_the_light_comes_together():
-    assert side.images(Chess(alpha=180, z1=2)) == pytest.approx([-2])  # a real image, as far before the window
-    assert side.images(Chess(alpha=0, z1=2)) == pytest.approx([2])
-    assert side.images(Chess(**TWO)) == pytest.approx([-2])
-    assert np.isnan(side.images(Chess(alpha=66))).all()  # light never comes together
-    assert np.isnan(side.images(Chess(sheet="refraction", ratio=0.7))).all()
-    assert np.isnan(side.images(Chess(sheet="view-rotator", alpha=20))).all()
-    assert side.images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
-    assert side.images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
-    assert side.images(Chess(sheet="lens", focal_length=4)) == pytest.approx([4])
+    assert images(Chess(alpha=180, z1=2)) == pytest.approx([-2])  # a real image, as far before the window
+    assert images(Chess(alpha=0, z1=2)) == pytest.approx([2])
+    assert images(Chess(**TWO)) == pytest.approx([-2])
+    assert np.isnan(images(Chess(alpha=66))).all()  # light never comes together
+    assert np.isnan(images(Chess(sheet="refraction", ratio=0.7))).all()
+    assert np.isnan(images(Chess(sheet="view-rotator", alpha=20, view_distance=3))).all()
+    assert np.isnan(images(Chess(sheet="single"))).all()
+    assert images(Chess(sheet="view-rotator", alpha=20, view_distance=2)) == pytest.approx([2])  # of this plane
+    assert images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
+    assert images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
+    assert images(Chess(sheet="lens", focal_length=4)) == pytest.approx([4])
     for turned in (Chess(sheet="refraction", ratio=1, alpha=180), Chess(sheet="twist", twist=0, alpha=180)):
-        assert side.images(turned) == pytest.approx([-2])
+        assert images(turned) == pytest.approx([-2])
+    lens = {"sheet": "lens", "focal_length": 1}
+    assert images(Chess(**lens, window={**lens, "z": 4}, z1=2)) == pytest.approx([-2])  # a relay
+    half = {"sheet": "lenslets", "alpha": 180}
+    assert images(Chess(**half, window={**half, "z": 2})) == pytest.approx([0])
+    assert images(Chess(sheet="none", window={"sheet": "ideal", "alpha": 180, "z": 1})) == pytest.approx([-1])
+
+
+@pytest.mark.parametrize(
+    ("scene", "size"),
+    [
+        (Chess(sheet="lens", focal_length=1), -1),
+        (Chess(sheet="lens", focal_length=-3), 0.6),
+        (Chess(sheet="glens"), 1.5),
+        (Chess(sheet="lens", focal_length=2, z1=3, window="sheet=lens,focal_length=3,z=1"), -2 / 3),
+    ],
+)
+def test_an_image_has_its_own_size(scene, size):
+    """Its tip is where rays from the object's tip meet."""
+    (each,), _ = side._shown(scene)
+    thing, image = each.thing, each.image
+    assert image.tip - image.place == pytest.approx(size * (thing.tip - thing.place))
+    for _, ((z0, y0), (z1, y1), *_) in rays(scene):
+        assert y0 + (y1 - y0) * (image.z - z0) / (z1 - z0) == pytest.approx(image.tip)
+    sphere = Spheres(
+        **scene.model_dump(include={"sheet", "focal_length", "window", "object_focal_length"}), z1=[scene.z1]
+    )
+    (each,), _ = side._shown(sphere)
+    assert abs(each.image.rim - each.image.place) == pytest.approx(abs(size) * sphere.radii[0])
+    strip = side.side_view(scene, *SIZE)
+    drawn = [np.flatnonzero((strip == colour).all(-1).any(1)) for colour in (side.IMAGE, side.OBJECT)]
+    if scene.sheet != "glens":  # there the object covers a part
+        assert np.ptp(drawn[0]) / np.ptp(drawn[1]) == pytest.approx(abs(size), abs=0.06)
+        heads = [
+            (strip[rows] == colour).all(-1).any(0)
+            for rows, colour in zip(drawn, (side.IMAGE, side.OBJECT), strict=True)
+        ]
+        assert all(head.any() for head in heads)
 
 
 @pytest.mark.parametrize("scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9)])
@@ -43,7 +86,7 @@ def test_distances_have_one_scale(scene):
     assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0
     windows, (thing,), (image,) = (middles(strip, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE))
     (eye, *_) = middles(strip[BETWEEN], (255, 255, 255))
-    places = np.array([-scene.z2, *scene.places, scene.places[-1] + scene.z1, *side.images(scene)])
+    places = np.array([-scene.z2, *scene.places, scene.places[-1] + scene.z1, *images(scene)])
     pixels = np.array([eye, *windows, thing, image])
     scale = (thing - eye) / (places[-2] - places[0])
     assert abs(pixels - eye - scale * (places - places[0])).max() < 1.5
@@ -56,7 +99,7 @@ def test_distances_have_one_scale(scene):
 
 @pytest.mark.parametrize("scene", [Chess(sheet="ideal", alpha=180, eye=(0, 0.4)), Chess(sheet="ideal", **TWO)])
 def test_rays_from_the_objects_tip_meet_at_the_images(scene):
-    (image,) = side.images(scene)
+    (image,) = images(scene)
     heights = []
     for eye, ((z0, y0), (z1, y1), *_, (last, tip)) in rays(scene):
         heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
@@ -123,7 +166,7 @@ def test_eyes_of_a_pair_are_in_the_view():
 @pytest.mark.filterwarnings("error")
 def test_an_image_at_infinity_is_none_of_the_views():
     scene = Chess(sheet="lens", focal_length=2, z1=2)
-    assert side.images(scene) == [np.inf]
+    assert images(scene) == [np.inf]
     side.side_view(scene, *SIZE)
 
 
@@ -134,12 +177,19 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Chess(alpha=66), {"eye", "sheets", "object", "no common point of rays", "from the side"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
         (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
+        (Chess(sheet="none"), {"eye", "window", "object", "from the side"}),
+        (Chess(sheet="mirror"), {"eye", "sheet", "object", "no common point of rays", "from the side"}),
+        (Chess(sheet="lens", focal_length=2), {"eye", "sheet", "object", "image at infinity", "from the side"}),
+        (
+            Chess(alpha=180, window="alpha=180,z=2"),
+            {"eye", "window 1", "2", "object", "image in the window", "from the side"},
+        ),
         (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
         (
             Chess(alpha=0, window="alpha=0,z=2", z2=1, z1=3.9),
             {"eye", "window 1", "2", "object", "virtual image", "from the side"},
         ),
-        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "from the side"}),
+        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "no common point of rays", "from the side"}),
         (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):
         texts.clear()
@@ -149,6 +199,13 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
             ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if (y < 80) == above)
             assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
             assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
+
+
+@pytest.mark.parametrize("scene", [Chess(alpha=0), Chess(sheet="law", law="x + 0.3*z, y, z"), Spheres(alpha=0, z1=[3])])
+def test_an_object_and_an_image_at_the_same_place_are_both_seen(scene):
+    strip = side.side_view(scene, *SIZE)
+    for colour in (side.OBJECT, side.IMAGE):
+        assert (strip == colour).all(-1).sum() > 10
 
 
 def test_it_is_added_below_the_picture(tmp_path):
