@@ -239,7 +239,7 @@ def _values(scene: Scene) -> dict[str, str]:
         for each in numbers:
             x = sheet.values[each.name] * (each.said.factor if each.said else 1)
             unit = _unit(each.name)
-            text = (f"{x:z.1f}".removesuffix(".0") if unit.startswith("°") else _number(x, ".3g")) + unit
+            text = _number(x, ".4g" if unit.startswith("°") else ".3g") + unit
             name = each.name if words.setdefault(each.name, each.said) == each.said else f"{each.name} {sheet.name}"
             found.setdefault(name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
-from itertools import pairwise
+from itertools import combinations, islice, pairwise
 from math import ceil
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,8 @@ OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colo
     "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
 }
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
+LINES = 4  # of a strip of text, at most
+SAMPLE = 1.7  # width of a dot or line in a strip with the space after it, in units of the text's height
 GAP = 1.4  # between two texts of a strip, in units of the text's height
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
 AT_ONCE = 1 << 18  # so many pixels are computed at a time in `_discs`, for the same reason
@@ -122,22 +125,47 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
     return list(dict.fromkeys(item for view in shown for item in key(view, rendering)))
 
 
+def _broken(item: Item, most: float) -> list[Item]:
+    """Return an item's lines. They are as wide as `most`, in units of the text's height, if no word is wider.
+
+    The lines of all frames of a movie break after the same words, those of the widest text.
+    """
+    width = most - SAMPLE * bool(item.colour)
+    if text_width(item.widest) <= width:
+        return [item]
+    lines: list[list[str]] = [[]]
+    for word in item.widest.split(" "):
+        if lines[-1] and text_width(" ".join([*lines[-1], word])) > width:
+            lines.append([])
+        lines[-1].append(word)
+    words = iter(item.text.split(" "))
+    texts = [" ".join(islice(words, len(line))) for line in lines]
+    texts[-1] = " ".join(filter(None, [texts[-1], *words]))
+    colours = [item.colour, *[None] * (len(lines) - 1)]
+    return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
+
+
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
-    """Return a strip with items for a picture of this size, in 1 to 3 lines; without items, a strip without rows.
+    """Return a strip with items for a picture of this size, in 1 to LINES lines; without items, a strip without rows.
 
     The text's height is a fraction of the picture's height, times `larger`. In small pictures this fraction is greater,
-    so that the text stays legible. If the items do not fit, the text is made smaller.
+    so that the text stays legible. An item that is wider than the picture is broken between words. If the items do not
+    fit, the text is made smaller.
     """
     if not items:
         return np.empty((0, width, 3), np.uint8)
     size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
-    sample = 1.7  # width of a dot or line with the space after it, in units of the text's height
+    items = [part for item in items for part in _broken(item, free / size)]
     # the widths of items, each with the gap after it, in the same units
-    widths = [text_width(item.widest) + sample * bool(item.colour) + GAP for item in items]
-    for lines in range(1, min(3, len(items)) + 1):
-        rows = np.array_split(np.arange(len(items)), lines)
-        widest = max(np.take(widths, row).sum() for row in rows) - GAP
+    widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
+    for lines in range(1, min(LINES, len(items)) + 1):
+        starts = ([*places, len(items)] for places in combinations(range(1, len(items)), lines - 1))
+        every = ([range(a, b) for a, b in pairwise([0, *places])] for places in starts)
+        # of all ways to divide the items into lines the one whose longest line is shortest
+        widest, rows = min(
+            ((max(sum(widths[n] for n in row) for row in way) - GAP, way) for way in every), key=itemgetter(0)
+        )
         if size * widest <= free:
             break
     size = min(size, free / widest)
@@ -150,8 +178,8 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
         for n in row:
             colour = items[n].colour
             if colour:
-                samples.append((place + size * np.linspace(0.2, sample - 0.6, 60) + 1j * middle, colour))
-            write(draw, place + size * sample * bool(colour), middle, items[n].text, size)
+                samples.append((place + size * np.linspace(0.2, SAMPLE - 0.6, 60) + 1j * middle, colour))
+            write(draw, place + size * SAMPLE * bool(colour), middle, items[n].text, size)
             place += size * widths[n]
     strip = np.array(image)
     for points, colour in samples:

@@ -209,7 +209,7 @@ def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
     [
         (Chess(alpha=-359.99, z1=5000, z2=12.3456), ["-360°", "5000 tiles", "12.35 tiles", "0.00247"]),
         (Chess(alpha=-0.0, z1=0.8, z2=150), ["0°", "0.8 tiles", "150 tiles", "188"]),
-        (Chess(alpha=-0.02, z1=0.8, z2=150), ["0°", "0.8 tiles", "150 tiles", "188"]),
+        (Chess(alpha=-0.02, z1=0.8, z2=150), ["-0.02°", "0.8 tiles", "150 tiles", "188"]),
     ],
 )
 def test_numbers_are_not_in_powers_of_ten(scene, texts):
@@ -538,6 +538,38 @@ def test_a_strip_has_no_line_without_text():
     long = overlay.Item("w" * 60, "w" * 60)
     one, two = (overlay.strip([long] * count, 320, 240) for count in (1, 2))
     assert len(two) == 2 * len(one)
+
+
+def rows_of(monkeypatch, items, width, height=240):
+    """Return the texts of each line of a strip, and the height of its letters."""
+    written = []
+    monkeypatch.setattr(overlay, "write", lambda draw, x, middle, text, size: written.append((middle, text, size)))
+    overlay.strip(items, width, height)
+    return [[text for y, text, _ in written if y == line] for line in sorted({y for y, *_ in written})], written[0][2]
+
+
+def test_the_longest_line_of_a_strip_is_as_short_as_it_can_be(monkeypatch):
+    texts = ["index behind/before sheet 0.7, light turned by 40°", "z₁ = 2 tiles", "z₂ = 6 tiles"]
+    found, size = rows_of(monkeypatch, [overlay.Item(text, text) for text in texts], 320)
+    assert found == [texts[:1], texts[1:]] and size == 12
+
+
+def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
+    note = "Question three: which way does the knight turn, and by how much does it turn?"
+    items = [overlay.Item("α = 66°", "α = 166°"), overlay.Item(note, note)]
+    found, size = rows_of(monkeypatch, items, 320)
+    assert size == 12 and found[0] == ["α = 66°"] and " ".join(text for (text,) in found[1:]) == note
+    widest = "the knight appears turned by 160.55 degrees and magnified 222 times"
+    for text in (widest, widest.replace("160.55", "1").replace("222", "2"), "none", ""):
+        broken = overlay._broken(overlay.Item(text, widest), 20)
+        assert [item.widest for item in broken] == [
+            item.widest for item in overlay._broken(overlay.Item(widest, widest), 20)
+        ]
+        assert " ".join(filter(None, (item.text for item in broken))) == text
+        assert text in ("none", "") or [len(item.text.split()) for item in broken] == [
+            len(i.widest.split()) for i in broken
+        ]
+    assert len(overlay._broken(overlay.Item("w" * 80, "w" * 80), 20)) == 1  # a word is not broken
 
 
 def test_a_note_ends_the_caption():
