@@ -146,9 +146,10 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
     save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
-    counts, seconds, errors = np.transpose([row[1:] for row in rows if row[0] == "detailed"])
-    halved = (abs(np.diff(np.log(errors)) / np.diff(np.log(counts)) + 1) < 0.3).all()
-    cheap = seconds[-1] < 2 * seconds[0]
+    counts, seconds, errors = np.transpose(sorted(row[1:] for row in rows if row[0] == "detailed"))
+    several = len(counts) > 1
+    halved = several and (errors > 0).all() and (abs(np.diff(np.log(errors)) / np.diff(np.log(counts)) + 1) < 0.3).all()
+    cheap = several and seconds[-1] < 2 * seconds[0]
     with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
         for ax, n, label, title, better in zip(
             figure.subplots(1, 2),
@@ -369,7 +370,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
 
 
 def _rounded_up(value: float) -> float:
-    """Return the least number of one digit that is not below a value, which is 0 or more."""
+    """Return the least number of one digit that is not below a value, which is finite and 0 or more."""
     if not value:
         return 0.0
     unit = 10.0 ** np.floor(np.log10(value))
@@ -399,7 +400,7 @@ def _draw_builds(ax: Axes, found: Floats, limit: float) -> None:
     # a bin has the values above its lower edge, up to its upper edge; the last one also has what is beyond
     places = np.clip(np.ceil(values / width - 1e-9) - 1, 0, bins - 1).astype(int)
     edges = width * np.arange(bins)
-    colours = [PRISMS if edge < limit * (1 - 1e-9) or not limit else "#a9cbe8" for edge in edges]
+    colours = [PRISMS if not edge or edge < limit * (1 - 1e-9) else "#a9cbe8" for edge in edges]
     ax.bar(edges, np.bincount(places, minlength=bins), width, align="edge", color=colours, edgecolor="white")
     ax.set_xlim(left=0)
     said = []

@@ -47,8 +47,8 @@ class Spread(Model):
         BeforeValidator(as_table),
     ] = Field(
         default={},
-        description="standard deviation of an error, such as turn=0.05, from 0 to the error's greatest value and to 1; "
-        "a separation below 0 is made positive; "
+        description="standard deviation of an error, such as turn=0.05: at most a quarter of what the error can be, "
+        "and at most 1; facets 0 to 1 and pitches 0 to 0.05; a separation below 0 is made positive; "
         "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
@@ -57,7 +57,7 @@ class Spread(Model):
     @model_validator(mode="after")
     def _check_deviation(self) -> Self:
         for name, value in self.deviation.items():
-            most = min(1.0, ERRORS[name].most)
+            most = min(1.0, ERRORS[name].most / (1 if name in RANDOM else 4))  # few builds are farther off
             if value > most:
                 raise ValueError(f"deviation: {name} = {value:g}; allowed: 0 to {most:g}")
         return self
@@ -81,7 +81,7 @@ def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | Non
     divided by the difference between the two errors. `displaced` has no sign. Tilts are compared otherwise: `_tilted`.
     Raises InputError for other sheets than one pair of prisms, and for an error that can be neither less nor greater.
     """
-    _checked(scene)
+    _check(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
     seen = _seen([scene, *(end for both in ends.values() for end in both)], workers, scheduler)
     found = {}
@@ -124,7 +124,7 @@ def drawn(scene: Scene, spread: Spread) -> list[Scene]:
     The drawn errors are added to the scene's own. `facets` and `pitches` replace the scene's, and each build has
     another `seed`. Raises InputError for other sheets than one pair of prisms, and for an error outside its range.
     """
-    _checked(scene)
+    _check(scene)
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
     normal = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
@@ -168,12 +168,11 @@ class _Seen(NamedTuple):
         return _Seen(self.position[which], self.nu[which], self.M[which], self.blur[which])
 
 
-def _checked(scene: Scene) -> Scene:
+def _check(scene: Scene) -> None:
     if not isinstance(scene.sheets[0], PrismPair) or scene.window:
         raise InputError(
             f"windows: {1 + len(scene.window)}, sheet = {scene.sheet!r}; allowed: one window, sheet = 'detailed'"
         )
-    return scene
 
 
 def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:

@@ -216,7 +216,8 @@ def call(wanted: str, renderer: str | None, function: Callable[..., Result], *ar
         return function(*arguments)
     except Exception as error:  # of any kind: this worker's code may be another
         kind = type(error) if isinstance(error, PovrayError) else PovrayError
-        named = kind(f"worker {distributed.get_worker().address}: {str(error) or type(error).__name__}")
+        what = str(error) if isinstance(error, (InputError, PovrayError, OSError)) else repr(error)
+        named = kind(f"worker {distributed.get_worker().address}: {what}")
         named.line = getattr(error, "line", None)
         raise named from None
 

@@ -234,6 +234,7 @@ def _finished(
 
 def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
     """Return how many frames of scenes, of which some have several, are not in the cache."""
+    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     every = list(chain(*(views(scene, rendering) for scene in scenes)))
     to_text, *_ = _renderer(every, rendering, None, 1)
     return sum(not cache.frame_path(to_text(scene), rendering).is_file() for scene in every)

@@ -28,7 +28,7 @@ Reals = NDArray[np.float64]
 
 
 class Caption(NamedTuple):
-    """A frame's caption: its texts, and for each the widest text at the same place in any frame of the movie."""
+    """A frame's caption: its texts, and for each a text that is as wide as any at the same place in the movie."""
 
     texts: Sequence[str]
     widest: Sequence[str]
@@ -52,9 +52,17 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
         rows = [[] for _ in scenes]
     if rendering.note:
         rows = [[*row, rendering.note] for row in rows]
-    widest = [max(set(texts), key=text_width) for texts in zip_longest(*rows, fillvalue="")]
+    widest = [_widest(texts) for texts in zip_longest(*rows, fillvalue="")]
     # scenes of several kinds can have different numbers of texts
     return [Caption([*texts, *[""] * (len(widest) - len(texts))], widest, size) for texts in rows]
+
+
+def _widest(texts: Sequence[str]) -> str:
+    """Return a text that is as wide as any of these. If all have as many words, so is each of its words."""
+    words = [text.split(" ") for text in {*texts} - {""}]
+    if len({len(row) for row in words}) == 1:
+        return " ".join(max(each, key=text_width) for each in zip(*words, strict=True))
+    return max(texts, key=text_width)
 
 
 def _still(scene: Scene) -> list[str]:

@@ -126,9 +126,9 @@ def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str,
 
 
 def _broken(item: Item, most: float) -> list[Item]:
-    """Return an item's lines. They are as wide as `most`, in units of the text's height, if no word is wider.
+    """Return an item's lines. They are at most as wide as `most`, in units of the text's height, if no word is wider.
 
-    The lines of all frames of a movie break after the same words, those of the widest text.
+    The lines of all frames of a movie break after the same words: `Caption.widest` has the widest of each word.
     """
     width = most - SAMPLE * bool(item.colour)
     if text_width(item.widest) <= width:
@@ -145,6 +145,23 @@ def _broken(item: Item, most: float) -> list[Item]:
     return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
 
 
+@lru_cache(16)  # all frames of a movie have the same
+def _rows(widths: tuple[float, ...], most: float) -> tuple[list[range], float]:
+    """Return the items of each line, which have these widths with the gaps after them, and the longest line's width.
+
+    There are as few lines as fit into `most`, or LINES. Of all ways to divide the items the longest line is shortest.
+    """
+    for lines in range(1, min(LINES, len(widths)) + 1):
+        starts = ([*places, len(widths)] for places in combinations(range(1, len(widths)), lines - 1))
+        every = ([range(a, b) for a, b in pairwise([0, *places])] for places in starts)
+        widest, rows = min(
+            ((max(sum(widths[n] for n in row) for row in way) - GAP, way) for way in every), key=itemgetter(0)
+        )
+        if widest <= most:
+            break
+    return rows, widest
+
+
 def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
     """Return a strip with items for a picture of this size, in 1 to LINES lines; without items, a strip without rows.
 
@@ -159,18 +176,10 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     items = [part for item in items for part in _broken(item, free / size)]
     # the widths of items, each with the gap after it, in the same units
     widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
-    for lines in range(1, min(LINES, len(items)) + 1):
-        starts = ([*places, len(items)] for places in combinations(range(1, len(items)), lines - 1))
-        every = ([range(a, b) for a, b in pairwise([0, *places])] for places in starts)
-        # of all ways to divide the items into lines the one whose longest line is shortest
-        widest, rows = min(
-            ((max(sum(widths[n] for n in row) for row in way) - GAP, way) for way in every), key=itemgetter(0)
-        )
-        if size * widest <= free:
-            break
+    rows, widest = _rows(tuple(widths), free / size)
     size = min(size, free / widest)
     step = 2 * ceil(0.8 * size)  # even, because a movie stores pixels in blocks of 2x2
-    image = Image.new("RGB", (width, lines * step), STRIP)
+    image = Image.new("RGB", (width, len(rows) * step), STRIP)
     draw = ImageDraw.Draw(image)
     samples = []
     for line, row in enumerate(rows):

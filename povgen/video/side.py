@@ -14,6 +14,7 @@ from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
 FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
+HIGHEST = 2  # an image higher than this multiple of what else is shown is left out
 LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (190, 200, 220)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 ARROW = 1.2  # height of the arrow that stands for a piece, tiles
@@ -40,11 +41,16 @@ class Drawn(NamedTuple):
     z: float
     place: complex  # of a piece the centre of its foot, of a sphere its centre
     tip: complex  # of the arrow that stands for a piece
-    rim: complex
+    rim: complex  # a point on the circle of a sphere, or of a piece's foot
 
-    def heights(self, from_above: bool) -> list[float]:
-        """Return how high the ends are in the view."""
-        return [_height(each, from_above) for each in (self.place, self.tip)]
+    def radius(self, discs: bool) -> float:
+        """Return the radius of the disc that is drawn, or 0 for an arrow."""
+        return abs(self.rim - self.place) if discs else 0.0
+
+    def heights(self, from_above: bool, discs: bool) -> list[float]:
+        """Return how high its ends are in the view."""
+        middle, radius = _height(self.place, from_above), self.radius(discs)
+        return [middle - radius, middle + radius] if discs else [middle, _height(self.tip, from_above)]
 
 
 class Shown(NamedTuple):
@@ -54,9 +60,9 @@ class Shown(NamedTuple):
     image: Drawn  # z is NaN if light from the object never comes together, and infinite if it is parallel
     z1: float
 
-    def covers_its_image(self, from_above: bool) -> bool:
+    def covers_its_image(self, from_above: bool, discs: bool) -> bool:
         """Whether both are drawn at the same place."""
-        thing, image = ([each.z, *each.heights(from_above)] for each in (self.thing, self.image))
+        thing, image = ([each.z, *each.heights(from_above, discs)] for each in (self.thing, self.image))
         return bool(np.allclose(thing, image, atol=1e-6))
 
 
@@ -69,10 +75,11 @@ def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
     from_above = len(eyes) > 1 == len({E.imag for E in eyes})
     ends, heights = [0.0], [0.1]
     for scene in scenes:
-        shown, there = _shown(scene)
+        discs = _discs(scene, from_above)
+        shown, there = _shown(scene, from_above)
         drawn = [*(each.thing for each in shown), *there]
-        ends += [-scene.z2, *scene.places, *(each.z for each in drawn)]
-        high = [height for each in drawn for height in each.heights(from_above)]
+        ends += [-scene.z2, *scene.places, *(each.z + way * each.radius(discs) for each in drawn for way in (-1, 1))]
+        high = [height for each in drawn for height in each.heights(from_above, discs)]
         high += [_height(place, from_above) for place in (scene.E - aside, scene.E + aside)]
         heights += [scene.aperture / 2, *map(abs, high)]
     return Extent(min(ends), max(ends), max(heights), from_above)
@@ -83,22 +90,28 @@ def _height(place: complex, from_above: bool) -> float:
     return -place.real if from_above else place.imag
 
 
-def _shown(scene: Scene) -> tuple[list[Shown], list[Drawn]]:
-    """Return the objects that are not beyond FARTHEST, and those of their images that are not.
+def _discs(scene: Scene, from_above: bool) -> bool:
+    """Whether the objects are drawn as discs: spheres, and from above the feet of pieces."""
+    return from_above or not isinstance(scene, Chess)
+
+
+def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Drawn]]:
+    """Return the objects that are not beyond FARTHEST, and their images if they are neither beyond it nor too high.
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
     """
-    most, last = FARTHEST * scene.z2, scene.places[-1]
+    most, last, discs = FARTHEST * scene.z2, scene.places[-1], _discs(scene, from_above)
     distances = np.diff((-scene.z2, *scene.places))
     windows = [(float(d), sheet.thin) for d, sheet in zip(distances, scene.sheets, strict=True)]
-    empty = all(sheet.name == "none" for sheet in scene.sheets)
-    shown = []
+    shown, high = [], [scene.aperture / 2]
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if z1 <= most:
             points = [L, L + 1j * ARROW * isinstance(scene, Chess), L + radius]
             z, places = apparent.image(points, z1, windows)
             shown.append(Shown(Drawn(last + z1, *points), Drawn(z, *map(complex, places)), z1))
-    return shown, [each.image for each in shown if -most <= each.image.z <= last + most and not empty]
+            high += map(abs, shown[-1].thing.heights(from_above, discs))
+    there = [each.image for each in shown if -most <= each.image.z <= last + most and not scene.is_empty]
+    return shown, [each for each in there if max(map(abs, each.heights(from_above, discs))) <= HIGHEST * max(high)]
 
 
 def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
@@ -107,9 +120,8 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
     left out, and the text says how many. `shows` is the extent if it is not that of this scene alone: that of a movie.
     """
-    shown, there = _shown(scene)
-    shows = shows or extent([scene])
-    first, last, reach, from_above = shows
+    first, last, reach, from_above = shows or extent([scene])
+    shown, there = _shown(scene, from_above)
     rows = 2 * round(HEIGHT * height / 2)
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     scale = min((width - 6 * size) / (last - first), (rows - 3.4 * size) / (2 * reach))
@@ -136,14 +148,15 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     for z in scene.places:
         draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
 
-    def show(each: Drawn, colour: tuple[int, int, int], thick: int) -> None:
-        radius = None if upright else FINER * scale * abs(each.rim - each.place)
-        _object(draw, at(each.z, each.place), at(each.z, each.tip)[1], radius, colour, thick)
+    discs = _discs(scene, from_above)
 
-    upright = isinstance(scene, Chess) and not from_above
+    def show(each: Drawn, colour: tuple[int, int, int], width: int) -> None:
+        radius = FINER * scale * each.radius(discs) if discs else None
+        _object(draw, at(each.z, each.place), at(each.z, each.tip)[1], radius, colour, width)
+
     for each in shown:
         if each.image in there:  # wider if the object covers it, so that both are seen
-            show(each.image, IMAGE, thick * (1 + each.covers_its_image(from_above)))
+            show(each.image, IMAGE, thick * (1 + each.covers_its_image(from_above, discs)))
         show(each.thing, OBJECT, thick)
     x, y = at(-scene.z2, scene.E)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
@@ -168,15 +181,16 @@ def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Drawn], last: f
     names = [(-scene.z2, "eye")]
     names += [(each.thing.z, "object" if len(shown) == 1 else "objects") for each in shown[-1:]]
     for each in there[:1]:
-        kind = "image in the window" if abs(each.z) < 1e-6 else "real image" if each.z < 0 else "virtual image"
+        inside = any(abs(each.z - z) < 1e-6 for z in scene.places)
+        kind = "image in a window" if inside else "real image" if each.z < 0 else "virtual image"
         names.append((each.z, kind))
     if len(shown) < len(scene.objects):
         names.append((last, f"{len(scene.objects) - len(shown)} farther"))
     found = [each.image.z for each in shown]
     if found and np.isnan(found).all():
         names.append((0.0, "no common point of rays"))
-    elif found and np.isinf(found).all():
-        names.append((0.0, "image at infinity"))
+    elif found and not there and not scene.is_empty:
+        names.append((0.0, "image at infinity" if np.isinf(found).all() else "image not in the view"))
     return names
 
 
@@ -214,17 +228,17 @@ def _object(
     top: float,
     radius: float | None,
     colour: tuple[int, int, int],
-    thick: int,
+    width: int,
 ) -> None:
     """Draw an arrow from a place to the height `top`, or if there is a radius a disc around the place."""
     x, y = place
-    if radius is None:
-        head = 4 * thick * (1 if top < y else -1)
-        if abs(top - y) > abs(head):
-            draw.line([(x, y), (x, top + head)], fill=colour, width=2 * thick)
+    high = abs(top - y)
+    if radius is None and high > 2 * width:
+        head = np.copysign(min(4 * width, high / 1.6), y - top)
+        draw.line([(x, y), (x, top + head)], fill=colour, width=2 * width)
         draw.polygon([(x, top), (x - head, top + 1.6 * head), (x + head, top + 1.6 * head)], fill=colour)
-    else:
-        half = max(radius, 2 * thick)
+    else:  # a point is larger than to scale, and so is an arrow that is seen from its end
+        half = max(radius or 0, 2 * width)
         draw.ellipse([x - half, y - half, x + half, y + half], fill=colour)
 
 

@@ -100,6 +100,14 @@ def test_a_shard_fails_if_the_cache_does_not_keep_its_frames(renderer, tmp_path,
     assert "povgen: shard 1/2: frames that the cache does not keep: 2; allowed: a larger cache" in err
 
 
+def test_what_has_been_rendered_is_not_missing(tmp_path, monkeypatch):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
+    scenes, rendering = [Chess(sheet="none", x=x) for x in (0, 1)], Rendering(size=(32, 32))
+    assert frames.missing(scenes, rendering) == 2
+    list(frames.render_all(scenes[:1], rendering))
+    assert frames.missing(scenes, rendering) == 1
+
+
 def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):
     """Its frames are those that the movie takes from the cache."""
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))

@@ -572,6 +572,23 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
     assert len(overlay._broken(overlay.Item("w" * 80, "w" * 80), 20)) == 1  # a word is not broken
 
 
+def test_a_place_is_reserved_for_the_widest_of_each_word():
+    """Numbers can vary in opposite ways."""
+    texts = [
+        "turned by 160.55 degrees and then magnified 2 times",
+        "turned by 1 degrees and then magnified 2222.2 times",
+    ]
+    widest = captions._widest([*texts, ""])
+    assert widest == "turned by 160.55 degrees and then magnified 2222.2 times"
+    for most in (8, 12, 16):
+        for text in texts:
+            assert all(
+                overlay.text_width(i.text) <= overlay.text_width(i.widest)
+                for i in overlay._broken(overlay.Item(text, widest), most)
+            )
+    assert captions._widest(["none", "α₂ = 20.5°"]) == "α₂ = 20.5°"
+
+
 def test_a_note_ends_the_caption():
     scenes = [Chess(z1=z1, sheet="none") for z1 in (2, 3)]
     for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles behind the window"])):

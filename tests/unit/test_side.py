@@ -20,7 +20,7 @@ def middles(strip, colour):
 
 
 def rays(scene, from_above=False):
-    return side._rays(scene, side._shown(scene)[0][0], from_above)
+    return side._rays(scene, side._shown(scene, from_above)[0][0], from_above)
 
 
 def images(scene):
@@ -73,11 +73,8 @@ def test_an_image_has_its_own_size(scene, size):
     drawn = [np.flatnonzero((strip == colour).all(-1).any(1)) for colour in (side.IMAGE, side.OBJECT)]
     if scene.sheet != "glens":  # there the object covers a part
         assert np.ptp(drawn[0]) / np.ptp(drawn[1]) == pytest.approx(abs(size), abs=0.06)
-        heads = [
-            (strip[rows] == colour).all(-1).any(0)
-            for rows, colour in zip(drawn, (side.IMAGE, side.OBJECT), strict=True)
-        ]
-        assert all(head.any() for head in heads)
+        top, bottom = ((strip[row] == side.IMAGE).all(-1).sum() for row in (drawn[0][3], drawn[0][-4]))
+        assert (top > bottom) == (size > 0) != (top < bottom)  # the head is wider
 
 
 @pytest.mark.parametrize("scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9)])
@@ -180,9 +177,10 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Chess(sheet="none"), {"eye", "window", "object", "from the side"}),
         (Chess(sheet="mirror"), {"eye", "sheet", "object", "no common point of rays", "from the side"}),
         (Chess(sheet="lens", focal_length=2), {"eye", "sheet", "object", "image at infinity", "from the side"}),
+        (Chess(sheet="lens", focal_length=2.1), {"eye", "sheet", "object", "image not in the view", "from the side"}),
         (
             Chess(alpha=180, window="alpha=180,z=2"),
-            {"eye", "window 1", "2", "object", "image in the window", "from the side"},
+            {"eye", "window 1", "2", "object", "image in a window", "from the side"},
         ),
         (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
         (
@@ -199,6 +197,29 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
             ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if (y < 80) == above)
             assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
             assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
+
+
+def test_an_image_does_not_make_the_rest_small_and_covers_no_text():
+    movie = [Chess(sheet="lens", focal_length=2, z1=z) for z in np.linspace(1, 4, 31)]
+    assert side.extent(movie).reach <= 2 * 1.5 + 1e-9
+    huge = Chess(sheet="lens", focal_length=0.725, z1=0.7)
+    assert side.extent([huge]).reach == 1.5 and side._shown(huge)[1] == []
+    above = [Chess(sheet="lens", focal_length=1, z1=0.8, eye=(x, 0)) for x in (-1, 1)]
+    sphere = Spheres(sheet="lens", focal_length=1.2, z1=[1.0])
+    for scene, shows in ((above[0], side.extent(above)), (sphere, side.extent([sphere]))):
+        _, (image,) = side._shown(scene, shows.from_above)
+        strip = side.side_view(scene, *SIZE, shows)
+        rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
+        assert image.radius(True) > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
+        assert 0 < columns.min() and columns.max() < SIZE[0] - 1
+        assert shows.first <= image.z - image.radius(True) and image.z + image.radius(True) <= shows.last
+
+
+def test_an_image_that_is_seen_from_its_end_is_a_point():
+    """It has no direction that rounding could decide."""
+    strip = side.side_view(Chess(sheet="view-rotator", alpha=90, view_distance=2, x=1.2), *SIZE)
+    rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
+    assert 3 < np.ptp(rows) < 12 and abs(np.ptp(rows) - np.ptp(columns)) < 3
 
 
 @pytest.mark.parametrize("scene", [Chess(alpha=0), Chess(sheet="law", law="x + 0.3*z, y, z"), Spheres(alpha=0, z1=[3])])

@@ -283,6 +283,7 @@ def test_the_numbers_at_the_bars_are_right(tmp_path, monkeypatch):
         ([*np.full(188, 0.0025), *np.full(12, np.nan)], 0, ["not seen: 12"]),
         ([*np.full(99, 0.5), np.nan], 0, ["not seen: 1"]),
         (np.zeros(10), 0, []),
+        ([*np.zeros(96), *np.ones(4)], 4, ["pale: the other 4 of 100"]),
         (np.full(4, np.nan), 0, ["not seen: 4"]),
     ],
 )
@@ -350,7 +351,11 @@ def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
         (lambda: tolerance.Spread(deviation="pitches=0.5"), "deviation: pitches = 0.5; allowed: 0 to 0.05"),
         (lambda: tolerance.Spread(deviation={"turn": -1}), "deviation = {'turn': -1}: should be greater than"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
-        (lambda: tolerance.drawn(FINE, tolerance.Spread(deviation={"index": 0.1})), "random build 4: error: index = "),
+        (lambda: tolerance.Spread(deviation="index=0.03"), "deviation: index = 0.03; allowed: 0 to 0.025"),
+        (
+            lambda: tolerance.drawn(FINE.replace(error="index=0.09"), tolerance.Spread(deviation={"index": 0.02})),
+            "random build 2: error: index = ",
+        ),
     ],
 )
 def test_what_is_refused(call, words):
