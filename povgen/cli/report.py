@@ -52,6 +52,23 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
             *others, last = used_by[name]
             allowed = " or ".join(filter(None, [", ".join(others), last]))
             say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
+    for text in dict.fromkeys(text for scene in scenes for text in _unused_in(scene, values)):
+        say(f"povgen: warning: {text}")
+
+
+def _unused_in(scene: "Scene", values: "Values") -> list[str]:
+    """Return texts about the numbers of further windows, and of laws, that change nothing."""
+    from povgen.sheets.own import OwnLaw
+
+    found = []
+    for n, (window, sheet) in enumerate(zip(scene.window, scene.sheets[1:], strict=True), 2):
+        unused = window.model_fields_set - {each.name for each in sheet.parameters} - {"z", "sheet"}
+        found += [f"window {n}: {name}: no effect with sheet = {sheet.name}" for name in sorted(unused)]
+    for sheet in scene.sheets if values.keys() & {"parameter", "law", "window"} else ():
+        if isinstance(sheet, OwnLaw):
+            unused = sheet.values["parameter"].keys() - sheet.law.names
+            found += [f"parameter: {name}: no effect, because the law does not contain it" for name in sorted(unused)]
+    return found
 
 
 def tell_if_long(scenes: list["Scene"], rendering: "Rendering") -> None:

@@ -60,8 +60,8 @@ class Seen(NamedTuple):
     """The first object as the eye sees it through the windows, by the ray trace."""
 
     position: complex  # in the plane z = 0, tiles
-    nu: float  # the angle by which it appears turned, degrees
-    M: float  # its size in the plane z = 0, divided by its own
+    nu: float  # the angle by which it appears turned, degrees; NaN if it appears mirrored
+    M: float  # its size in the plane z = 0, divided by its own: the mean of all directions, as `apparent.nu_and_M`
     blur: float  # RMS distance, in the plane z = 0, of a point's images by the single prisms, tiles
 
 
@@ -88,14 +88,16 @@ def seen(scene: Scene) -> Seen:
         return NOT_SEEN
     basis = np.column_stack((np.ones(len(step)), step, step.conj()))
     (there, a, b), *_ = np.linalg.lstsq(basis, place, rcond=None)
+    if abs(abs(a) - abs(b)) <= 1e-9 * (abs(a) + abs(b)):  # at the pole
+        return NOT_SEEN._replace(M=np.inf)
     size = abs(a) ** 2 - abs(b) ** 2  # the linear function is inverted: a step on the object is seen as this step
     right, other = a.conjugate() / size, -b / size
     off = place - basis @ (there, a, b)
     blur = np.sqrt(np.mean(abs(right * off + other * off.conj()) ** 2))
     return Seen(
         complex(centre - right * there - other * there.conjugate()),
-        float(np.degrees(np.angle(right))),
-        float(abs(right)),
+        float(np.degrees(np.angle(right))) if size > 0 else np.nan,
+        float(max(abs(right), abs(other))),
         float(blur),
     )
 
@@ -115,8 +117,10 @@ def _convergence(scene: Scene) -> Convergence:
 
 
 def _position(scene: Scene) -> complex:
+    """Return where the first object appears. At infinity it has no place: NaN."""
     L, z1 = scene.objects[0]
-    return complex(scene.apparent_position(L, z1))
+    found = complex(scene.apparent_position(L, z1))
+    return found if np.isfinite(found) else complex(np.nan, np.nan)
 
 
 QUANTITIES = {

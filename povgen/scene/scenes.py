@@ -622,7 +622,7 @@ class Scene(ParametersOfSheets):
                 for name in ("law", "parameter")
             )
             try:
-                Law(text, parameters)
+                Law(text, parameters).check_divisions(parameters)
             except ValueError as error:
                 where = f"window {number}, law" if number > 1 else "law"
                 raise ValueError(f"{where} = {shown(text)}: {error}") from None
@@ -640,7 +640,7 @@ class Scene(ParametersOfSheets):
         if any(sheet.layers for sheet in self.sheets[: len(self.ideal)]):
             raise ValueError(
                 "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
-                "them before all prisms; allowed: ideal windows first"
+                "them before all prisms; allowed: ideal windows, and those without sheets, first"
             )
         return self
 

@@ -94,10 +94,29 @@ class Law:
             return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
 
     @property
+    def names(self) -> set[str]:
+        """The names in the law, of the ray and of parameters."""
+        nodes = (node for part in self._parts for node in ast.walk(part))
+        return {node.id for node in nodes if isinstance(node, ast.Name)} - {*FUNCTIONS}
+
+    def check_divisions(self, values: Mapping[str, float]) -> None:
+        """Raise ValueError for a division by 0, whatever the ray is. POV-Ray would refuse it.
+
+        `values` has the parameters' values by name.
+        """
+        import numpy as np
+
+        for node in (node for part in self._parts for node in ast.walk(part)):
+            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+                below = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - {*FUNCTIONS}
+                with np.errstate(all="ignore"):
+                    if not below & {*RAY} and _evaluated(_compiled([node.right]), values)[0] == 0:
+                        raise ValueError(f"{ast.unparse(node.right)!r} is 0; allowed: to divide by other numbers")
+
+    @property
     def uses_place(self) -> bool:
         """Whether the law differs from place to place."""
-        nodes = (node for part in self._parts for node in ast.walk(part))
-        return any(isinstance(node, ast.Name) and node.id in ("X", "Y") for node in nodes)
+        return bool(self.names & {"X", "Y"})
 
     @property
     def is_smooth(self) -> bool:

@@ -82,7 +82,8 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
     changes, it states this too, and how large the object appears if this changes.
     """
-    rows = [_numbers(scene) for scene in scenes]
+    used = {each.name for scene in scenes for sheet in scene.sheets for each in sheet.parameters}
+    rows = [_numbers(scene, used) for scene in scenes]
     found: list[list[str]] = []
     for name in dict.fromkeys(name for row in rows for name in row):
         # the kind of sheet decides what a caption states: the angle of a mirror's line is half of its alpha
@@ -94,9 +95,11 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
             digits = _digits(values)
             found.append([_place(name, place, digits) for place in values])
         elif len({*values}) > 1:
-            unit = _unit(name.rstrip(SUBSCRIPTS))
+            plain, _, kind = name.rstrip(SUBSCRIPTS).partition(" ")
+            unit = "" if kind == "law" else _unit(plain)
             digits = _digits(values, unit.startswith("°"))
             texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+            texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
             found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
     turned, sizes = zip(*[_image(scene) for scene in scenes], strict=True)
     known = [nu for nu in turned if np.isfinite(nu)]
@@ -178,22 +181,43 @@ def _said(scene: Scene, name: str, text: str, full: bool = False) -> str:
     return (words.full if full and words.full else words.words).format(text, **{**_values(scene), "number": number})
 
 
-def _numbers(scene: Scene) -> dict[str, tuple[float, ...]]:
+def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
     """Return the parameters that a movie can change, each as a number, as least and greatest number, or as x and y.
 
     A parameter of a further window has the window's number as a subscript. The view is left out: it is no part of the
-    scene that is seen.
+    scene that is seen. So are the sheets' parameters that are not `used` in any frame.
     """
     counts = swept_numbers(type(scene))
-    found: dict[str, Any] = {name: getattr(scene, name) for name in counts if name != "view"}
-    for n, window in enumerate(scene.window, 2):
-        found |= {f"{name}{SUBSCRIPTS[n]}": getattr(window, name) for name in swept_numbers(type(window))}
+    found: dict[str, Any] = {
+        name: getattr(scene, name) for name in counts if name != "view" and (name in used or name not in PARAMETERS)
+    }
+    for n, (window, sheet) in enumerate(zip(scene.window, scene.sheets[1:], strict=True), 2):
+        own = {each.name: each for each in sheet.parameters}
+        for name in swept_numbers(type(window)):
+            if name in own and getattr(window, name) is None and own[name].said != _words_of(scene, name):
+                found[f"{name} {sheet.name}"] = getattr(scene, name)  # the scene's, in other words
+            elif name in own or name not in PARAMETERS:
+                found[f"{name}{SUBSCRIPTS[n]}"] = getattr(window, name)
+    for sheet in scene.sheets:
+        found |= {f"{name} law": x for name, x in sheet.values.get("parameter", {}).items()}
     values = {}
     for name, value in found.items():
         several = value if isinstance(value, tuple) else (value,)
         if all(isinstance(x, (int, float)) for x in several):
             values[name] = several if counts.get(name) == 2 else tuple(dict.fromkeys((min(several), max(several))))
     return values
+
+
+def _words_of(scene: Scene, name: str) -> Said | None:
+    """Return how the first sheet that has a parameter says it."""
+    return next((each.said for sheet in scene.sheets for each in sheet.parameters if each.name == name), None)
+
+
+def _in_each_window(scene: Scene, name: str) -> str:
+    """Return ` in each window` if several windows have this number of the scene in common."""
+    said = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == name]
+    alike = len(said) == len(scene.sheets) > 1 and len({*said}) == 1
+    return " in each window" if alike and all(getattr(each, name) is None for each in scene.window) else ""
 
 
 def _unit(name: str) -> str:

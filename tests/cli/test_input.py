@@ -510,6 +510,37 @@ def test_a_disk_that_becomes_full_changes_no_numbered_picture(tmp_path, monkeypa
     assert {file.read_bytes() for file in files} == {b"after"} and len([*there.iterdir()]) == 3
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["pov", "chess", "--sheet=ideal", "--window=z=2,index=2"], "window 2: index: no effect with sheet = ideal"),
+        (["pov", "chess", "--window=z=2,ratio=2"], "window 2: ratio: no effect with sheet = detailed"),
+        (["pov", "chess", "--sheet=law", "--law=x,y,z", "--parameter=k=1"], "parameter: k: no effect, because the law"),
+        (
+            ["movie", "chess", "--sweep=index=1.3:2", "--frames=3", "--sheet=none", "--size=32x32", "--shard=3/3"],
+            "index = swept: no",
+        ),
+    ],
+)
+def test_numbers_without_effect_are_named(line, words, tmp_path):
+    status, _, err = povgen(line, tmp_path)
+    assert status == 0 and f"povgen: warning: {words}" in err
+    used = [
+        text.replace("index=2", "alpha=5").replace("ratio=2", "prisms=9").replace("--law=x,y,z", "--law=x*k,y,z")
+        for text in line
+    ]
+    assert "no effect" not in povgen([text.replace("index=1.3:2", "z1=1:2") for text in used], tmp_path)[2]
+
+
+@pytest.mark.parametrize(
+    ("law", "what"), [("x, y, z/0", "0.0"), ("x/(k - 1), y, z", "k - 1.0"), ("x, y, z/(1-1)", "1.0 - 1.0")]
+)
+def test_a_law_that_divides_by_zero_is_refused(law, what, tmp_path):
+    said = refused(["pov", "chess", "--sheet=law", f"--law={law}", "--parameter=k=1"], tmp_path)
+    assert f"law = '{law}': '{what}' is 0; allowed: to divide by other numbers" in said
+    assert povgen(["pov", "chess", "--sheet=law", "--law=x/k, y/z, z", "--parameter=k=2"], tmp_path)[0] == 0
+
+
 def test_a_chart_does_not_replace_a_picture_that_the_scene_shows(tmp_path):
     path = picture(tmp_path)
     said = refused(["tolerance", "chess", "--sky", path, "-o", path], tmp_path)

@@ -572,6 +572,30 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
     assert len(overlay._broken(overlay.Item("w" * 80, "w" * 80), 20)) == 1  # a word is not broken
 
 
+@pytest.mark.parametrize(
+    "scenes, texts",
+    [
+        (
+            [Spheres(sheet="ideal", window="z=2", alpha=alpha) for alpha in (0, 90)],
+            ["rays turned by α = 0° in each window", "rays turned by α = 90° in each window"],
+        ),
+        (
+            [Spheres(sheet="ideal", window="z=2,sheet=mirror", alpha=alpha) for alpha in (0, 90)],
+            ["rays turned by α = 0°, mirror line at 0°", "rays turned by α = 90°, mirror line at 45°"],
+        ),
+        (
+            [Spheres(sheet="ideal", window="z=2,alpha=5", alpha=a) for a in (0, 9)],
+            ["rays turned by α = 0°", "rays turned by α = 9°"],
+        ),
+        ([Chess(sheet="ideal", index=index) for index in (1.3, 2)], ["", ""]),
+        ([Chess(sheet="none", prisms=prisms) for prisms in (10, 100)], ["", ""]),
+        ([Chess(sheet="law", law="x*k, y, z", parameter={"k": k}) for k in (1, 2)], ["k = 1", "k = 2"]),
+    ],
+)
+def test_a_short_caption_says_what_changes_something(scenes, texts):
+    assert [", ".join(caption.texts) for caption in captions.captions(scenes, Rendering(caption="short"))] == texts
+
+
 def test_a_place_is_reserved_for_the_widest_of_each_word():
     """Numbers can vary in opposite ways."""
     texts = [

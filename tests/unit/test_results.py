@@ -13,6 +13,16 @@ from povgen.scene.quantities import QUANTITIES
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
 
 
+def test_a_mirrored_picture_has_no_angle_and_one_at_infinity_no_place():
+    scenes = [Chess(sheet="mirror", alpha=0, z1=z1, pedestal=1.65) for z1 in (2, 6, 12)]
+    found = results([*scenes, Chess(sheet="lens", focal_length=1.5)], "seen_nu", "seen_M", "x", "y", workers=1)
+    assert np.isnan(found["seen_nu"]).tolist() == [False, True, True, True]
+    width, height = 6 / (6 + 12), 6 / (12 - 6)
+    assert found["seen_M"][:3] == pytest.approx([(0.75 + 1.5) / 2, np.inf, (width + height) / 2])
+    for name in ("x", "y"):
+        assert np.isnan(found[name]).tolist() == [False, False, False, True]
+
+
 def test_the_columns_are_what_differs_and_the_quantities():
     table = results(SCENES, "M", "nu", "visible", progress=False)
     assert list(table) == ["alpha", "z1", "M", "nu", "visible"] and {len(column) for column in table.values()} == {6}
@@ -62,7 +72,9 @@ def test_other_processes_find_the_same(monkeypatch, capsys):
     alone = results(SCENES, "M", "x", progress=False, workers=1)
     monkeypatch.setattr(module, "PATIENCE", 0)
     together = results(SCENES, "M", "x", workers=2)
-    assert list(together) == list(alone) and all(np.array_equal(together[name], alone[name]) for name in alone)
+    assert list(together) == list(alone) and all(
+        np.array_equal(together[name], alone[name], equal_nan=True) for name in alone
+    )
     assert capsys.readouterr().err.splitlines() == [f"results: {n}/6 scenes" for n in range(1, 7)]
 
 

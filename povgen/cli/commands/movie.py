@@ -134,7 +134,10 @@ def command(
     cache.check()
     if not quiet:
         tell_if_long(scenes, rendering)
-        warn(values if limit is None else {}, scenes, rendering)  # --sheet auto compares with the prisms in any case
+        swept = {each.parameter: "swept" for each in getattr(made, "sweep", ())}
+        warn(
+            swept | values if limit is None else {}, scenes, rendering
+        )  # --sheet auto compares with prisms in any case
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
