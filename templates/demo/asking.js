@@ -184,7 +184,7 @@ function answerText(question) {
   const right = question.answer();
   const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
   const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= near;
-  const number = printed(String(Number(right.toPrecision(4))));
+  const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
   return [strong(said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];

@@ -116,6 +116,7 @@ export const player = {
     }
     $("play").setAttribute("aria-label", say(this.playing ? "page.pause" : "page.play"));
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
+    $("scrub").disabled = parameter === "alpha" && ["none", "single"].includes(state.sheet);
     $("scrub").value = 1000 * this.part();
     $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
     $("scrub").setAttribute("aria-valuetext", quantity(parameter, x));

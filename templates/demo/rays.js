@@ -84,7 +84,7 @@ export function bundle(now, count = 5) {
   if (state.light === "pencil") return places.map((to) => between(object, [...to, windows.at(-1).z]));
   if (state.light === "eye") return places.map((to) => between(eye, [...to, 0]));
   if (state.light === "aim") return [between(eye, [...state.W, 0])];
-  if (!finite(place) || abs(place) > 2 * half) return [];
+  if (!finite(place) || place.some((x) => Math.abs(x) > half)) return [];
   // of the rays close to the predicted one, the first that takes the designed path through the prisms
   const near = [0, 1, -1, 2, -2, 3, -3].map((k) => between(eye, [...plus(place, [(k * pitch) / 5, (k * pitch) / 5]), 0]));
   return [near.find(({ kind }) => kind === "designed") ?? near[0]];

@@ -10,7 +10,8 @@ export function svg(tag, attributes, text = "") {
 }
 export const dot = (kind, [cx, cy], r, id = "") => svg("circle", { class: kind, cx, cy, r, ...(id && { id }) });
 export const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2, y2 });
-export const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, text);
+// Drawings run from left to right. Text in letters from right to left keeps its own direction inside them.
+export const words = (kind, [x, y], text) => svg("text", { class: kind, x, y }, /[\u0590-\u08ff]/.test(text) ? `\u2067${text}\u2069` : text);
 export const step = (from, angle, length) => plus(from, scaled(length, conj(turn(angle))));
 
 export const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]);

@@ -48,11 +48,11 @@ function angleAtP(L, E, P, alpha, rem) {
   ];
 }
 
-// A corner's dot, and its name on the side away from the others.
+// A corner's dot, and its name on the side away from the others, or if it is between them, beside their line.
 export function corner(name, at, others, rem) {
   const towards = others.filter(Boolean).map((other) => turn(heading(at, other)));
   const sum = towards.reduce(plus, [0, 0]);
-  const away = abs(sum) > 0.1 ? arg(sum) + Math.PI : -Math.PI / 2;
+  const away = abs(sum) > 0.1 ? arg(sum) + Math.PI : arg(towards[0] ?? [1, 0]) - Math.PI / 2;
   return [dot(`dot q q-${name}`, at, 0.3 * rem, ""), words(`point q q-${name}`, step(at, away, 1.1 * rem), name)];
 }
 

@@ -330,6 +330,42 @@ def test_play_and_reset(page):
     assert page.evaluate("[state.scene, state.alpha, player.preset.scene]") == ["chess", 66, "chess"]
 
 
+def test_a_slider_of_alpha_without_effect_is_disabled(page):
+    for sheet, disabled in (("none", True), ("single", True), ("ideal", False)):
+        show(page, sheet=sheet)
+        assert page.evaluate("[$('slider-alpha').disabled, $('scrub').disabled]") == [disabled] * 2
+
+
+def test_no_light_is_said_to_pass_outside_the_window(page):
+    show(page, L=[2, 1], alpha=100, piece="rook", light="ray", level="expert")
+    assert "not seen" in page.locator("#sentence").text_content()
+    assert page.locator("#light-says").text_content() == "No light from L reaches the eye through the window."
+    show(page, L=[0, -0.85], alpha=66)
+    assert "crosses the window at P" in page.locator("#light-says").text_content()
+
+
+def test_an_answer_has_no_more_digits_than_are_asked_for(page):
+    page.evaluate("openQuestion(17); revealed.set(17, ''); draw()")
+    assert page.evaluate("QUESTIONS[17].answer()") == pytest.approx(7.125, abs=0.01)
+    assert (
+        "7.1 degrees" in page.locator("#answer").text_content() and "7.12" not in page.locator("#answer").text_content()
+    )
+    page.evaluate("openQuestion(-1); draw()")
+
+
+def test_the_name_of_a_corner_between_two_others_is_beside_their_line(page):
+    show(page, sheet="lens", level="expert")
+    places = page.evaluate(
+        """() => ["L", "E", "P"].map((name) => {
+          const shown = (kind) => $("diagram").querySelector(`${kind}.q-${name}`);
+          const [dot, text] = [shown("circle.dot"), shown("text.point")];
+          return [dot.cx.baseVal.value, dot.cy.baseVal.value, ...[0, 1].map((k) => Number(text.getAttribute("xy"[k])))];
+        })"""
+    )
+    for _, _, x, y in places:
+        assert all(abs(complex(x - u, y - v)) > 9 for u, v, *_ in places)
+
+
 def test_full_screen(page):
     page.get_by_role("button", name="More").click()
     button = page.get_by_role("button", name="Full screen")
