@@ -6,6 +6,7 @@ import { abs, arg, minus, plus, turn } from "./complex.js";
 import { arc, arrowhead, dot, edge, heading, line, step, vector, words } from "./shapes.js";
 
 const FAR = 4000;  // pixels
+const MARGIN = 1.2;  // P is inside the drawing if it is so far from its edge, letters' heights
 
 // P is null if it is infinitely far away. `rem` is the height of a letter, pixels.
 export function triangle(L, E, P, { alpha, nu }, rem, box) {
@@ -15,7 +16,7 @@ export function triangle(L, E, P, { alpha, nu }, rem, box) {
   const end = near ? P : step(L, heading(L, P), FAR);
   const parts = [base, ...vector("ray q q-r q-P q-alpha", L, end, rem), ...vector("ray of-nu q q-r q-nu q-M", end, E, rem)];
   parts.push(...angleAtE(L, E, end, nu, rem));
-  const out = edge(P, box, 1.2 * rem);
+  const out = edge(P, box, MARGIN * rem);
   return [...parts, ...(out ? awayP(out, 1.1 * rem, rem) : angleAtP(L, E, P, alpha, rem))];
 }
 
@@ -58,5 +59,5 @@ export function corner(name, at, others, rem) {
 
 // The dots and names of L, E and P. P is left out if it is null or outside the drawing.
 export const corners = (L, E, P, rem, box) => [
-  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, rem) ? corner("P", P, [L, E], rem) : []),
+  ...corner("L", L, [E, P], rem), ...corner("E", E, [L, P], rem), ...(P && !edge(P, box, MARGIN * rem) ? corner("P", P, [L, E], rem) : []),
 ];

@@ -142,3 +142,12 @@ def test_each_control_of_the_measurement_is_on_top(measure, size):
         show(measure, level=level)
         measure.get_by_role("button", name="Write down").click()
         assert measure.evaluate(FAULTS) == []
+
+
+@pytest.mark.parametrize("language", ["ar", "de", "en", "es", "fr"])
+def test_the_table_fits_a_phone(measure, language):
+    measure.set_viewport_size({"width": 360, "height": 740})
+    measure.evaluate("(language) => { choose(language); draw(); $('write-down').click(); draw(); }", language)
+    table, panel = (measure.locator(part).bounding_box() for part in ("#measure table", "#measure"))
+    assert table["width"] <= panel["width"] + 1
+    measure.evaluate("choose('en'); draw()")
