@@ -61,7 +61,8 @@ def _unused_in(scene: "Scene", values: "Values") -> list[str]:
     from povgen.sheets.own import OwnLaw
 
     found = []
-    for n, (window, sheet) in enumerate(zip(scene.window, scene.sheets[1:], strict=True), 2):
+    further = zip(scene.window, scene.sheets[1:], strict=True) if "window" in values else ()
+    for n, (window, sheet) in enumerate(further, 2):
         unused = window.model_fields_set - {each.name for each in sheet.parameters} - {"z", "sheet"}
         found += [f"window {n}: {name}: no effect with sheet = {sheet.name}" for name in sorted(unused)]
     for sheet in scene.sheets if values.keys() & {"parameter", "law", "window"} else ():
