@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 from povgen.progress import say
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from povgen.cli.options import Values
     from povgen.scene.scenes import Scene
     from povgen.settings import Rendering
@@ -44,32 +46,40 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     from povgen.sheets.layered import Layered
 
     layered = tuple(name for name, kind in SHEETS.items() if issubclass(kind, Layered))
-    used_by = {**USED_BY, "fresnel": layered, "wavelength": USED_BY["glass"]}
+    others = {"fresnel": layered, "wavelength": USED_BY["glass"]}
     sheets = {sheet.name for scene in scenes for sheet in scene.sheets}
+    used = {name for scene in scenes for name in scene.used_parameters}
+    used |= {name for name, kinds in others.items() if sheets & {*kinds}}
+    used_by = {**USED_BY, **others}
     for name, value in values.items():
-        if sheets and name in used_by and value is not False and not sheets & {*used_by[name]}:
-            shown = "true" if value is True else value
-            *others, last = used_by[name]
-            allowed = " or ".join(filter(None, [", ".join(others), last]))
-            say(f"povgen: warning: {name} = {shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
-    for text in dict.fromkeys(text for scene in scenes for text in _unused_in(scene, values)):
+        if scenes and name in used_by and value is not False and name not in used:
+            shown = "" if value is None else f" = {'true' if value is True else value}"
+            *kinds, last = used_by[name]
+            allowed = " or ".join(filter(None, [", ".join(kinds), last]))
+            say(f"povgen: warning: {name}{shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
+    for text in dict.fromkeys(_unused_in_windows(scenes, values)):
         say(f"povgen: warning: {text}")
 
 
-def _unused_in(scene: "Scene", values: "Values") -> list[str]:
-    """Return texts about the numbers of further windows, and of laws, that change nothing."""
+def _unused_in_windows(scenes: list["Scene"], values: "Values") -> "Iterator[str]":
+    """Yield texts about given numbers of further windows, and of laws, that change nothing."""
     from povgen.sheets.own import OwnLaw
 
-    found = []
-    further = zip(scene.window, scene.sheets[1:], strict=True) if "window" in values else ()
-    for n, (window, sheet) in enumerate(further, 2):
-        unused = window.model_fields_set - {each.name for each in sheet.parameters} - {"z", "sheet"}
-        found += [f"window {n}: {name}: no effect with sheet = {sheet.name}" for name in sorted(unused)]
-    for sheet in scene.sheets if values.keys() & {"parameter", "law", "window"} else ():
-        if isinstance(sheet, OwnLaw):
-            unused = sheet.values["parameter"].keys() - sheet.law.names
-            found += [f"parameter: {name}: no effect, because the law does not contain it" for name in sorted(unused)]
-    return found
+    shared: set[str] = set()  # the names in the laws whose numbers are the scene's
+    for scene in scenes:
+        for n, (window, sheet) in enumerate(zip((None, *scene.window), scene.sheets, strict=True), 1):
+            own = None if window is None else window.parameter
+            if isinstance(sheet, OwnLaw) and own is None:
+                shared |= sheet.law.names
+            if window and "window" in values:
+                unused = window.model_fields_set - {each.name for each in sheet.parameters} - {"z", "sheet"}
+                yield from (f"window {n}: {name}: no effect with sheet = {sheet.name}" for name in sorted(unused))
+                if isinstance(sheet, OwnLaw) and own:
+                    lost = sorted(own.keys() - sheet.law.names)
+                    yield from (f"window {n}: parameter: {name}: no effect, because its law lacks it" for name in lost)
+    if "parameter" in values and shared:
+        lost = sorted({name for scene in scenes for name in scene.parameter} - shared)
+        yield from (f"parameter: {name}: no effect, because no law contains it" for name in lost)
 
 
 def tell_if_long(scenes: list["Scene"], rendering: "Rendering") -> None:

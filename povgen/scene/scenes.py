@@ -276,6 +276,13 @@ class Scene(ParametersOfSheets):
         return all(sheet.rotates for sheet in self.sheets)
 
     @property
+    def used_parameters(self) -> set[str]:
+        """The names of the sheets' parameters whose value, that of the scene and not of a further window, has a use."""
+        windows = zip((None, *self.window), self.sheets, strict=True)
+        named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
+        return {name for window, name in named if window is None or getattr(window, name) is None}
+
+    @property
     def only_rotates(self) -> bool:
         """Whether the sheets do no more than to rotate light about their normal. Windows may have none."""
         return all(sheet.rotates or sheet.name == "none" for sheet in self.sheets)

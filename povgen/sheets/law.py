@@ -100,18 +100,22 @@ class Law:
         return {node.id for node in nodes if isinstance(node, ast.Name)} - {*FUNCTIONS}
 
     def check_divisions(self, values: Mapping[str, float]) -> None:
-        """Raise ValueError for a division by 0, whatever the ray is. POV-Ray would refuse it.
+        """Raise ValueError for a division of something by 0, whatever the ray is: POV-Ray refuses it.
 
-        `values` has the parameters' values by name.
+        `values` has the parameters' values by name. `x/(1/k)` with k = 0 is x divided by infinity, which is 0.
         """
         import numpy as np
 
-        for node in (node for part in self._parts for node in ast.walk(part)):
+        constants, parts = self._extracted
+        numbers = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
+        written = {f"c{n}": each for n, each in enumerate(constants)}
+        for node in (node for part in parts for node in ast.walk(part)):
             if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
-                below = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - {*FUNCTIONS}
+                names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - {*FUNCTIONS}
                 with np.errstate(all="ignore"):
-                    if not below & {*RAY} and _evaluated(_compiled([node.right]), values)[0] == 0:
-                        raise ValueError(f"{ast.unparse(node.right)!r} is 0; allowed: to divide by other numbers")
+                    if not names & {*RAY} and _evaluated(_compiled([node.right]), numbers)[0] == 0:
+                        below = written[names.pop()] if isinstance(node.right, ast.Name) else node.right
+                        raise ValueError(f"{ast.unparse(below)!r} is 0; allowed: to divide by other numbers")
 
     @property
     def uses_place(self) -> bool:

@@ -82,7 +82,7 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
     changes, it states this too, and how large the object appears if this changes.
     """
-    used = {each.name for scene in scenes for sheet in scene.sheets for each in sheet.parameters}
+    used = {name for scene in scenes for name in scene.used_parameters}
     rows = [_numbers(scene, used) for scene in scenes]
     found: list[list[str]] = []
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -198,8 +198,9 @@ def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
                 found[f"{name} {sheet.name}"] = getattr(scene, name)  # the scene's, in other words
             elif name in own or name not in PARAMETERS:
                 found[f"{name}{SUBSCRIPTS[n]}"] = getattr(window, name)
-    for sheet in scene.sheets:
-        found |= {f"{name} law": x for name, x in sheet.values.get("parameter", {}).items()}
+    for n, sheet in enumerate(scene.sheets, 1):
+        number = SUBSCRIPTS[n] if n > 1 and scene.window[n - 2].parameter is not None else ""
+        found |= {f"{name} law{number}": x for name, x in sheet.values.get("parameter", {}).items()}
     values = {}
     for name, value in found.items():
         several = value if isinstance(value, tuple) else (value,)

@@ -515,10 +515,10 @@ def test_a_disk_that_becomes_full_changes_no_numbered_picture(tmp_path, monkeypa
     [
         (["pov", "chess", "--sheet=ideal", "--window=z=2,index=2"], "window 2: index: no effect with sheet = ideal"),
         (["pov", "chess", "--window=z=2,ratio=2"], "window 2: ratio: no effect with sheet = detailed"),
-        (["pov", "chess", "--sheet=law", "--law=x,y,z", "--parameter=k=1"], "parameter: k: no effect, because the law"),
+        (["pov", "chess", "--sheet=law", "--law=x,y,z", "--parameter=k=1"], "parameter: k: no effect, because no law"),
         (
             ["movie", "chess", "--sweep=index=1.3:2", "--frames=3", "--sheet=none", "--size=32x32", "--shard=3/3"],
-            "index = swept: no",
+            "index: no effect",
         ),
     ],
 )
@@ -532,10 +532,25 @@ def test_numbers_without_effect_are_named(line, words, tmp_path):
     assert "no effect" not in povgen([text.replace("index=1.3:2", "z1=1:2") for text in used], tmp_path)[2]
 
 
+def test_a_number_that_a_window_uses_has_an_effect(tmp_path):
+    """Windows share the scene's numbers if they have none of their own."""
+    line = ["pov", "chess", "--sheet=law", "--law=x - k*X*z, y, z", "--parameter=k=0.3", "--parameter=m=0.2"]
+    assert povgen([*line, "--window=z=1,law=x, y - m*Y*z, z"], tmp_path)[2] == ""
+    assert "parameter: m: no effect" in povgen([*line, "--window=z=1"], tmp_path)[2]
+    assert (
+        "window 2: parameter: q: no"
+        in povgen([*line, "--window=z=1,law=x*m,y,z,parameter=m=1,parameter=q=2"], tmp_path)[2]
+    )
+    window = ["pov", "chess", "--sheet=none", "--window=z=1,sheet=ideal,alpha=30", "--alpha=60"]
+    assert "alpha = 60: no effect with sheet = none" in povgen(window, tmp_path)[2]
+    assert povgen([window[0], window[1], window[2], "--window=z=1,sheet=ideal", "--alpha=60"], tmp_path)[2] == ""
+
+
 @pytest.mark.parametrize(
     ("law", "what"), [("x, y, z/0", "0.0"), ("x/(k - 1), y, z", "k - 1.0"), ("x, y, z/(1-1)", "1.0 - 1.0")]
 )
 def test_a_law_that_divides_by_zero_is_refused(law, what, tmp_path):
+    assert Chess(sheet="law", law="x/(1/k), y/(1 + 1/k), z", parameter={"k": 0}).sheets[0].law  # by infinity
     said = refused(["pov", "chess", "--sheet=law", f"--law={law}", "--parameter=k=1"], tmp_path)
     assert f"law = '{law}': '{what}' is 0; allowed: to divide by other numbers" in said
     assert povgen(["pov", "chess", "--sheet=law", "--law=x/k, y/z, z", "--parameter=k=2"], tmp_path)[0] == 0

@@ -590,6 +590,15 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
         ([Chess(sheet="ideal", index=index) for index in (1.3, 2)], ["", ""]),
         ([Chess(sheet="none", prisms=prisms) for prisms in (10, 100)], ["", ""]),
         ([Chess(sheet="law", law="x*k, y, z", parameter={"k": k}) for k in (1, 2)], ["k = 1", "k = 2"]),
+        (
+            [Chess(sheet="law", law="x*k, y, z", parameter={"k": k}, window="z=1,parameter=k=5") for k in (1, 2)],
+            ["k = 1", "k = 2"],
+        ),
+        (
+            [Chess(sheet="law", law="x*k, y, z", parameter={"k": 1}, window=f"z=1,parameter=k={k}") for k in (3, 5)],
+            ["k₂ = 3", "k₂ = 5"],
+        ),
+        ([Chess(sheet="none", window="z=1,sheet=ideal,alpha=3", alpha=alpha) for alpha in (0, 9)], ["", ""]),
     ],
 )
 def test_a_short_caption_says_what_changes_something(scenes, texts):

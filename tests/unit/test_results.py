@@ -21,6 +21,7 @@ def test_a_mirrored_picture_has_no_angle_and_one_at_infinity_no_place():
     assert found["seen_M"][:3] == pytest.approx([(0.75 + 1.5) / 2, np.inf, (width + height) / 2])
     for name in ("x", "y"):
         assert np.isnan(found[name]).tolist() == [False, False, False, True]
+    assert results([Chess(sheet="ideal", alpha=180, z1=6)], "seen_M", "M", workers=1)["seen_M"] == [np.inf]
 
 
 def test_the_columns_are_what_differs_and_the_quantities():

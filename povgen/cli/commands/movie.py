@@ -134,10 +134,9 @@ def command(
     cache.check()
     if not quiet:
         tell_if_long(scenes, rendering)
-        swept = {each.parameter: "swept" for each in getattr(made, "sweep", ())}
-        warn(
-            swept | values if limit is None else {}, scenes, rendering
-        )  # --sheet auto compares with prisms in any case
+        swept = dict.fromkeys(each.parameter for each in getattr(made, "sweep", ()))
+        # --sheet auto compares with the prisms in any case
+        warn(swept | values if limit is None else {}, scenes, rendering)
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
     if quiet:
