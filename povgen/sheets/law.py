@@ -104,18 +104,19 @@ class Law:
 
         `values` has the parameters' values by name. `x/(1/k)` with k = 0 is x divided by infinity, which is 0.
         """
-        import numpy as np
-
         constants, parts = self._extracted
-        numbers = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
-        written = {f"c{n}": each for n, each in enumerate(constants)}
-        for node in (node for part in parts for node in ast.walk(part)):
-            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
-                names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - {*FUNCTIONS}
+        divisions = (node for part in parts for node in ast.walk(part) if isinstance(node, ast.BinOp))
+        for below in (node.right for node in divisions if isinstance(node.op, ast.Div)):
+            names = {each.id for each in ast.walk(below) if isinstance(each, ast.Name)} - {*FUNCTIONS}
+            if not names & {*RAY}:  # the same for all rays
+                import numpy as np
+
+                numbers = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
                 with np.errstate(all="ignore"):
-                    if not names & {*RAY} and _evaluated(_compiled([node.right]), numbers)[0] == 0:
-                        below = written[names.pop()] if isinstance(node.right, ast.Name) else node.right
-                        raise ValueError(f"{ast.unparse(below)!r} is 0; allowed: to divide by other numbers")
+                    is_zero = _evaluated(_compiled([below]), numbers)[0] == 0
+                if is_zero:
+                    written = constants[int(below.id[1:])] if isinstance(below, ast.Name) else below
+                    raise ValueError(f"{ast.unparse(written)!r} is 0; allowed: to divide by other numbers")
 
     @property
     def uses_place(self) -> bool:

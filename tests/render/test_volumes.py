@@ -119,7 +119,7 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
     ((_, _, kept),) = cache.by_last_use()
     assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
     (light := kept.with_suffix(".light")).touch()
-    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("1 frames, 1 ray traces and pieces, ")
+    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("1 frame, 1 ray traces and pieces, ")
     light.unlink()
     whole = kept.read_bytes()
     kept.write_bytes(whole[:-9])

@@ -180,7 +180,7 @@ def test_files_of_another_user_in_the_cache(open_folder):
     assert done.stdout.startswith("removed 0 frames") and "cache: files that could not be removed: 1\n" in done.stderr
     for part in parts:
         part.chmod(0o777)
-    assert as_nobody(open_folder, "cache", "clear", **own).stdout.startswith("removed 1 frames")
+    assert as_nobody(open_folder, "cache", "clear", **own).stdout.startswith("removed 1 frame,")
 
 
 def test_on_a_terminal_and_without(tmp_path):
