@@ -7,11 +7,13 @@ POV-Ray, or for the renderer gl the same drawing device as this machine.
 import asyncio
 import concurrent.futures
 import logging
+import socket
 import warnings
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 from povgen import remedies
 from povgen.errors import InputError, PovrayError, TransientError
@@ -235,9 +237,9 @@ def ask(scheduler: str) -> None:
     # in a thread: in a notebook, this thread's event loop runs already
     try:
         with concurrent.futures.ThreadPoolExecutor(1) as thread:
-            there = thread.submit(asyncio.run, asyncio.wait_for(version(), 2 * PATIENCE)).result()
+            there = thread.submit(asyncio.run, asyncio.wait_for(version(), PATIENCE)).result()
     except Exception as error:
-        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_cause(error)})") from None
+        raise PovrayError(f"scheduler {scheduler}: no Dask scheduler answers ({_cause(scheduler, error)})") from None
     if there != (here := distributed.__version__):
         raise PovrayError(f"scheduler {scheduler}: it has Dask {there}; wanted, as on this machine: {here}")
 
@@ -253,10 +255,13 @@ def _connected(scheduler: str) -> distributed.Client:
             raise PovrayError(f"scheduler {scheduler}: {_first_line(error)}") from None
 
 
-def _cause(error: BaseException) -> str:
-    """Return what the first of the errors says that led to this one."""
-    while before := error.__cause__ or error.__context__:
-        error = before
+def _cause(scheduler: str, error: BaseException) -> str:
+    """Return why no scheduler answers: what the system says of its address, or otherwise what Dask says."""
+    address = urlsplit(scheduler)
+    try:
+        socket.create_connection((address.hostname, address.port or 0), PATIENCE).close()
+    except OSError as refused:
+        return refused.strerror or str(refused)
     return _first_line(error)
 
 
