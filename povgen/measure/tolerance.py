@@ -188,14 +188,14 @@ def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:
     return Change(angle / ARCMINUTE, turned, 100 * (after.M / before.M - 1), blurred / ARCMINUTE)
 
 
-def _blur_angle(scene: Scene, seen: _Seen) -> Any:  # noqa: ANN401  (an array, or a single number)
+def _blur_angle(scene: Scene, seen: _Seen) -> Floats:
     """Return the RMS blur as the eye sees it, radians.
 
     Seen from the eye, a length in the plane z = 0 is 1/D if it is across the line of sight, of the length D, and z2/D^2
     if it is in the plane of the line of sight and the normal. The blur is taken as equal in all directions.
     """
     square = scene.z2**2 + abs(seen.position - scene.E) ** 2
-    return seen.blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2)
+    return np.asarray(seen.blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))
 
 
 def _direction(scene: Scene, position: NDArray[np.complex128]) -> Floats:
