@@ -1,10 +1,10 @@
 """The base class of scenes and settings. It checks values, writes the one-line error, and fills help()."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from inspect import Parameter, Signature, cleandoc
 from numbers import Complex, Real
-from typing import Any, Self, get_type_hints
+from typing import Any, Self, TypeGuard, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
@@ -49,6 +49,10 @@ class Model(BaseModel):
         for name, field in type(self).model_fields.items():
             if name in self.model_fields_set and (value := getattr(self, name)) != field.default:
                 yield name, value
+
+    def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]
+        """Yield the names and values of the fields: dict() of a model makes the model again."""
+        return ((name, getattr(self, name)) for name in type(self).model_fields)
 
     def __hash__(self) -> int:
         return hash((type(self), *(_hashable(getattr(self, name)) for name in type(self).model_fields)))
@@ -113,6 +117,12 @@ def _hashable(value: object) -> object:
     if isinstance(value, Mapping):
         return frozenset((name, x) for name, x in value.items() if isinstance(x, (Real, str)))
     return tuple(map(_hashable, value)) if isinstance(value, (list, tuple)) else value
+
+
+def is_several(value: object) -> TypeGuard[Iterable[Any]]:
+    """Return whether a value is not one scene or text, but can have several."""
+    one = isinstance(value, (str, bytes, Model)) or getattr(value, "ndim", 1) == 0  # numpy's array of one value
+    return isinstance(value, Iterable) and not one
 
 
 def as_pair(value: object) -> object:

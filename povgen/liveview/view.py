@@ -61,6 +61,10 @@ class Live:
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *type(self.scene).model_fields]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy has. It gets a widget of its own."""
+        return {name: value for name, value in vars(self).items() if name != "widget"}
+
     def _show(self, scene: Scene) -> None:
         shown, before = values(scene), self.scene
         self.__dict__["scene"] = scene

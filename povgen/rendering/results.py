@@ -17,6 +17,7 @@ from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
 from povgen.scene.quantities import QUANTITIES, parameters
 from povgen.scene.scenes import SCENES, Scene, checked_scene
+from povgen.validation import is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
 PARTS = 4  # of the scenes, for each thread of a cluster's workers
@@ -25,7 +26,7 @@ Done = Callable[[], object]
 
 
 def results(
-    scenes: Iterable[Scene],
+    scenes: Scene | Iterable[Scene],
     *quantities: str,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -42,9 +43,7 @@ def results(
     with the address `scheduler`. `progress=False` shows no progress bar. Raises InputError for what is no scene and no
     quantity, and PovrayError if a process or the cluster fails.
     """
-    if not isinstance(scenes, Iterable):
-        raise InputError(f"scenes = {shown(scenes)}: allowed: scenes")
-    scenes = [checked_scene(scene) for scene in scenes]
+    scenes = [checked_scene(scene) for scene in (scenes if is_several(scenes) else [scenes])]
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
         what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"

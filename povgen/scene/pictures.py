@@ -11,6 +11,7 @@ from dataclasses import field
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
@@ -36,6 +37,13 @@ class Picture:
     mean: tuple[float, float, float] = field(repr=False)  # the mean colour: linear light, 0 to 1
     options: str = ""  # as the user wrote them
     width: float = field(default=WIDTH, repr=False)  # of the floor's picture, tiles
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**vars(self), "content": _content[self.name]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        know({state["name"]: state.pop("content")})
+        vars(self).update(state)
 
     @property
     def is_light(self) -> bool:

@@ -24,7 +24,7 @@ from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, checked_scene, input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
-from povgen.validation import Model
+from povgen.validation import Model, is_several
 from povgen.version import __version__
 from povgen.video import encode
 from povgen.video.still import pictures, record_of
@@ -94,7 +94,7 @@ def movie(
     given: dict[str, Any] = {"frame_rate": frame_rate, "title": title}
     given = {name: value for name, value in given.items() if value is not None}
     workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    if isinstance(spec, Iterable) and not isinstance(spec, (MovieSpec, str, Path, bytes, Scene)):
+    if is_several(spec):
         film = FilmOptions(**given)
         rate, title = film.frame_rate, film.title
         scenes = [checked_scene(scene) for scene in spec]

@@ -22,6 +22,7 @@ from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files
 from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
+from povgen.validation import is_several
 from povgen.version import __version__
 
 if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
@@ -86,7 +87,7 @@ def render(
         raise InputError(f"linear = {shown(linear)}: should be true or false")
     if linear:
         options.setdefault("bits", 32)
-    one = isinstance(scene, (Scene, str)) or not isinstance(scene, Iterable)
+    one = not is_several(scene)
     scenes = [checked_scene(each) for each in ([scene] if one else scene)]
     rendering, workers, scheduler = Rendering(**options), worker_count(workers), checked_scheduler(scheduler)
     if linear and rendering.bits != 32:

@@ -2,8 +2,10 @@
 
 import base64
 import os
+import pickle
 import re
 import subprocess
+import sys
 from contextlib import suppress
 from io import BytesIO
 
@@ -195,6 +197,24 @@ def test_a_sky_of_light_is_made_again_and_shown_live(tmp_path):
     assert image.format == "PNG" and image.size == (64, 32)
     red = 255 * (1.055 * np.linspace(0.01, 4, 64)[10] ** (1 / 2.4) - 0.055)
     assert image.getpixel((63, 9))[0] == 255 and abs(image.getpixel((10, 9))[0] - red) < 2
+
+
+def test_another_process_knows_the_picture_of_a_scene_that_it_is_sent(tmp_path):
+    Image.new("RGB", (64, 32), (9, 60, 200)).save(tmp_path / "sky.png")
+    scene = Chess(sheet="ideal", sky=tmp_path / "sky.png", floor=f"{tmp_path / 'sky.png'},width=4")
+    sent = pickle.dumps(scene)
+    code = (
+        "import pickle, sys; from povgen import render; from povgen.liveview.view import html\n"
+        "scene = pickle.load(sys.stdin.buffer); html(scene)\n"
+        "pixels = [render(scene, size=(32, 32), antialias='off', renderer=each) for each in ('povray', 'gl')]\n"
+        "sys.stdout.buffer.write(pickle.dumps(pixels))"
+    )
+    (tmp_path / "sky.png").unlink()
+    answer = subprocess.run([sys.executable, "-c", code], input=sent, capture_output=True, check=True).stdout
+    for renderer, pixels in zip(("povray", "gl"), pickle.loads(answer), strict=True):
+        assert np.array_equal(
+            pixels, render(scene, **OPTIONS | {"renderer": renderer, "size": (32, 32), "antialias": "off"})
+        )
 
 
 def test_damaged_light_is_refused(tmp_path, capfd):

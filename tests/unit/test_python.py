@@ -202,6 +202,33 @@ def test_a_live_view_can_be_copied():
     for made in (copy.copy(view), copy.deepcopy(view), pickle.loads(pickle.dumps(view))):
         assert made.scene == view.scene and made.z1 == 3
     assert not hasattr(view, "nothing")
+    view.__dict__["widget"] = object()  # of this view only: a copy has another
+    for made in (copy.copy(view), copy.deepcopy(view), pickle.loads(pickle.dumps(view))):
+        assert made.scene == view.scene and "widget" not in vars(made)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda table: table.update(k=1),
+        lambda table: table.__setitem__("k", 1),
+        lambda table: table.pop("k"),
+        lambda table: table.clear(),
+        lambda table: table.__ior__({"k": 1}),
+    ],
+)
+def test_tables_never_change(change):
+    scene = Chess(sheet="law", law="k*x, y, z", parameter={"k": 0.3})
+    for table in (scene.parameter, Chess().error, scene.replace(error={}).error):
+        with pytest.raises(InputError, match="never changes; allowed: a copy"):
+            change(table)
+    for made in (
+        copy.deepcopy(scene),
+        pickle.loads(pickle.dumps(scene)),
+        Chess(**dict(scene)),
+        Chess(**scene.model_dump()),
+    ):
+        assert made == scene and hash(made) == hash(scene) and made.parameter == {"k": 0.3}
 
 
 def test_equal_values_have_equal_hashes(tmp_path):

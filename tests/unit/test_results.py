@@ -79,6 +79,19 @@ def test_other_processes_find_the_same(monkeypatch, capsys):
     assert capsys.readouterr().err.splitlines() == [f"results: {n}/6 scenes" for n in range(1, 7)]
 
 
+@pytest.mark.filterwarnings("error")
+def test_pipes_to_other_processes_are_closed(monkeypatch):
+    monkeypatch.setattr(module, "PATIENCE", 0)
+    started, python = [], module.python
+    monkeypatch.setattr(module, "python", lambda name: started.append(python(name)) or started[-1])
+    results(SCENES, "M", workers=2, progress=False)
+    assert len(started) == 2 and all(process.stdin.closed and process.stdout.closed for process in started)
+
+
+def test_one_scene_is_a_table_of_one_row():
+    assert results(SCENES[1], "M", progress=False)["M"] == results(SCENES, "M", progress=False)["M"][1]
+
+
 def test_a_process_that_ends_is_an_error(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     python = module.python
@@ -103,7 +116,8 @@ def test_scenes_of_ones_own(monkeypatch):
         (lambda: results(SCENES), "no quantity; allowed: x, y, nu, M"),
         (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
         (lambda: results(SCENES, ["nu"]), "quantity = ['nu']; allowed: x, y"),
-        (lambda: results(None, "nu"), "scenes = None: allowed: scenes"),
+        (lambda: results(None, "nu"), "scene = None: should be a scene"),
+        (lambda: results(np.array(66), "nu"), "scene = array(66): should be a scene"),
         (lambda: results([3], "M"), "scene = 3"),
         (lambda: results(SCENES, "M", workers=0), "workers = 0"),
         (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
