@@ -83,8 +83,9 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
     positions. The result is the position with the least max(|x|, |y|). So if any of the positions is visible in a
-    square window with its centre at 0, the result is visible. The result is NaN if there is no path, and infinite if L
-    appears at infinity.
+    square window with its centre at 0, the result is visible. The result is NaN if there is no path, and the complex
+    infinity (inf + 0j) if L appears at infinity, or so close to it that rounding decides (1e-14 of the distances). The
+    search can miss paths behind a sheet without a matrix that are more than 87 degrees from the normal.
 
     At a caustic two paths merge. On one side of it there are none. There a large object can be seen in part, although
     its middle cannot. So a path also counts if it misses L by at most `near`, and by less than neighbouring paths do.
@@ -98,7 +99,7 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
             x, y, sx, sy, _ = np.moveaxis(total @ (E.real, E.imag, 0, 0, 1), -1, 0)
             to = place - (x + 1j * y) - after * (sx + 1j * sy)
             s = solved(total[..., :2, 2:4], after[..., None, None] * total[..., 2:4, 2:4], to)
-        return (E + distance * s)[()]
+        return np.where(np.isinf(s), complex(np.inf, 0), E + distance * s)[()]
 
 
 def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
@@ -259,7 +260,7 @@ def newton(
     """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
 
     Levenberg's and Marquardt's method: if no ray near the first one meets the target, the result is the ray that misses
-    it least. A ray is given up if its distance is more than `enough`, and ten steps have not halved it.
+    it least. A ray is given up if its distance is more than `enough`, and twenty steps have not halved it.
     """
     s, f = s.copy(), miss(s, target)
     damping, earlier = np.full(len(s), 1e-3), abs(f)
@@ -284,7 +285,7 @@ def newton(
         size = abs(step) / (1 + abs(at))
         going = (size > np.where(better, 1e-15, 1e-10)) & (damping[active] < 1e8) & (f[active] != 0)
         active = active[going]
-        if number % 10 == 0:
+        if number % 20 == 0:
             distance = abs(f[active])
             closer = (distance < earlier[active] / 2) | (distance <= enough[active])
             earlier[active], active = distance, active[closer]

@@ -73,7 +73,7 @@ class Prism:
     @property
     def reach(self) -> float:
         """The farthest that light on the designed path is displaced across the ridges."""
-        return self.height * min(self.aspect, 2 - self.aspect)
+        return self.height * max(0, min(self.aspect, 2 - self.aspect))
 
     @property
     def separation(self) -> float:

@@ -26,7 +26,7 @@ _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
 MOST_FACES = 100_000
-_PRECISION = 1e-11  # of slopes, relative to 1 + |slope|
+_PRECISION = 1e-11  # of the part of a unit direction across z
 
 
 class Convergence(NamedTuple):
@@ -145,9 +145,12 @@ def pencil(
     Regular points would make moire with prisms. The disc's centre is `middle`, x + iy, in the plane of the window that
     is nearest to the point. Raises ValueError for a point between the windows, and for numbers outside their ranges.
     """
-    start = np.asarray(point, float)
+    try:
+        start = np.asarray(point, float)
+    except (TypeError, ValueError, OverflowError):
+        start = np.empty(0)
     if start.shape != (3,) or not (abs(start) <= LARGEST).all():
-        raise ValueError(f"point = {start}: allowed: x, y and z, from -{LARGEST:g} to {LARGEST:g}, in tiles")
+        raise ValueError(f"point = {point!r}: allowed: x, y and z, from -{LARGEST:g} to {LARGEST:g}, in tiles")
     first, last = windows[0][0], windows[-1][0]
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
@@ -183,7 +186,8 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 
     Raises ValueError if z is not a finite number, and without rays.
     """
-    if isinstance(z, bool) or not isinstance(z, (int, float, np.number)) or not np.isfinite(z):
+    number = isinstance(z, (int, float, np.number)) and not isinstance(z, bool)
+    if not (number and abs(z) <= float(np.finfo(float).max)):
         raise ValueError(f"z = {z!r}: allowed: a finite number, tiles")
     points, count = [], 0
     for rays in traced:
@@ -199,16 +203,17 @@ def trace_windows(
     rays: Bundle,
     windows: Placed,
     aperture: float,
-    frame: float = 0.0,
+    frame: float,
     most: int = 60,
     partial: "np.random.Generator | None" = None,
 ) -> Traced:
     """Follow a bundle through windows: ideal sheets, or prisms, or ideal sheets before prisms.
 
-    `aperture` is the side of the square windows, and `frame` the extent of each window's frame along z. A ray ends
-    after `most` faces of prisms. `partial` is as for `trace.trace`. Prisms can send stray light back to the ideal
-    sheets before them, which bend it too. Raises ValueError if a ray does not start outside the windows and towards
-    them, if an ideal sheet stands behind prisms, and what `trace.trace` raises.
+    `aperture` is the side of the square windows, and `frame` the extent of each window's frame along z: at
+    least that of the sheets of prisms. A ray ends after `most` faces of prisms. `partial` is as for `trace.trace`.
+    Prisms can send stray light back to the ideal sheets before them, which bend it too. Raises ValueError if a ray does
+    not start outside the windows and towards them, if an ideal sheet stands behind prisms, and what `trace.trace`
+    raises.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
@@ -324,18 +329,23 @@ class _Way:
 
 def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
     """Return the slopes (n,) on the eye's side of light with the slopes `behind` an ideal sheet; NaN if none passes."""
-    found = np.full(len(behind), complex(np.nan, np.nan))
+    found, aim = np.full(len(behind), complex(np.nan, np.nan)), _sine(behind)
 
     def miss(slope: Complexes, target: Indices) -> Complexes:
-        return window.slope(slope, place[target]) - behind[target]
+        return _sine(window.slope(slope, place[target])) - aim[target]
 
     left = np.arange(len(behind))
     for start in (behind, *_STARTS):
-        enough = _PRECISION * (1 + abs(behind[left]))
+        enough = np.full(len(left), _PRECISION)
         slope, off = newton(np.broadcast_to(start, behind.shape)[left].astype(complex), left, miss, enough)
         hit = off <= enough
         found[left[hit]], left = slope[hit], left[~hit]
     return found
+
+
+def _sine(slope: Complexes) -> Complexes:
+    """Return the part of a unit direction across z. At grazing directions it changes little, and the slope much."""
+    return np.asarray(slope / np.hypot(1, abs(slope)))
 
 
 def _rms(steps: Complexes) -> float:

@@ -90,6 +90,7 @@ class Law:
             at = np.asarray(place, complex)
             ray = {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag}
             bent = np.stack(np.broadcast_arrays(*_evaluated(self._code, {**values, **ray}), x + 0 * at.real)[:3], -1)
+            bent = bent / abs(bent).max(-1, keepdims=True)  # squares of very large or small numbers are inf or 0
             bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
             return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
 

@@ -37,7 +37,7 @@ def test_retardance_at_the_base(prism, degrees):
     incidence = np.pi / 2 - prism._slope
     sine = np.sin(incidence)
     closed = 2 * np.arctan(np.cos(incidence) * np.sqrt(sine**2 - 1 / prism.index**2) / sine**2)
-    assert polarisation.retardance(prism) == pytest.approx(closed, rel=1e-12)
+    assert polarisation.retardance(prism) == pytest.approx(closed, rel=1e-12)  # above 0: p is ahead
     if degrees:
         assert np.degrees(closed) == pytest.approx(degrees, abs=0.01)
 

@@ -133,6 +133,30 @@ def test_light_for_which_a_law_has_no_inverse_is_blocked_without_a_warning():
     assert [*scene.trace(Bundle((0, 0, 3), [[0.1, 0, -1], [0, 0, -1]])).end] == [End.BLOCKED, End.THROUGH]
 
 
+@pytest.mark.parametrize("ratio", [0.1, 0.2, 0.7, 0.99])
+@pytest.mark.parametrize("degrees", [70, 80, 86, 89, 89.8])
+def test_light_that_is_nearly_parallel_to_the_sheet_passes(degrees, ratio, rng):
+    """By Snell's law it leaves at an angle whose sine is `ratio` times as large."""
+    around = np.exp(1j * rng.uniform(-np.pi, np.pi, 40))
+    slope = np.tan(np.radians(degrees)) * around
+    way = np.column_stack((slope.real, slope.imag, np.ones(40)))
+    light = Chess(sheet="refraction", alpha=0, ratio=ratio).trace(Bundle(1e-3 * way, -way))  # from inside the frame
+    assert (light.end == End.THROUGH).all()
+    sine = ratio * np.sin(np.radians(degrees))
+    np.testing.assert_allclose(light.slope, sine / np.sqrt(1 - sine**2) * around, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("ratio", "alpha"), [(0.7, 0), (0.2, 0), (0.1, 30)])
+def test_the_eye_sees_what_stands_far_aside_behind_a_refracting_sheet(ratio, alpha, rng):
+    """Light up to 86 degrees from the normal, where the sheet's slope grows steeply with that of the eye's ray."""
+    scene = Chess(sheet="refraction", alpha=alpha, ratio=ratio, z1=0.6, z2=6, eye=(0.2, 0.1))
+    sine = ratio * np.sin(np.radians(rng.uniform(60, 86, 200)))
+    slope = sine / np.sqrt(1 - sine**2) * np.exp(1j * rng.uniform(-np.pi, np.pi, 200))
+    P = 0.2 + 0.1j + scene.z2 * slope
+    L = P + scene.z1 * scene.windows[0][1].slope(slope, P)
+    np.testing.assert_allclose(scene.apparent_position(L, scene.z1), P, rtol=1e-8)
+
+
 @pytest.mark.parametrize("alpha", [0, 40, 66, 180, -100])
 def test_where_a_pencil_converges(alpha):
     """At the distance Re W, and at |Im W| times the spread of the slopes: see optics/series.py."""
@@ -215,6 +239,9 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: s.pencil((0, 0, 2), radius="a"), "radius = 'a'"),
         (lambda s: s.pencil((0, 0, 2), middle="a"), "middle = 'a'"),
         (lambda s: s.pencil(("a", 0, 2)), "'a'"),
+        (lambda s: s.pencil(66 + 0j), "point = (66+0j): allowed: x, y and z"),
+        (lambda s: s.pencil({}), "point = {}"),
+        (lambda s: s.pencil((0, 0, 10**400)), "allowed: x, y and z"),
         (lambda s: s.trace(s.pencil((0, 0, 2)), partial=3), "partial = 3: allowed: a numpy.random.Generator"),
         (lambda s: s.trace(Bundle((0, 0, -1), (0, 0, -1))), "ray 0 from"),
         (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
@@ -237,6 +264,7 @@ def test_wrong_values_are_refused(call, words):
     [
         (lambda scene: scene.spot((0, 0, 0), 3), "between the windows"),
         (lambda scene: scene.spot((0, 0, 3), np.inf), "z = inf: allowed: a finite number"),
+        (lambda scene: scene.spot((0, 0, 3), 10**400), "allowed: a finite number"),
         (lambda scene: scene.pencil((0, 0, 3), seed=1.5), "seed = 1.5: allowed: a whole number from 0"),
         (lambda scene: scene.trace(scene.rays((2, 2)), 1.5), "max_faces = 1.5: allowed: a whole number"),
         (lambda scene: scene.trace(np.zeros((3, 3))), "rays: ndarray; allowed: a Bundle"),
