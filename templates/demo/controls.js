@@ -240,7 +240,7 @@ export function showNumbers(now) {
   const fine = real && appearance({ ...now, glass: false });
   $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : state.level === "simple" || now.sheet === "single" ? "" : say("numbers.nu");  // the simple name says it
   $("about-bare").hidden = now.sheet === "single";
-  $("about-M").textContent = real ? byEquation(size(fine.M)) : say(now.Z ? "numbers.M_series" : "numbers.M");
+  $("about-M").textContent = real ? byEquation(size(fine.M)) : say(`numbers.${now.Z ? "M_series" : now.sheet === "single" ? "M_single" : "M"}`);
   $("paper-diagram").textContent = say(now.Z ? "page.complex_depth" : "page.as_paper");
   $("of-prisms").hidden = !real;
   $("sentence").textContent = explanation(now);
