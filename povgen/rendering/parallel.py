@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from numbers import Integral
 from pathlib import Path
 from typing import Protocol
@@ -84,9 +84,6 @@ def end(process: "subprocess.Popen[bytes]") -> None:
     """End a process that `python` started."""
     process.kill()
     process.wait()
-    for pipe in filter(None, (process.stdin, process.stdout)):
-        with suppress(OSError):  # what was written last has no reader
-            pipe.close()
     with stopping.lock:
         stopping.processes.discard(process)
 

@@ -113,11 +113,12 @@ def _asked(process: Any, scenes: Sequence[Scene], quantities: Sequence[str]) -> 
         process.stdin.close()
     except OSError:  # it has ended
         pass
-    for scene in scenes:
-        answer = process.stdout.readline()
-        if not answer.endswith(b"\n"):
-            raise PovrayError(f"results: the process that computes {shown(scene)} has ended")
-        yield json.loads(answer)
+    with process.stdout:
+        for scene in scenes:
+            answer = process.stdout.readline()
+            if not answer.endswith(b"\n"):
+                raise PovrayError(f"results: the process that computes {shown(scene)} has ended")
+            yield json.loads(answer)
 
 
 def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
