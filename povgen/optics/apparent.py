@@ -149,7 +149,7 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
 
     With A and B of `depths`, a short step d on the object appears as p d + q conj(d) in the plane of the first window:
     p = z2 conj(A)/(|A|^2 - |B|^2) and q = -z2 B/(|A|^2 - |B|^2). Then nu = arg(p). The magnification depends on the
-    direction of d: it is between |p| - |q| and |p| + |q|, and M is the mean |p|. For sheets without thickness that
+    direction of d: it is between ||p| - |q|| and |p| + |q|, and M is the mean |p|. For sheets without thickness that
     rotate light, nu and M are eqs. 8 and 9, corrected (docs/errata.md). If |q| > |p|, the object appears mirrored:
     nu is NaN, and M is |q|. If |A| = |B|, nu is NaN and M is infinite.
     """
