@@ -29,10 +29,17 @@ MAX_CAMERA_ERROR = 0.03
 MAX_CELLS = 100
 # (g) With fewer pixels per prism, a picture without antialiasing is as wrong as one whose pixels are taken at random.
 MIN_PIXELS_PER_PRISM = 1.2
-# (h) For a smaller alpha, degrees, the prisms of the two sheets are nearly parallel and make dark bands (moire).
-MIN_ALPHA = 3
+# (h) For a smaller alpha, degrees, times the number of prisms or lenses across the window, those of the two sheets are
+# nearly parallel and make wide dark bands (moire). Few prisms make none at larger angles than MOIRE_ALPHA.
+MOIRE = 800
+MOIRE_ALPHA = 16
 
 
 def units_per_tile(pitch: float) -> int:
     """Return the size of a tile in POV-Ray's units. Its tolerances are fixed in these units: finer prisms need more."""
     return max(1000, round(1.2 / pitch))
+
+
+def moire_alpha(count: float) -> float:
+    """Return the alpha, degrees, below which the sheets of a window with so many prisms or lenses make dark bands."""
+    return min(MOIRE / count, MOIRE_ALPHA)

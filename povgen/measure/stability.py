@@ -328,8 +328,10 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
     yield result
 
 
-def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha.
+def moire(
+    products: Sequence[float] = (0, 100, 300, 500, 700, 800, 900, 1200), size: Size = SMALL
+) -> Iterator[StabilityMap]:
+    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha times their prisms.
 
     For each block of pixels, the fraction of rays on the designed path is found. The contrast is the RMS difference of
     this fraction between neighbouring blocks, divided by that at alpha = 30 deg.
@@ -339,7 +341,7 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8), size: Size = SMALL)
         "moire",
         "(h) sheets nearly parallel",
         finding,
-        "α: angle by which rays turn (degrees)",
+        "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
         y,
         1.35,
         "",
@@ -349,18 +351,18 @@ def moire(alphas: Sequence[float] = (0, 0.3, 1, 2, 3, 5, 8), size: Size = SMALL)
     )
     for count in (50, 100, 400):
         contrast = []
-        for alpha in (*alphas, 30):
-            scene = Directions(sheet="detailed", alpha=alpha, prisms=count)
+        for product in (*products, 30 * count):
+            scene = Directions(sheet="detailed", alpha=product / count, prisms=count)
             inside, direction = camera.rays(scene, size)
             designed = np.zeros(inside.shape)
             designed[inside] = scene.trace(camera.along(scene, direction)).designed
             blocks = _blocks(designed[camera.window(scene, size)][6:-6, 6:-6], 24)
             # only neighbours are compared, because the slow decrease towards the window's edges is not moire
-            contrast.append(rms(np.diff(blocks, axis=0)))
+            contrast.append(np.hypot(*(rms(np.diff(blocks, axis=axis)) for axis in (0, 1))))
         *contrast, reference = contrast
-        for alpha, value in zip(alphas, contrast, strict=True):
-            result.add(f"N = {count}", alpha, value / reference)
-        result.limit("detailed", f"N = {count}", limits.MIN_ALPHA, "deg", rising=False)
+        for product, value in zip(products, contrast, strict=True):
+            result.add(f"N = {count}", product, value / reference)
+        result.limit("detailed", f"N = {count}", limits.MOIRE, "deg", rising=False)
     yield result
 
 

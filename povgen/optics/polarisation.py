@@ -26,7 +26,8 @@ def reflection(n1: ArrayLike, n2: ArrayLike, cosine: ArrayLike) -> tuple[Complex
     """Return the amplitudes r_s and r_p that are reflected on the way from the index n1 to n2: the Fresnel equations.
 
     `cosine` is that of the angle of incidence. The share 1 - |r|^2 of the power passes. In total internal reflection
-    |r| = 1, and p is ahead of s by the retardance d = arg(r_s/r_p): tan(d/2) = cos(i) sqrt(sin(i)^2 - (n2/n1)^2)/sin(i)^2.
+    |r| = 1, and p is ahead of s by the retardance d = arg(r_s/r_p). It obeys
+    tan(d/2) = cos(i) sqrt(sin(i)^2 - (n2/n1)^2)/sin(i)^2.
     """
     cosine = np.asarray(cosine, complex)
     behind = np.sqrt(1 - np.divide(n1, n2) ** 2 * (1 - cosine**2))  # positive imaginary: the wave decays in the air

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from povgen.limits import (
     MAX_CONDITION,
     MAX_ERROR,
-    MIN_ALPHA,
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
+    moire_alpha,
 )
 from povgen.scene.cells import camera_cells, grid_error, is_dark
 from povgen.scene.pieces import PieceFile
@@ -42,11 +42,14 @@ def warnings(
         yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
     for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
         turn = sheet.values.get("error", {}).get("turn", 0)  # the near sheet is turned by alpha/2 + turn
-        if sheet.layers < 2 or abs((alpha + 2 * turn + 180) % 360 - 180) >= MIN_ALPHA:
+        if sheet.layers < 2:
+            continue
+        least = moire_alpha(scene.aperture / sheet.pitch)
+        if abs((alpha + 2 * turn + 180) % 360 - 180) >= least:
             continue
         things = "prisms" if isinstance(sheet, Prisms) else "lenses"
         value = f"alpha + 2 turn = {alpha + 2 * turn:.3g}" if turn else f"alpha = {alpha:.3g}"
-        text = f"{value}: within {MIN_ALPHA} degrees of 0 the {things} of the two sheets are nearly"
+        text = f"{value}: within {least:.2g} degrees of 0 the {things} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     if glass or scene.rotates:
         yield from _wrong_prediction(scene, rendering)

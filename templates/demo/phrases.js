@@ -1,6 +1,6 @@
 // Parts of sentences.
 
-import { radians } from "../live/geometry.js";
+import { radians, shape } from "../live/geometry.js";
 import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
 import { contents, SHOWN } from "./contents.js";
@@ -45,13 +45,19 @@ function percents({ designed, stray }) {
 }
 export const lightShares = (now) => say("light.shares", percents(lightInWindow(now)));
 
+// The angle below which the sheets of a window make dark bands: povgen/limits.py.
+function moireAlpha(window) {
+  const [product, most] = data.limits.moire;
+  return Math.min((product * shape(window).pitch) / window.values.aperture, most);
+}
+
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.
 export function lightWarnings(now) {
-  const light = lightInWindow(now), { designed, moire } = data.limits, found = [];
+  const light = lightInWindow(now), { designed } = data.limits, found = [];
   if (light && light.designed < designed) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
-  const parallel = now.windows.filter(({ values }) => Math.abs(((values.alpha + 540) % 360) - 180) < moire).map(({ sheet }) => sheet);
   for (const [sheet, sentence] of [["detailed", "bands"], ["lenticular", "bands_lenses"]]) {
-    if (parallel.includes(sheet)) found.push(say(`seen.${sentence}`, { least: moire }));
+    const parallel = now.windows.find((window) => window.sheet === sheet && Math.abs(((window.values.alpha + 540) % 360) - 180) < moireAlpha(window));
+    if (parallel) found.push(say(`seen.${sentence}`, { least: rough(moireAlpha(parallel)) }));
   }
   return found;
 }

@@ -168,9 +168,10 @@ def test_no_warning_without_cause():
         (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "designed path"]),
         (Chess(aspect=1.7, gap=0.2), None, ["z2 = 6, gap = 0.2, aspect = 1.7: 3 % of the window", "designed path"]),
         (Chess(z2=20, eye=(0, 7.97)), None, ["z2 = 20", "an eye at 0,7.97", "designed path"]),
-        (Chess(alpha=-2), None, ["alpha = -2", "3 degrees", "dark bands"]),
-        (Chess(alpha=359), None, ["alpha = 359", "3 degrees", "dark bands"]),
-        (Chess(alpha=-20, error={"turn": 10}), None, ["alpha + 2 turn = 0: within 3 degrees", "dark bands"]),
+        (Chess(alpha=-7.9), None, ["alpha = -7.9", "within 8 degrees", "dark bands"]),
+        (Chess(alpha=359, prisms=300), None, ["alpha = 359", "within 2.7 degrees", "dark bands"]),
+        (Chess(alpha=15, prisms=12), None, ["alpha = 15", "within 16 degrees", "dark bands"]),
+        (Chess(alpha=-20, error={"turn": 10}), None, ["alpha + 2 turn = 0: within 8 degrees", "dark bands"]),
         (
             Chess(sheet="ideal", window="z=2,sheet=axis,alpha=180,axis=0,1,0", z1=3),
             None,

@@ -171,7 +171,7 @@ def test_settings_follow_the_windows():
     assert survey.survey(mixed).designed > survey.survey(two).designed
     assert cells.camera_cells(one.replace(sheet="ideal")) == 1 < cells.camera_cells(two.replace(sheet="ideal"))
     words = " ".join(text for _, text in warnings.warnings(two.replace(window="alpha=1,z=2"), Rendering()))
-    assert "alpha = 1: within 3 degrees" in words
+    assert "alpha = 1: within 8 degrees" in words
     pole = Chess(sheet="ideal", alpha=180, window="alpha=180,z=2", z1=2, z2=8)  # as at z1 + z2 + 2 - 4
     assert not [*warnings.warnings(pole, Rendering(caption="full"))]
 
