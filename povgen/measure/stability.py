@@ -358,7 +358,7 @@ def moire(
             designed[inside] = scene.trace(camera.along(scene, direction)).designed
             blocks = _blocks(designed[camera.window(scene, size)][6:-6, 6:-6], 24)
             # only neighbours are compared, because the slow decrease towards the window's edges is not moire
-            contrast.append(np.hypot(*(rms(np.diff(blocks, axis=axis)) for axis in (0, 1))))
+            contrast.append(np.hypot(rms(np.diff(blocks, axis=0)), rms(np.diff(blocks, axis=1))))
         *contrast, reference = contrast
         for product, value in zip(products, contrast, strict=True):
             result.add(f"N = {count}", product, value / reference)

@@ -14,6 +14,7 @@ from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
+from povgen.sheets.layered import Layered
 from povgen.sheets.prisms import SHAPE, Prisms
 
 UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
@@ -42,14 +43,14 @@ def warnings(
         yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
     for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
         turn = sheet.values.get("error", {}).get("turn", 0)  # the near sheet is turned by alpha/2 + turn
-        if sheet.layers < 2:
+        if not isinstance(sheet, Layered) or sheet.layers < 2:
             continue
-        least = moire_alpha(scene.aperture / sheet.pitch)
-        if abs((alpha + 2 * turn + 180) % 360 - 180) >= least:
+        below = moire_alpha(scene.aperture / sheet.pitch)
+        if abs((alpha + 2 * turn + 180) % 360 - 180) >= below:
             continue
         things = "prisms" if isinstance(sheet, Prisms) else "lenses"
         value = f"alpha + 2 turn = {alpha + 2 * turn:.3g}" if turn else f"alpha = {alpha:.3g}"
-        text = f"{value}: within {least:.2g} degrees of 0 the {things} of the two sheets are nearly"
+        text = f"{value}: within {below:.2g} degrees of 0 the {things} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     if glass or scene.rotates:
         yield from _wrong_prediction(scene, rendering)
