@@ -6,6 +6,7 @@ out at the lens opposite. All other light that comes through is stray light.
 """
 
 from functools import lru_cache
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
@@ -23,7 +24,7 @@ class Survey(NamedTuple):
 
     # the least max_trace_level with which, for each window of prisms, at most MAX_LOST_FRACTION of the rays are lost
     trace_level: int
-    designed: float  # the fraction of the rays to the last window that are on the designed path
+    designed: float  # the fraction of the rays into the last window's frame that are on the designed path
 
 
 class SurveyInputs(NamedTuple):
@@ -33,12 +34,13 @@ class SurveyInputs(NamedTuple):
     z2: float
     E: complex
     aperture: float
+    depth: float  # extent of the windows' frames along z, tiles
     side: int  # the grid of rays to each window of prisms is side x side, or finer
 
 
 def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
     """Return everything on which a scene's survey depends."""
-    return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, side)
+    return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.depth, side)
 
 
 def prism_sheets(windows: tuple[Placed, ...]) -> "tuple[Sheet, ...]":
@@ -56,22 +58,23 @@ def of_inputs(given: SurveyInputs) -> Survey:
     """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
 
     So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The
-    trace level is the greatest that any of these windows needs. The rays to the last window give the fraction on the
-    designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the last
+    trace level is the greatest that any of these windows needs. The rays into the last window's frame give the fraction
+    on the designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the last
     ideal one.
     """
     import numpy as np
 
     from povgen.optics import trace
 
-    windows, z2, E, aperture, side = given
+    windows, z2, E, aperture, depth, side = given
     glass = prism_sheets(windows)
     faces = sum(len(trace.path_of(sheet.shape)) for sheet in glass)
     level, designed = max(5, faces + 1), 0.0
     first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
     start_z = windows[first - 1].z if first else -z2
-    for number in range(first, len(windows)):
-        P = _crossings_up_to(number, given)
+    # rays to the middle of each window, and then all that enter its frame: in a deep frame they are others
+    for number, at in product(range(first, len(windows)), (0.0, depth)):
+        P = _crossings_up_to(number, given._replace(depth=at))
         count = P.shape[1]
         if not count:  # other windows hide this one
             designed = 0.0
@@ -89,16 +92,17 @@ def of_inputs(given: SurveyInputs) -> Survey:
 def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
     """Return the points (number + 1, rays) where rays from the eye cross the windows 0 to `number`.
 
-    Only rays that cross all of these windows are returned. Here the sheets have no thickness. The rays pass a rectangle
-    of the first window. It contains all points through which such rays can pass. It is divided into side^2 cells. If
-    fewer than side^2 rays cross all windows, the cells are made smaller: there are up to 16 side^2 of them. In each
-    cell there is a random point, the same each time. Regularly spaced points would make moire with the prisms.
+    Only rays that cross the windows before `number`, and enter the frame of this one, are returned. Here the sheets
+    have no thickness. The rays pass a rectangle in the plane of the first window. It contains all points through which
+    such rays can pass. It is divided into side^2 cells. If fewer than side^2 rays are found, the cells are made
+    smaller: there are up to 16 side^2 of them. In each cell there is a random point, the same each time. Regularly
+    spaced points would make moire with the prisms.
     """
     import numpy as np
 
     from povgen.optics import apparent
 
-    windows, z2, E, aperture, side = given
+    windows, z2, E, aperture, depth, side = given
     half = aperture / 2
     elements, z = [], -z2
     for window in windows[: number + 1]:
@@ -106,13 +110,17 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
         z = window.z
 
     def crossings(P: "Complexes") -> "Complexes":
-        return np.stack([place for place, *_ in apparent.follow((P - E) / z2, E, elements)])
+        followed = apparent.follow((P - E) / z2, E, elements)
+        place, slope, *_ = followed[-1]
+        return np.stack([*(each for each, *_ in followed), place - depth / 2 * slope])  # the last: where it enters
 
-    low, high = np.full(2, -half), np.full(2, half)
+    bounds = [*range(number), number + 1]  # the crossings that have to be within the window's square
+    most = half if number else np.inf  # the bounds of the front are farther apart than those of the middle
+    low, high = np.full(2, -most), np.full(2, most)
     if apparent.matrix(elements[:-1]) is not None:  # the crossings are linear functions of P
         origin = crossings(np.array([E]))[:, 0]
         steps = crossings(E + np.array([1, 1j])) - origin[:, None]
-        for at, (a, b) in zip(origin, steps, strict=True):
+        for at, (a, b) in zip(origin[bounds], steps[bounds], strict=True):
             size = (a.conjugate() * b).imag
             if abs(size) < 1e-18:  # the eye sees a point, or a line, of this window
                 continue
@@ -126,10 +134,10 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
         parts = np.indices((n, n)) + np.random.default_rng(1).uniform(size=(2, n, n))
         x, y = low[:, None] + (high - low)[:, None] * parts.reshape(2, -1) / n
         P = crossings(x + 1j * y)
-        P = P[:, (np.maximum(abs(P.real), abs(P.imag)) <= half).all(0)]  # NaN: no light passes
+        P = P[:, (np.maximum(abs(P.real), abs(P.imag)) <= half)[bounds].all(0)]  # NaN: no light passes
         if P.shape[1] >= side**2:
             break
-    return P
+    return P[:-1]
 
 
 def _level(

@@ -124,18 +124,18 @@ function solved(matrix, right) {
 const SIDE = 20;
 let kept = { key: "", found: null };
 
-// The fractions of the light in the window, as the eye sees it: on the designed path, and stray light. The rest is lost. null
-// without prisms.
+// The fractions of the light in the opening of the window's frame, as the eye sees it: on the designed path, and stray light. The
+// rest is lost. null without prisms.
 export function lightInWindow(now) {
   if (!now.glass) return null;
   const { E, z2, windows, scene } = now;
   const names = ["prisms", ...Object.keys(data.parameters)];
   const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values }) => [sheet, z, pick(values, ...names)])]);
   if (kept.key === key) return kept.found;
-  const count = { designed: 0, stray: 0, lost: 0, beside: 0 };
+  const count = { designed: 0, stray: 0, lost: 0, beside: 0 }, front = z2 - geometry.depth(scene) / 2;
   for (let n = 0; n < SIDE ** 2; n++) {
     const [x, y] = [n % SIDE, Math.floor(n / SIDE)].map((cell, k) => ((cell + ((0.5 + n * STEPS[k]) % 1)) / SIDE - 0.5) * scene.aperture);
-    count[traced(now, [...E, -z2], [x - E[0], y - E[1], z2]).kind]++;
+    count[traced(now, [...E, -z2], [x - E[0], y - E[1], front]).kind]++;
   }
   const all = SIDE ** 2 - count.beside || 1;
   kept = { key, found: { designed: count.designed / all, stray: count.stray / all } };
