@@ -59,8 +59,8 @@ def of_inputs(given: SurveyInputs) -> Survey:
 
     So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The
     trace level is the greatest that any of these windows needs. The rays into the last window's frame give the fraction
-    on the designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the last
-    ideal one.
+    on the designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the
+    last ideal one.
     """
     import numpy as np
 
