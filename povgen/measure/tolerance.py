@@ -153,7 +153,7 @@ def percentile(changes: Floats, share: float) -> float:
 
     If a build does not show the object, its change counts as infinite.
     """
-    return float(np.percentile(np.nan_to_num(changes, nan=np.inf), share, method="higher"))
+    return float(np.percentile(np.nan_to_num(changes, nan=np.inf, posinf=np.inf), share, method="higher"))
 
 
 class _Seen(NamedTuple):

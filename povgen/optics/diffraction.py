@@ -42,8 +42,8 @@ def blur(pitch: ArrayLike, wavelength: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
     pitch, waves = real("pitch", pitch, 0), _metres(wavelength)
     z1, z2 = np.minimum(real("z1", z1, 0), FARTHEST), real("z2", z2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        spread = np.where(pitch == 0, np.inf, SPREAD * waves * z1 / pitch)
-        return np.hypot(SHIFT * pitch, spread) / np.abs(depth(z1, z2, alpha))
+        blur = np.hypot(SHIFT * pitch, SPREAD * waves * z1 / pitch) / np.abs(depth(z1, z2, alpha))
+    return np.where(pitch == 0, np.inf, blur)[()]
 
 
 def best_pitch(wavelength: ArrayLike, z1: ArrayLike) -> Floats:

@@ -32,9 +32,10 @@ def shares(profile: Profile, slope: float) -> dict[int, float]:
 
 
 def field(profile: Profile) -> float:
-    """Return the slope up to which more light takes the designed path than the path of any ghost.
+    """Return the slope up to which more light takes the designed path than the path of any ghost; at most 1.
 
-    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p and the index n.
+    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p and the index n, if
+    f is 3 p or more. Only positive slopes are tried.
     """
     for slope in np.arange(0, 1, 0.002):
         found = shares(profile.scaled(1.0), float(slope))
@@ -49,7 +50,9 @@ class Ghost(NamedTuple):
     # for each sheet: how many cells farther across its ridges a ray from the eye leaves the glass than it enters it
     orders: tuple[int, ...]
     position: complex  # where the eye sees the point, in the plane of the window
-    share: float  # the fraction of light that takes this path: the product of the sheets' `shares`
+    # the fraction of light that takes this path: the product of the sheets' `shares`. If the arrays of a sheet differ in
+    # pitch, it holds near the middle of the window
+    share: float
 
 
 def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:

@@ -76,8 +76,10 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
         return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
     found = _fitted(shape.scaled(1.0), order, round(middle, 2))
     if shape.is_mismatched:
-        beside = _fitted(shape.scaled(1.0), order, round(middle, 2), 1)
-        found = found._replace(bend=beside.deviation - found.deviation)
+        # that of the designed path also for a ghost: a lens bends light in proportion to its displacement, whichever
+        # path the light takes, and the few rays of a ghost are others in each cell
+        left, right = (_fitted(shape.scaled(1.0), 0, 0.0, cell).deviation for cell in (-2, 2))
+        found = found._replace(bend=(right - left) / 4)
     return found.scaled(shape.pitch)
 
 

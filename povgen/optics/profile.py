@@ -8,7 +8,7 @@ continues in the next period, as the face of an array of lenses does.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import accumulate, combinations, pairwise
 from math import asin, hypot, isfinite, radians, sqrt, tan
 from typing import Any, NamedTuple, TypeGuard
 
@@ -131,6 +131,7 @@ class Profile:
         for number, edge in enumerate(edges, 1):
             _check_edge(edge, number)
         _check_apart(edges)
+        _check_glass(edges, [len(outline) for outline in several])
         for number in path:
             if not 1 <= number <= len(edges):
                 raise ValueError(f"path: edge {number}; allowed: 1 to {len(edges)}")
@@ -368,22 +369,47 @@ def _with_glass(outlines: Sequence[Sequence[Edge]]) -> list[Edge]:
     Straight lines take the place of arcs: on which side of an arc it bulges is known only then.
     Raises ValueError if there is not glass on one side of an outline and air on the other.
     """
-    ends = np.array([(edge.start, edge.end) for outline in outlines for edge in outline])
-    (u0, z0), (u1, z1) = np.moveaxis(ends, 0, -1)
-
-    def is_glass(u: float, z: float) -> bool:
-        """Whether a line along z, from before the sheet to this point, crosses an odd number of outlines."""
-        crossed = (u0 <= u) != (u1 <= u)
-        at = z0[crossed] + (u - u0[crossed]) / (u1 - u0)[crossed] * (z1 - z0)[crossed]
-        return bool((at < z).sum() % 2)
-
+    chords = np.array([(edge.start, edge.end) for outline in outlines for edge in outline])
     found: list[Edge] = []
     for number, outline in enumerate(outlines, 1):
         edge = max(outline, key=lambda each: each.chord)
-        u, z = (edge.start[0] + edge.end[0]) / 2, (edge.start[1] + edge.end[1]) / 2
-        nu, nz = edge.normal
-        inside, outside = (is_glass(u + side * ASIDE * nu, z + side * ASIDE * nz) for side in (-1, 1))
-        if inside == outside:
-            raise ValueError(f"outline {number}: glass or air on both sides; allowed: glass on one, air on the other")
-        found += outline if inside else [Edge(edge.end, edge.start, edge.radius) for edge in outline]
+        left, right = _has_glass_beside(np.array([edge.start, edge.end]), chords)
+        if left == right:
+            raise ValueError(
+                f"outline {number}: glass or air on both sides; allowed: glass on one, air on the other, "
+                "also with straight lines in place of arcs"
+            )
+        found += outline if left else [Edge(edge.end, edge.start, edge.radius) for edge in outline]
     return found
+
+
+def _check_glass(edges: Sequence[Edge], counts: Sequence[int]) -> None:
+    """Raise ValueError if an outline has glass on another side than its edges say. An outline has `counts` edges.
+
+    This can be if it is between an arc and the straight line that `_with_glass` puts in the arc's place.
+    """
+    lines = np.concatenate([np.stack((points[:-1], points[1:]), axis=1) for points in map(Edge.points, edges)])
+    for number, end in enumerate(accumulate(counts), 1):
+        edge = max(edges[end - counts[number - 1] : end], key=lambda each: each.chord)
+        if _has_glass_beside(edge.points()[CHORDS // 2 :][:2], lines) != (True, False):
+            raise ValueError(
+                f"outline {number}: between another outline's arc and the straight line from its start to its end; "
+                "allowed: elsewhere, or this arc in shorter parts"
+            )
+
+
+def _has_glass_beside(line: Polyline, lines: Polyline) -> tuple[bool, bool]:
+    """Return whether there is glass beside the middle of a line from a to b: on its left, and on its right.
+
+    `lines` (n, 2, 2) are all outlines' lines. A point is in glass if a line along z, from before the sheet to the
+    point, crosses an odd number of them.
+    """
+    (u0, z0), (u1, z1) = np.moveaxis(lines, 0, -1)
+    along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+    found = []
+    for side in (1, -1):
+        u, z = line.mean(0) + side * ASIDE * np.array([-along[1], along[0]])
+        crossed = (u0 <= u) != (u1 <= u)
+        at = z0[crossed] + (u - u0[crossed]) / (u1 - u0)[crossed] * (z1 - z0)[crossed]
+        found.append(bool((at < z).sum() % 2))
+    return found[0], found[1]

@@ -75,7 +75,12 @@ def test_blur_in_the_unit_of_the_lines_of_glasses():
 
 
 def test_blur_at_the_pole_is_infinite_and_arrays_broadcast():
-    assert blur(0.0, GREEN, 1.0, 2.0, 1.0) == np.inf == blur(0.0, GREEN, 0.0, 2.0, 1.0)
+    assert (
+        blur(0.0, GREEN, 1.0, 2.0, 1.0)
+        == np.inf
+        == blur(0.0, GREEN, 0.0, 2.0, 1.0)
+        == blur(0.0, GREEN, 1.0, np.inf, 1.0)
+    )
     assert blur(1e-3, GREEN, 2.0, 2.0, np.pi) == np.inf
     far = blur(1e-3, GREEN, [1e12, np.inf], 1.0, 1.0)
     assert far[0] == pytest.approx(far[1], rel=1e-9) and far[1] > 0

@@ -28,6 +28,12 @@ radii = [2]
 """
 PRISM = "path = [2, 1]\noutline = [{ corners = [[0.1, 0], [0.9, 0], [0.5, 1], [0.1, 0]] }]"
 
+# a block of glass with one bulging face, {}, and a hole in it
+HOLE = (
+    "path = [1, 2]\noutline = [{{ corners = [[0, 0], [1, 0]] }}, {{ corners = {} }}, "
+    "{{ corners = [[0.45, 0.3], [0.5, 0.25], [0.55, 0.3], [0.5, 0.35], [0.45, 0.3]] }}]"
+)
+
 
 def read(text):
     return Profile.of_table(tomllib.loads(text))
@@ -65,6 +71,8 @@ def fan(n, slope=0.25, seed=1):
         (PRISM.replace("[0.5, 1]", f"[0.5, 1{'0' * 400}]"), "outline 1: corners = .*; allowed: two or more points"),
         (LENS.replace("radii = [2]", f"radii = [2{'0' * 400}]"), "outline 2: radii = .*; allowed: a number"),
         (f"index = 1{'0' * 400}\n{PRISM}", "index = .*; allowed: a number"),
+        (HOLE.format("[[0, 0.1], [1, 0.1]], radii = [0.5]"), "outline 3: between another outline's arc and"),
+        (PRISM.replace("[0.5, 1], [0.1, 0]]", "[0.1, 0]], radii = [0.5, 0.5]"), "also with straight lines"),
         (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
     ],
 )  # fmt: skip
@@ -86,6 +94,14 @@ def test_a_profile_in_another_unit_of_length():
     same, scaled = read(LENS), read("period = 0.4\ngap = 0.004\n" + text)
     np.testing.assert_allclose([edge.start for edge in scaled.edges], [edge.start for edge in same.edges], atol=1e-12)
     assert scaled.length == pytest.approx(same.length, rel=1e-12) and scaled.gap == pytest.approx(same.gap)
+
+
+def test_a_hole_within_a_bulge_is_a_hole_if_the_arc_is_stated_in_parts():
+    half = np.sqrt(0.125)
+    corners = f"[[0, 0.1], [{0.5 - half}, {0.1 + half}], [{0.5 + half}, {0.1 + half}], [1, 0.1]]"
+    *_, edge, _, _ = read(HOLE.format(f"{corners}, radii = [0.5, 0.5, 0.5]")).edges
+    outwards = np.mean([edge.start, edge.end], 0) - (0.5, 0.3 - 0.3)  # z = 0 is in the middle of the glass
+    assert edge.normal @ outwards < 0  # glass is around it
 
 
 def test_the_constructors_refuse_what_does_not_fit():
