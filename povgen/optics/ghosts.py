@@ -50,8 +50,8 @@ class Ghost(NamedTuple):
     # for each sheet: how many cells farther across its ridges a ray from the eye leaves the glass than it enters it
     orders: tuple[int, ...]
     position: complex  # where the eye sees the point, in the plane of the window
-    # the fraction of light that takes this path: the product of the sheets' `shares`. If the arrays of a sheet differ in
-    # pitch, it holds near the middle of the window
+    # the fraction of light that takes this path: the product of the sheets' `shares`. If the arrays of a sheet differ
+    # in pitch, it holds near the middle of the window
     share: float
 
 

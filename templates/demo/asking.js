@@ -85,15 +85,16 @@ function glide(target) {
 // ---- The panel ----
 
 let drawnQuestion = null;
-let kept = null;  // a prediction, while the panel is written anew
+/** @type {any} */
+let kept = null;  // a prediction and its question, while the panel is written anew
 const NOT_TURNED = ["single", "mirror", "lenticular"];  // sheets whose picture is not the object, turned and sized
 
 // The numbers of the questions of this level, and of the one that is open.
 const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
 
-// The language has changed: the panel is written anew.
+// The panel is written anew, because the language has changed, or when its question is open again.
 export function rewriteQuestion() {
-  if (drawnQuestion === QUESTIONS[state.question]) kept = new FormData($("question-form")).get("prediction");
+  if (drawnQuestion) kept = { question: drawnQuestion, made: new FormData($("question-form")).get("prediction") };
   drawnQuestion = null;
 }
 
@@ -121,10 +122,12 @@ export function drawQuestion() {
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
   aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || NOT_TURNED.includes(last);
-  session.dashed = dashedOutline(question, open("drawing") && !aid("drawing").hidden);
+  if (aid("drawing").hidden) $("drawing").hidden = true;
+  aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
+  session.dashed = dashedOutline(question, open("drawing"));
   for (const input of $("prediction").querySelectorAll("input")) {
     input.disabled = revealed.has(n);
-    const made = revealed.get(n) ?? kept;
+    const made = revealed.get(n) ?? (kept?.question === question ? kept.made : null);
     if (made && input.type === "radio") input.checked = input.value === made;
     else if (made) input.value = made;
     input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());

@@ -68,7 +68,7 @@ export function replace(values, chosen = []) {
   change(values);
   const lost = SETTINGS.filter((name) =>
     !chosen.includes(name) && [state, usual].every((other) => String(other[name]) !== String(before[name])));
-  if (lost.length && state.question < 0) session.replaced = { before, values: pick(state, ...lost) };
+  if (lost.length && state.question < 0) session.replaced = { before: pick(before, "scene", ...SETTINGS, ...Object.keys(values)), values: pick(state, ...lost) };
 }
 
 // Whether a setting still has the value that replaced the user's own.

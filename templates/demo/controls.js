@@ -4,11 +4,11 @@ import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, replace } from "./beyond.js";
 import { abs, finite, minus } from "./complex.js";
-import { $, clamped, data, pick } from "./data.js";
+import { $, clamped, data } from "./data.js";
 import { refresh } from "./frame.js";
 import { choose, entry, fill, LANGUAGES, localised, marked, say, spoken } from "./language.js";
 import { appearance, moment } from "./moment.js";
-import { angle, brief, placeText, point, prismsText, quantity, readNumber, SETTINGS, size, unitText } from "./numbers.js";
+import { angle, brief, placeText, point, prismsText, quantity, readNumber, size, unitText } from "./numbers.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
@@ -93,6 +93,13 @@ function numberField(input, step, values) {
     if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
     refresh();
   });
+  // a text that is again what it was is no change: then no event `change` comes
+  input.addEventListener("blur", () => {
+    if (session.typing !== input) return;
+    session.typing = null;
+    refuse(false);
+    refresh();
+  });
   input.addEventListener("keydown", (event) => {
     const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     const x = readNumber(input.value) + sign * step;
@@ -134,7 +141,7 @@ for (const name of ["sheet", "sheet2"]) {
 }
 $("level").addEventListener("change", () => given({ level: $("level").checked ? "expert" : "simple" }));
 $("undo").addEventListener("click", () => {
-  given(pick(session.replaced.before, "scene", ...SETTINGS));
+  given(session.replaced.before);
   $("scrub").focus();  // the button Undo is gone
 });
 for (const name of ["piece", "light"]) $(name).addEventListener("change", () => given({ [name]: $(name).value }));

@@ -16,8 +16,12 @@ export function choose(language, asked = false) {
   list = new Intl.ListFormat(table.locale);
   decimal = new Intl.NumberFormat(table.locale).formatToParts(1.5).find(({ type }) => type === "decimal").value;
 }
-const wanted = (globalThis.navigator?.languages ?? []).map((name) => name.split("-")[0]);
-choose(wanted.find((name) => LANGUAGES.includes(name)) ?? "en");
+// Choose the browser's language.
+export function chooseUsual() {
+  const wanted = (globalThis.navigator?.languages ?? []).map((name) => name.split("-")[0]);
+  choose(wanted.find((name) => LANGUAGES.includes(name)) ?? "en");
+}
+chooseUsual();
 
 // What a table has under a key, as "page.title".
 export function entry(key) {

@@ -9,7 +9,7 @@ import { drawCompare } from "./compare.js";
 import { drawDiagram } from "./diagram.js";
 import { drawBy, refresh } from "./frame.js";
 import { placeHandles } from "./handles.js";
-import { say, spoken } from "./language.js";
+import { chooseUsual, say, spoken } from "./language.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
 import "./handouts.js";
@@ -99,6 +99,7 @@ addEventListener("popstate", () => {
   endGlide();
   session.typing = null;
   if (state.question < 0) session.explored = { ...state };
+  chooseUsual();  // unless the address has another
   fromHash(location.hash);
   kept = toHash();
   refresh();

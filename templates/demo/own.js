@@ -8,10 +8,11 @@ import { say } from "./language.js";
 import { session } from "./state.js";
 
 const kept = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
+const shown = () => toHash().replace(/&(question|own|language)=[^&]*/g, "");
 
 for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
   $(`own-${id}`).addEventListener("click", () => {
-    kept[part] = toHash().replace(/&(question|own)=[^&]*/g, "");
+    kept[part] = shown();
     $(`own-${id}`).setAttribute("aria-pressed", true);
   });
 }
@@ -23,8 +24,7 @@ $("own").addEventListener("submit", (event) => {
   const complete = ask && choices.length > 1;
   $("own-message").textContent = complete ? "" : say("asking.own_missing");
   if (!complete) return $("own-text").focus();
-  const now = toHash().replace(/&(question|own)=[^&]*/g, "");
-  const question = { ask, choices, why, before: kept.before || now, after: kept.after || now };
+  const question = { ask, choices, why, before: kept.before || shown(), after: kept.after || shown() };
   openQuestion(-1);
   session.own_question = "";  // the same one is asked anew
   fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);

@@ -47,7 +47,7 @@ async function savePicture() {
 
 // Save what an address holds as a file, whose name has the numbers.
 export function savedAs(href, ending) {
-  const numbers = toHash().slice(1).replace(/&?(show|diagram|question|own|light|level)=[^&]*/g, "").replaceAll("&", " ");
+  const numbers = toHash().slice(1).replace(/&?(show|diagram|question|own|light|level|language)=[^&]*/g, "").replaceAll("&", " ");
   Object.assign(document.createElement("a"), { href, download: `povgen ${numbers}.${ending}` }).click();
 }
 

@@ -2,6 +2,7 @@
 // the button.
 
 import { radians } from "../live/geometry.js";
+import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
 import { $ } from "./data.js";
 import { refresh } from "./frame.js";
@@ -34,6 +35,7 @@ export const tour = {
   start(asked = false) {
     player.pause();
     this.before ??= { ...state };
+    rewriteQuestion();  // a prediction that has been made comes back with its question
     Object.assign(this, { asked, paused: reducedMotion.matches });
     this.go(0);
   },

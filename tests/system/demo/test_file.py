@@ -56,6 +56,14 @@ def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeyp
     assert not list(tmp_path.iterdir())
 
 
+def test_back_takes_back_another_language(page):
+    page.evaluate("keepAddress()")
+    page.get_by_label("Language").select_option("de")
+    page.wait_for_function("location.hash.includes('language=de')")
+    page.go_back()
+    page.wait_for_function("spoken.language === 'en' && !toHash().includes('language')")
+
+
 def test_back_and_forward(page):
     page.evaluate("keepAddress()")
     for alpha in (10, 20, 30):

@@ -35,6 +35,17 @@ def test_sliders_of_other_sheets(page):
     expect(page.locator("#scrub-value")).to_have_text("α = 0.0°")
 
 
+def test_a_field_whose_text_is_again_what_it_was_follows_the_state(page):
+    field = page.locator("#number-z1")
+    field.press("End")
+    page.keyboard.press("5")
+    page.keyboard.press("Backspace")
+    show(page, z1=4)
+    expect(field).to_have_value("2")  # someone is still typing
+    field.blur()
+    expect(field).to_have_value("4")
+
+
 def test_numbers_are_typed_and_sliders_moved(page):
     page.get_by_label("the light is turned by").last.fill("90")
     assert numbers(page)["nu"] == pytest.approx(np.degrees(equations.nu(3, np.pi / 2)), abs=0.051)

@@ -77,6 +77,17 @@ def test_the_focus_is_not_lost_at_the_end_of_a_presentation(page):
         expect(page.get_by_role("button", name="More")).to_be_focused()
 
 
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (800, 600), (640, 360), (360, 640)])
+def test_a_presentation_shows_the_picture_on_every_screen(page, width, height):
+    page.set_viewport_size({"width": width, "height": height})
+    page.evaluate("$('present').click()")
+    stage = page.locator("#stage").bounding_box()
+    page.evaluate("$('leave').click()")
+    assert (
+        stage["width"] >= min(0.9 * width, 0.75 * height) and stage["x"] >= 0 and stage["x"] + stage["width"] <= width
+    )
+
+
 def test_the_picture_is_described_in_words(page):
     """Where things are, what is seen, and why the object turns less than what is far away."""
     page.evaluate("openQuestion(1); draw()")

@@ -116,10 +116,13 @@ def test_paths_are_parted_at_infinity(page):
 
 def test_the_picture_can_be_saved_with_its_numbers(page):
     show(page, sheet="none", z1=3)
+    page.evaluate("choose('en', true)")
     shown = picture(page)
     with page.expect_download() as download:
         page.evaluate("$('save').click()")
-    assert "sheet=none" in download.value.suggested_filename and "z1=3" in download.value.suggested_filename
+    name = download.value.suggested_filename
+    assert "sheet=none" in name and "z1=3" in name and "language" not in name
+    page.evaluate("choose('en')")
     saved = pixels(download.value.path().read_bytes())
     height, width = saved.shape[:2]
     assert width >= 1600

@@ -143,6 +143,17 @@ def test_a_panel_begins_with_what_the_page_showed_before(tour):
     tour.get_by_role("tab", name="Explore").click()
 
 
+def test_a_prediction_comes_back_with_its_question(tour):
+    tour.evaluate("tour.leave(); openQuestion(1); draw()")
+    tour.locator("#prediction input").nth(1).check()
+    tour.get_by_role("button", name="Guided start").click()
+    tour.evaluate("tour.paused = true; draw()")
+    tour.locator("#tour-leave").click()
+    tour.evaluate("draw()")
+    expect(tour.locator("#prediction input").nth(1)).to_be_checked()
+    tour.evaluate("openQuestion(-1); draw()")
+
+
 def test_another_language_goes_on_with_it(tour):
     tour.locator("#language").select_option("de")
     tour.evaluate("draw()")

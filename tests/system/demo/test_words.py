@@ -223,8 +223,9 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.get_by_role("button", name="A question of your own").click()
     page.get_by_role("button", name="Open the question").click()
     expect(page.locator("#own-message")).to_have_text("A question needs a text and two answers.")
-    page.evaluate("change({ alpha: 10, sheet: 'ideal' })")
+    page.evaluate("change({ alpha: 10, sheet: 'ideal' }); choose('de', true)")
     page.locator("#own-start").click()
+    page.evaluate("choose('en', true); draw()")
     page.evaluate("change({ alpha: 70 })")
     page.locator("#own-end").click()
     page.locator("#own-text").fill("Which way <b>now</b>?")
@@ -233,7 +234,8 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.get_by_role("button", name="Open the question").click()
     page.wait_for_function("state.question >= 0")
     link = page.evaluate("draw(), toHash()")
-    page.evaluate("session.own_question = ''; openQuestion(-1); fromHash('')")
+    assert page.evaluate("spoken.language") == "en"  # the language is not part of the question
+    page.evaluate("choose('en'); session.own_question = ''; openQuestion(-1); fromHash('')")
     page.evaluate("(link) => { fromHash(link); draw(); }", link)
     expect(page.locator("#ask")).to_have_text("Which way <b>now</b>?")
     assert page.evaluate("state.alpha") == 10
@@ -328,6 +330,11 @@ def test_play_and_reset(page):
     show(page, scene="spheres", alpha=3)
     page.get_by_role("button", name="Reset").click()
     assert page.evaluate("[state.scene, state.alpha, player.preset.scene]") == ["chess", 66, "chess"]
+    show(page, alpha=33, compare="none", circles=True)
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("[state.alpha, state.compare, state.circles]") == [66, "off", False]
+    page.get_by_role("button", name="Undo").click()
+    assert page.evaluate("[state.alpha, state.compare, state.circles]") == [33, "none", True]
 
 
 def test_a_slider_of_alpha_without_effect_is_disabled(page):
