@@ -57,6 +57,8 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
             *kinds, last = used_by[name]
             allowed = " or ".join(filter(None, [", ".join(kinds), last]))
             say(f"povgen: warning: {name}{shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
+    if values.get("sky") and scenes and not any(scene.background == "sky" for scene in scenes):
+        say(f"povgen: warning: sky: no effect with background = {scenes[0].background}; it is for sky")
     for text in dict.fromkeys(_unused_in_windows(scenes, values)):
         say(f"povgen: warning: {text}")
 

@@ -84,8 +84,9 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
     positions. The result is the position with the least max(|x|, |y|). So if any of the positions is visible in a
     square window with its centre at 0, the result is visible. The result is NaN if there is no path, and the complex
-    infinity (inf + 0j) if L appears at infinity, or so close to it that rounding decides (1e-14 of the distances). The
-    search can miss paths behind a sheet without a matrix that are more than 87 degrees from the normal.
+    infinity (inf + 0j) if L appears at infinity: if the determinant of the equations for P is 0 within rounding errors,
+    1e-14 of its terms. The search can miss paths behind a sheet without a matrix that are more than 87 degrees from the
+    normal.
 
     At a caustic two paths merge. On one side of it there are none. There a large object can be seen in part, although
     its middle cannot. So a path also counts if it misses L by at most `near`, and by less than neighbouring paths do.
@@ -103,7 +104,7 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 
 
 def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
-    """Return z of the plane in which light of points comes together again, from the first window, and where in it.
+    """Return the image plane's z, measured from the first window, and the image points in this plane.
 
     L (n,) are points a distance z1 behind the last window. Their light runs as if it came from the places (n,) in this
     plane, whatever its slope: an image, virtual behind the first window (z > 0), real before it. z is infinite if the
@@ -121,7 +122,9 @@ def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
     small = 1e-11 * (np.linalg.norm(b) + (1 + abs(z1)) * np.linalg.norm(a))
     if (1 + abs(z1)) * np.linalg.norm(a) <= small:
         return np.inf, nowhere
-    z = np.vdot(a, b) / np.vdot(a, a)  # those through the place p in the plane z are at p - z s in the first window
+    z = np.vdot(a, b) / np.vdot(
+        a, a
+    )  # a ray with the slope s through the image point p crosses the first window at p - z s
     if np.linalg.norm(b - z * a) > small or abs(np.linalg.det(a)) <= 1e-9 * np.linalg.norm(a) ** 2:
         return np.nan, nowhere
     x, y = np.linalg.solve(a, np.stack((points.real - c[0], points.imag - c[1])))
@@ -133,7 +136,7 @@ def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
 
     For windows that rotate light, L - E = A s + B conj(s) for a ray that reaches the eye E with the slope s. Without
     thickness B = 0, and A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the
-    eye's plane in a line, or not at all. NaN if a window has no matrix.
+    eye's plane only along a line, or in one point if A = B = 0. NaN if a window has no matrix.
     """
     z1, total = np.asarray(z1, float), matrix(windows)
     if total is None:

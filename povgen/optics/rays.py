@@ -20,13 +20,14 @@ from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
 Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye first, each with the z of its middle
-# A law states the slope behind an ideal sheet for each slope before it. Newton's method finds the slope before it of
-# light, which comes from behind. The search starts from the slope behind the sheet, and then from these.
+# A law states the slope behind an ideal sheet for each slope before it. Of light, which comes from behind, only the
+# slope behind is known. Newton's method finds the slope before the sheet. The search starts from the slope behind the
+# sheet, and then from these.
 _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
 MOST_FACES = 100_000
-_PRECISION = 1e-11  # of the part of a unit direction across z
+_PRECISION = 1e-11  # the greatest error of the transverse part of a unit direction
 
 
 class Convergence(NamedTuple):
@@ -39,7 +40,7 @@ class Convergence(NamedTuple):
 
 
 class _Lines:
-    """What a bundle of rays has before and behind the windows: each ray is on a straight line."""
+    """The base class of rays outside the windows. Each ray is a straight line."""
 
     position: Floats
     direction: Floats
@@ -69,7 +70,7 @@ class _Lines:
             raise ValueError(f"{len(slope)} rays; allowed: two or more")
         ds, dP = slope - slope.mean(), place - place.mean()
         square = np.vdot(ds, ds).real
-        # light that comes from behind is bent to within _PRECISION
+        # slopes of light that comes from behind have an error of up to _PRECISION
         if square <= np.sum((10 * _PRECISION * (1 + abs(slope))) ** 2):
             return Convergence(np.nan, np.nan, np.inf, float(np.sqrt(np.mean(abs(dP) ** 2))))
         z = -np.vdot(ds, dP).real / square
@@ -77,7 +78,7 @@ class _Lines:
         return Convergence(float(middle.real), float(middle.imag), float(z), _rms(dP + z * ds))
 
     def __getitem__(self, which: Any) -> Self:  # noqa: ANN401  (what numpy takes)
-        """Return some of the rays: rays[rays.designed], or of the rays of pixels rays[row, column]."""
+        """Return some of the rays, as rays[rays.designed], or rays[row, column] for the ray of a pixel."""
         return type(self)(**{name: values[which] for name, values in vars(self).items()})
 
 
@@ -113,8 +114,8 @@ class Traced(_Lines, Rays):
     direction, a unit vector; `end` says how it ends. A ray is `designed` if it leaves on the path for which the sheets
     are made: through all ideal sheets and, in each sheet of prisms, through one slanted facet, to the base, and through
     the other slanted facet. `faces` (..., most) are the prisms' faces that the ray has met, in their order, and `count`
-    is their number. `orders` (..., sheets) says how many lenses of a sheet the ray has passed over in the glass: 0 on
-    the designed path.
+    is their number. A ray enters a sheet of lenses by one lens and leaves it by another. `orders` (..., sheets) is the
+    number of lenses from the one opposite the first to the last: 0 on the designed path.
     """
 
 
@@ -272,7 +273,10 @@ class _Way:
         self.rays, self.half, self.frame = rays, half_window, half_frame
 
     def through(self, i: Indices, windows: Placed, missed: End) -> Indices:
-        """Take rays through ideal sheets, which are in the rays' order. `missed` ends rays beside the first one."""
+        """Take rays through ideal sheets, which are in the rays' order.
+
+        `missed` is the end of rays that pass beside the first sheet.
+        """
         for z, window in windows:
             i = self.move(self.enter(i, z, missed), z, End.FRAME)
             i = self.bend(i, window)
@@ -281,7 +285,7 @@ class _Way:
         return i
 
     def enter(self, i: Indices, z: float, missed: End) -> Indices:
-        """Take rays to the opening of a window's frame on their side. `missed` ends those beside it.
+        """Take rays to the opening of a window's frame on their side. `missed` is the end of those beside it.
 
         Rays that start behind this opening stay where they are.
         """
@@ -304,7 +308,7 @@ class _Way:
         return position + step[:, None] * direction
 
     def move(self, i: Indices, z: Floats | float, missed: End) -> Indices:
-        """Take rays to the plane z. `missed` ends those outside the windows' square."""
+        """Take rays to the plane z. `missed` is the end of those outside the windows' square."""
         within = self.within(i, z)
         self.rays.position[i] = self.place(i, z)
         return self.without(i, ~within, missed)
@@ -328,7 +332,7 @@ class _Way:
 
 
 def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
-    """Return the slopes (n,) on the eye's side of light with the slopes `behind` an ideal sheet; NaN if none passes."""
+    """Return the slopes (n,) before an ideal sheet of light that has the slopes `behind` it; NaN where none passes."""
     found, aim = np.full(len(behind), complex(np.nan, np.nan)), _sine(behind)
 
     def miss(slope: Complexes, target: Indices) -> Complexes:

@@ -188,7 +188,7 @@ def _renderer(
     from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
     from povgen.rendering.volumes import volumes
 
-    workers = workers or max(1, min(gl_runner.at_once(), len(scenes)))  # there can be no scenes: `shard`
+    workers = workers or max(1, min(gl_runner.at_once(), len(scenes)))  # a shard can have no scenes
     runner = runner or gl_runner.Runner(workers, part)
     shown = {name: piece for scene in scenes for name, piece in pieces(scene).items()}
     shapes = volumes(shown, timeout=rendering.timeout)
@@ -233,7 +233,7 @@ def _finished(
 
 
 def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
-    """Return how many frames of scenes, of which some have several, are not in the cache."""
+    """Return how many frames of the scenes are not in the cache. A scene can have several frames."""
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     every = list(chain(*(views(scene, rendering) for scene in scenes)))
     to_text, *_ = _renderer(every, rendering, None, 1)

@@ -125,7 +125,10 @@ def has_glass(window: "Scene | Window") -> bool:
 
 
 def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float | None:
-    """Return the index of a window's prisms, or None if it is the first window's. `where` begins an error's message."""
+    """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
+
+    `where` begins an error's message.
+    """
     given: float | None = window.index
     if not has_glass(window):
         return given
@@ -241,7 +244,7 @@ class Scene(ParametersOfSheets):
 
     @property
     def outlines(self) -> tuple[str, ...]:
-        """Which outlines are drawn on the picture: the names of those parameters."""
+        """The names of the parameters that draw an outline on the picture, and are true."""
         return ()
 
     @property
@@ -277,7 +280,7 @@ class Scene(ParametersOfSheets):
 
     @property
     def used_parameters(self) -> set[str]:
-        """The names of the sheets' parameters whose value, that of the scene and not of a further window, has a use."""
+        """The names of the sheets' parameters for which at least one window uses the scene's value."""
         windows = zip((None, *self.window), self.sheets, strict=True)
         named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
         return {name for window, name in named if window is None or getattr(window, name) is None}
@@ -425,9 +428,10 @@ class Scene(ParametersOfSheets):
     def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
-        L and z1 are in tiles. A ghost is left out if less than this share of the light at its position makes it, or if
-        the window's frame hides it. Windows in series are not followed: then the list is empty, as for an L that is NaN
-        or infinite. Raises InputError for a z1 that is infinite or below 0.
+        L and z1 are in tiles. `least` is the least share, 0 to 1, of the light at its position that belongs to the
+        ghost. Weaker ghosts are left out, and those that the window's frame hides. Windows in series are not followed:
+        then the list is empty, as for an L that is NaN or infinite. Raises InputError for a z1 that is infinite or
+        below 0.
         """
         from povgen.optics.ghosts import ghosts
 

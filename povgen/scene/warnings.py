@@ -1,5 +1,6 @@
 """Warnings: the limits of the methods that a picture exceeds. The limits are in povgen/limits.py."""
 
+import re
 from collections.abc import Iterator
 
 from povgen.limits import (
@@ -17,6 +18,8 @@ from povgen.settings import Rendering
 from povgen.sheets.layered import Layered
 from povgen.sheets.prisms import SHAPE, Prisms
 
+# in a piece's file: only POV-Ray shows them
+TEXTURES = re.compile(r"\b(?:pigment|texture|finish|material)\b")
 UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
 
 
@@ -28,9 +31,7 @@ def warnings(
     `found` is the result of `survey`, if it is known already. Without it, rays are traced here.
     """
     glass = scene.has_prisms
-    shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
-    if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
-        yield "piece", "; ".join(notes)
+    yield from _of_pieces(scene, rendering)
     if glass and (designed := (found or survey(scene)).designed) < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shapes = [(name, sheet.values[name]) for name in UNUSUAL for sheet in scene.layered if name in sheet.values]
@@ -64,6 +65,17 @@ def warnings(
             text = f"{name} = {finest.values[name]}: a {thing} is {pixels:.2g} pixels wide;"
             text += f" below {MIN_PIXELS_PER_PRISM} pixels,"
             yield name, f"{text} without antialiasing, the picture is noise"
+
+
+def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield what a user should know of the pieces from files."""
+    shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
+    if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
+        yield "piece", "; ".join(notes)
+    coloured = [piece for piece in shown if TEXTURES.search(piece.text)]
+    if rendering and rendering.renderer == "gl" and coloured:
+        text = f"renderer = gl: the textures in {str(coloured[0])!r} are not drawn; the piece has the colour --color,"
+        yield "renderer", f"{text} with --renderer povray its own"
 
 
 def _things(scene: Scene) -> str:

@@ -28,7 +28,10 @@ Reals = NDArray[np.float64]
 
 
 class Caption(NamedTuple):
-    """A frame's caption: its texts, and for each a text that is as wide as any at the same place in the movie."""
+    """A frame's caption.
+
+    `widest` has, for each text, a text as wide as the widest at the same place in any frame of the movie.
+    """
 
     texts: Sequence[str]
     widest: Sequence[str]
@@ -58,7 +61,10 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
 
 
 def _widest(texts: Sequence[str]) -> str:
-    """Return a text that is as wide as any of these. If all have as many words, so is each of its words."""
+    """Return a text as wide as the widest of these.
+
+    If all texts have the same number of words, each word of the result is the widest at its place.
+    """
     words = [text.split(" ") for text in {*texts} - {""}]
     if len({len(row) for row in words}) == 1:
         return " ".join(max(each, key=text_width) for each in zip(*words, strict=True))
@@ -195,7 +201,7 @@ def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
         own = {each.name: each for each in sheet.parameters}
         for name in swept_numbers(type(window)):
             if name in own and getattr(window, name) is None and own[name].said != _words_of(scene, name):
-                found[f"{name} {sheet.name}"] = getattr(scene, name)  # the scene's, in other words
+                found[f"{name} {sheet.name}"] = getattr(scene, name)  # this kind has other words for the scene's value
             elif name in own or name not in PARAMETERS:
                 found[f"{name}{SUBSCRIPTS[n]}"] = getattr(window, name)
     for n, sheet in enumerate(scene.sheets, 1):
@@ -261,9 +267,9 @@ def facts(scene: Scene) -> dict[str, str]:
 def _values(scene: Scene) -> dict[str, str]:
     """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it.
 
-    A number that all windows in series have in common is said once. If the words about a parameter differ between kinds
-    of sheets, the name of a later kind follows that of the parameter: "alpha mirror". So does "law" after each number
-    of a user's own law.
+    A number that all windows in series have in common is said once. Two kinds of sheets can have different words
+    for a parameter. The name for the later kind is then the parameter's and the kind's, such as "alpha mirror". The
+    name for a number in a user's own law is the number's and "law", such as "k law".
     """
     found: dict[str, list[str]] = {}
     words: dict[str, Said | None] = {}

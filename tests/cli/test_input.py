@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import picture, povgen, refused, run_povgen
+from PIL import Image
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
@@ -313,6 +314,13 @@ def test_options_without_effect(options, unused, tmp_path):
     said = [line for line in err.splitlines() if "no effect" in line]
     assert status == 0 and len(said) == len(unused)
     assert all(text in line for text, line in zip(unused, said, strict=True)), said
+
+
+def test_a_sky_without_effect(tmp_path):
+    Image.new("RGB", (64, 32)).save(tmp_path / "sky.png")
+    for background, count in (("black", 1), ("sky", 0)):
+        status, _, err = povgen(["pov", "chess", "--sky", "sky.png", "--background", background], tmp_path)
+        assert status == 0 and err.count("sky: no effect with background = black") == count
 
 
 @pytest.mark.parametrize("sheet", [*SHEETS])

@@ -10,6 +10,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.scene import survey, warnings
 from povgen.scene.cells import camera_cells, grid_error
+from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import VIEW
 from povgen.settings import Rendering
 
@@ -204,6 +205,11 @@ def test_no_warning_without_cause():
             Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, eye=(0, 0.67)),
             None,
             ["predicted_image", "2.01 pixels", "38.2 times"],
+        ),
+        (
+            Chess(piece=PieceFile("own.inc", "#declare Piece = sphere { 0, 0.3 pigment { rgb 1 } }")),
+            Rendering(renderer="gl"),
+            ["renderer = gl", "textures in 'own.inc'", "--renderer povray"],
         ),
         (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.49 pixels", "1.2 pixels", "noise"]),
     ],
