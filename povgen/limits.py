@@ -30,9 +30,9 @@ MAX_CELLS = 100
 # (g) With fewer pixels per prism, a picture without antialiasing is as wrong as one whose pixels are taken at random.
 MIN_PIXELS_PER_PRISM = 1.2
 # (h) For a smaller alpha, degrees, times the number of prisms or lenses across the window, those of the two sheets are
-# nearly parallel and make wide dark bands (moire). Few prisms make none at larger angles than MOIRE_ALPHA.
+# nearly parallel and make wide dark bands (moire). Bands of fewer prisms than MOIRE_COUNT do not stand out.
 MOIRE = 800
-MOIRE_ALPHA = 16
+MOIRE_COUNT = 40
 
 
 def units_per_tile(pitch: float) -> int:
@@ -41,5 +41,5 @@ def units_per_tile(pitch: float) -> int:
 
 
 def moire_alpha(count: float) -> float:
-    """Return the alpha, degrees, below which the sheets of a window with so many prisms or lenses make dark bands."""
-    return min(MOIRE / count, MOIRE_ALPHA)
+    """Return the alpha, degrees, below which two sheets of so many prisms make dark bands; 0: they make none."""
+    return MOIRE / count if count >= MOIRE_COUNT else 0

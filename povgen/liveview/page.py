@@ -114,7 +114,7 @@ def data(
             "radii": uncertainty.RADII,
             "prisms": limits.MAX_PRISMS,
             "designed": limits.MIN_DESIGNED_FRACTION,
-            "moire": [limits.MOIRE, limits.MOIRE_ALPHA],
+            "moire": [limits.MOIRE, limits.MOIRE_COUNT],
         },
     }
 

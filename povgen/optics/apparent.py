@@ -122,9 +122,8 @@ def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
     small = 1e-11 * (np.linalg.norm(b) + (1 + abs(z1)) * np.linalg.norm(a))
     if (1 + abs(z1)) * np.linalg.norm(a) <= small:
         return np.inf, nowhere
-    z = np.vdot(a, b) / np.vdot(
-        a, a
-    )  # a ray with the slope s through the image point p crosses the first window at p - z s
+    # a ray with the slope s through the image point p crosses the first window at p - z s
+    z = np.vdot(a, b) / np.vdot(a, a)
     if np.linalg.norm(b - z * a) > small or abs(np.linalg.det(a)) <= 1e-9 * np.linalg.norm(a) ** 2:
         return np.nan, nowhere
     x, y = np.linalg.solve(a, np.stack((points.real - c[0], points.imag - c[1])))

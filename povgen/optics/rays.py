@@ -336,13 +336,19 @@ def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Com
     found, aim = np.full(len(behind), complex(np.nan, np.nan)), _sine(behind)
 
     def miss(slope: Complexes, target: Indices) -> Complexes:
+        return window.slope(slope, place[target]) - behind[target]
+
+    def miss_sine(slope: Complexes, target: Indices) -> Complexes:
         return _sine(window.slope(slope, place[target])) - aim[target]
 
     left = np.arange(len(behind))
-    for start in (behind, *_STARTS):
-        enough = np.full(len(left), _PRECISION)
-        slope, off = newton(np.broadcast_to(start, behind.shape)[left].astype(complex), left, miss, enough)
-        hit = off <= enough
+    # Many laws are linear in the slope. Others, such as that of refraction, are nearly linear in its sine.
+    for start, off_by in ((behind, miss), *((start, miss_sine) for start in (behind, *_STARTS))):
+        size = 1 + abs(behind[left])
+        enough = _PRECISION * (size if off_by is miss else np.ones(len(left)))
+        slope, off = newton(np.broadcast_to(start, behind.shape)[left].astype(complex), left, off_by, enough)
+        # the sines of very large slopes are all alike
+        hit = (off <= enough) & (abs(miss(slope, left)) <= 1e-6 * size)
         found[left[hit]], left = slope[hit], left[~hit]
     return found
 

@@ -170,6 +170,11 @@ def _fault(token: str, after: str, then: str, around: Sequence[_Opened]) -> str:
     return ""
 
 
+def words(text: str) -> set[str]:
+    """Return the words of a piece's text, without comments and strings."""
+    return {token for _, token in _tokens(text)}
+
+
 def _tokens(text: str) -> Iterator[tuple[int, str]]:
     """Yield each token and its place in the text, without comments, which can be nested."""
     at = 0

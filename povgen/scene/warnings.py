@@ -1,6 +1,5 @@
 """Warnings: the limits of the methods that a picture exceeds. The limits are in povgen/limits.py."""
 
-import re
 from collections.abc import Iterator
 
 from povgen.limits import (
@@ -11,7 +10,7 @@ from povgen.limits import (
     moire_alpha,
 )
 from povgen.scene.cells import camera_cells, grid_error, is_dark
-from povgen.scene.pieces import PieceFile
+from povgen.scene.pieces import PieceFile, words
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
@@ -19,7 +18,7 @@ from povgen.sheets.layered import Layered
 from povgen.sheets.prisms import SHAPE, Prisms
 
 # in a piece's file: only POV-Ray shows them
-TEXTURES = re.compile(r"\b(?:pigment|texture|finish|material)\b")
+TEXTURES = {"pigment", "texture", "finish", "material"}
 UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
 
 
@@ -46,12 +45,11 @@ def warnings(
         turn = sheet.values.get("error", {}).get("turn", 0)  # the near sheet is turned by alpha/2 + turn
         if not isinstance(sheet, Layered) or sheet.layers < 2:
             continue
-        below = moire_alpha(scene.aperture / sheet.pitch)
+        below = moire_alpha(float(sheet.values[sheet.counted]))
         if abs((alpha + 2 * turn + 180) % 360 - 180) >= below:
             continue
-        things = "prisms" if isinstance(sheet, Prisms) else "lenses"
         value = f"alpha + 2 turn = {alpha + 2 * turn:.3g}" if turn else f"alpha = {alpha:.3g}"
-        text = f"{value}: within {below:.2g} degrees of 0 the {things} of the two sheets are nearly"
+        text = f"{value}: within {below:.2g} degrees of 0 the {sheet.counted} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
     if glass or scene.rotates:
         yield from _wrong_prediction(scene, rendering)
@@ -72,7 +70,7 @@ def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str,
     shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
     if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
         yield "piece", "; ".join(notes)
-    coloured = [piece for piece in shown if TEXTURES.search(piece.text)]
+    coloured = [piece for piece in shown if TEXTURES & words(piece.text)]
     if rendering and rendering.renderer == "gl" and coloured:
         text = f"renderer = gl: the textures in {str(coloured[0])!r} are not drawn; the piece has the colour --color,"
         yield "renderer", f"{text} with --renderer povray its own"

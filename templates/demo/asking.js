@@ -14,6 +14,7 @@ import { drawVotes } from "./votes.js";
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 export function openQuestion(n) {
   if (n === state.question) return;
+  kept = null;
   player.pause();
   endGlide();
   if (state.question < 0) session.explored = { ...state };

@@ -47,8 +47,8 @@ export const lightShares = (now) => say("light.shares", percents(lightInWindow(n
 
 // The angle below which the sheets of a window make dark bands: povgen/limits.py.
 function moireAlpha(window) {
-  const [product, most] = data.limits.moire;
-  return Math.min((product * shape(window).pitch) / window.values.aperture, most);
+  const [product, least] = data.limits.moire, count = window.values.aperture / shape(window).pitch;
+  return count < least - 1e-9 ? 0 : product / count;
 }
 
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.

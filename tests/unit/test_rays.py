@@ -146,6 +146,18 @@ def test_light_that_is_nearly_parallel_to_the_sheet_passes(degrees, ratio, rng):
     np.testing.assert_allclose(light.slope, sine / np.sqrt(1 - sine**2) * around, rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "law", ["x, y, z", "cos(1)*x - sin(1)*y, sin(1)*x + cos(1)*y, z", "3*x, y, z", "x + 0.3*z, y, z"]
+)
+@pytest.mark.parametrize("size", [10, 1e3, 1e5])
+def test_the_steepest_light_is_bent_back_by_linear_laws(law, size):
+    window = Chess(sheet="law", law=law).windows[0][1]
+    behind = size * np.exp(1j * np.linspace(-3, 3, 40))
+    with np.errstate(all="ignore"):
+        found = rays._slope_of_light(window, behind, np.zeros(40, complex))
+        np.testing.assert_allclose(window.slope(found, 0), behind, rtol=1e-10)
+
+
 @pytest.mark.parametrize(("ratio", "alpha"), [(0.7, 0), (0.2, 0), (0.1, 30)])
 def test_the_eye_sees_what_stands_far_aside_behind_a_refracting_sheet(ratio, alpha, rng):
     """Light up to 86 degrees from the normal, where the sheet's slope grows steeply with that of the eye's ray."""
