@@ -22,7 +22,7 @@ WORDS = {
     "string_pattern_mismatch": "is not allowed",
     **dict.fromkeys(("dict_type", "model_type"), "should be a table"),
     **dict.fromkeys(("float_parsing", "float_type"), "should be a number"),
-    **dict.fromkeys(("int_parsing", "int_type", "int_from_float"), "should be a whole number"),
+    **dict.fromkeys(("int_parsing", "int_parsing_size", "int_type", "int_from_float"), "should be a whole number"),
     **dict.fromkeys(("bool_parsing", "bool_type"), "should be true or false"),
 }
 

@@ -3,6 +3,7 @@
 The commands are in commands/. The models check values (`povgen.validation`).
 """
 
+import errno
 import os
 import re
 import sys
@@ -103,6 +104,10 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
         raise typer.Exit
 
 
+# of errors when there is no memory: Python starts no thread, or the system loads no library
+NO_MEMORY = ("can't start new thread", "failed to map segment")
+
+
 def main() -> None:
     """Run the command line. The exit status is 2 for a value that is not allowed, 1 if POV-Ray or the disk fails."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
@@ -120,8 +125,11 @@ def main() -> None:
             message = one_line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
         if isinstance(error, (PovrayError, OSError)):
-            _fail(f"povgen: {message_of(error)}", 1)
-        if isinstance(error, MemoryError) or str(error) == "can't start new thread":
+            limits = (
+                " (ulimit -n; fewer --workers need fewer files)" if getattr(error, "errno", 0) == errno.EMFILE else ""
+            )
+            _fail(f"povgen: {message_of(error)}{limits}", 1)
+        if isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY):
             _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise
     sys.exit(status)

@@ -79,8 +79,10 @@ def read_frames(file: Path) -> list[Point]:
             size = int(row["width"]), int(row["height"])
             seconds, *errors = (float(row[name]) for name in COLUMNS[4:])
             points.append(Point(row["method"], row["antialias"], size, None, [seconds], *errors))
-    except (KeyError, TypeError, ValueError, OSError):
-        raise InputError(f"table = {file.name!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
+    except OSError as error:
+        raise InputError(f"table = {str(file)!r}: {error.strerror}; allowed: a table that povgen chart wrote") from None
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
     return points
 
 
@@ -291,8 +293,10 @@ def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
     try:
         rows = list(csv.reader(StringIO(file.read_text("utf-8"))))[1:]
         return [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
-    except (ValueError, OSError):
-        raise InputError(f"table = {file.name!r}: allowed: one that povgen chart wrote") from None
+    except OSError as error:
+        raise InputError(f"table = {str(file)!r}: {error.strerror}; allowed: a table that povgen chart wrote") from None
+    except ValueError:
+        raise InputError(f"table = {str(file)!r}: allowed: a table that povgen chart wrote") from None
 
 
 ERROR_WORDS = {

@@ -121,6 +121,9 @@ class Runner:
             processes = list(self._all)
         for process in processes:
             self._end(process)
+        while self._idle:  # no thread reads from these
+            with self._idle.pop() as process:
+                pass
 
     def _taken(self) -> "subprocess.Popen[bytes]":
         with suppress(IndexError):

@@ -140,6 +140,9 @@ def movie(
 
     removed = "povgen: warning: the cache was removed; the movie is made once more"
     unless_removed(write, lambda: logging.getLogger("povgen").warning(removed))
+    if files and (further := target.with_name(output.name % (len(files) + 1))).exists():
+        text = f"povgen: warning: {further.name} was there before: it is not a frame of this movie"
+        logging.getLogger("povgen").warning(text)
     return Movie(target)
 
 

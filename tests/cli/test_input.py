@@ -656,7 +656,14 @@ def test_a_window_that_its_frame_hides(tmp_path):
     assert count == 1 and povray.run(few, Rendering(size=(32, 32), antialias="off"), tmp_path).is_file()
 
 
-@pytest.mark.parametrize("fault", [MemoryError(), RuntimeError("can't start new thread")])
+@pytest.mark.parametrize(
+    "fault",
+    [
+        MemoryError(),
+        RuntimeError("can't start new thread"),
+        ImportError("liba.so: failed to map segment from shared object"),
+    ],
+)
 def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
     def fails(*_):
         raise fault
@@ -665,6 +672,15 @@ def test_no_memory_for_povgen_itself(fault, monkeypatch, tmp_path):
     status, out, err = povgen(["movie", "vary-alpha"], tmp_path)
     assert (status, out) == (1, "") and err.startswith("povgen: no memory or no thread is left for povgen itself")
     assert len(err.splitlines()) == 1 and not list(tmp_path.iterdir())
+
+
+def test_too_many_open_files(monkeypatch, tmp_path):
+    def fails(*_):
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    monkeypatch.setattr(MovieSpec, "scenes", fails)
+    status, _, err = povgen(["movie", "vary-alpha"], tmp_path)
+    assert status == 1 and err == "povgen: Too many open files (ulimit -n; fewer --workers need fewer files)\n"
 
 
 def test_a_flag_in_a_spec_is_taken_back(tmp_path):

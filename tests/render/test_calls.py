@@ -44,7 +44,8 @@ def test_the_pictures_of_several_scenes_are_those_of_each(capsys):
     assert render([]) == [] and not capsys.readouterr().err
 
 
-def test_a_png_file_of_every_frame(tmp_path):
+def test_a_png_file_of_every_frame(tmp_path, caplog):
+    caplog.set_level("WARNING", "povgen")  # a movie with --quiet, of another test, has changed it
     (tmp_path / "new").mkdir()
     (tmp_path / "new" / "a002.png").write_bytes(b"old")
     for output in ("new/a%03d.png", "other/%d.png"):
@@ -55,6 +56,10 @@ def test_a_png_file_of_every_frame(tmp_path):
     for number, scene in enumerate(SCENES, 1):
         with Image.open(tmp_path / "other" / f"{number}.png") as image:
             assert (np.asarray(image) == render(scene, **SMALL)).all()
+    assert not caplog.text
+    movie(SCENES[:2], tmp_path / "other" / "%d.png", **SMALL, progress=False)
+    assert "3.png was there before: it is not a frame of this movie" in caplog.text
+    assert len(os.listdir(tmp_path / "other")) == 3
 
 
 def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):

@@ -107,8 +107,10 @@ def test_charts_are_drawn_again_from_their_tables(tmp_path):
     (tmp_path / "prisms.csv").write_text("sheet,prisms\nideal,many\n")
     for table in ("frames.csv", "flicker.csv"):
         shutil.copy(tables / table, tmp_path)
-    with pytest.raises(InputError, match=r"table = 'prisms.csv': allowed: one that povgen chart wrote"):
+    with pytest.raises(InputError, match=r"prisms.csv': allowed: a table that povgen chart wrote"):
         charts.read_tables(tmp_path)
+    with pytest.raises(InputError, match=r"none/frames.csv': No such file or directory; allowed: a table"):
+        charts.read_tables(tmp_path / "none")
     page = (tmp_path / "again" / "charts.html").read_text()
     assert (
         page.count("data:image/png;base64,") == 10 and page.count("<details>") == 6
@@ -174,7 +176,7 @@ def test_a_table_of_another_program_has_the_columns_of_frames(tmp_path):
     assert [point.sampling for point in charts.read_frames(BASELINES / "mitsuba.csv")] == ["1 ray", "4 rays", "16 rays"]
     for text in ("method,CPU s\na,1\n", f"{','.join(charts.COLUMNS)}\na,b,1,1,?,1,1,1\n"):
         (tmp_path / "own.csv").write_text(text)
-        with pytest.raises(InputError, match=r"'own.csv': allowed: a table with the columns method, antialias"):
+        with pytest.raises(InputError, match=r"own.csv': allowed: a table with the columns method, antialias"):
             charts.read_frames(tmp_path / "own.csv")
 
 
