@@ -52,15 +52,17 @@ function bendingOf(window) {
 }
 
 // The slope before an ideal sheet of an eye's ray that has this slope behind it: Newton's method, from several starts. null if none
-// is found.
+// is found. Many laws are linear in the slope. Others, such as that of refraction, are nearly linear in its sine.
 function unbent(bend, slope, place) {
-  const h = 1e-6;
-  for (let s of [slope, ...STARTS]) {
+  const h = 1e-6, same = (s) => s, sine = (s) => scaled(1 / Math.hypot(1, ...s), s);
+  for (const [start, of] of [[slope, same], ...[slope, ...STARTS].map((each) => [each, sine])]) {
+    let s = start;
+    const target = of(slope);
     for (let n = 0; n < 15 && finite(s); n++) {
-      const shown = [[0, 0], [h, 0], [0, h]].map((step) => bend(plus(s, step), place));
-      if (!shown.every(Boolean)) break;
-      const off = minus(shown[0], slope);
-      if (abs(off) < 1e-9 * (1 + abs(slope))) return s;
+      const bent = [[0, 0], [h, 0], [0, h]].map((step) => bend(plus(s, step), place));
+      if (!bent.every(Boolean)) break;
+      const shown = bent.map(of), off = minus(shown[0], target);
+      if (abs(off) < 1e-9 * (1 + abs(target))) return s;
       s = minus(s, resolved(off, [1, 2].map((k) => scaled(1 / h, minus(shown[k], shown[0])))));
     }
   }

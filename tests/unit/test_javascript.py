@@ -129,6 +129,22 @@ def test_light_from_the_object_runs_the_eyes_rays_back(page, sheet):
     assert np.array([off for _, *off in found]) == pytest.approx(0, abs=1e-6)
 
 
+@pytest.mark.parametrize("degrees", [30, 70, 80, 87])
+@pytest.mark.parametrize("ratio", [0.2, 0.7])
+def test_light_that_is_nearly_parallel_to_the_sheet_passes(page, ratio, degrees):
+    slope = np.tan(np.radians(degrees))
+    ray = page.evaluate(
+        """([ratio, slope]) => {
+          change({ sheet: "refraction", ratio, alpha: 0, windows: 1 });
+          return traced(moment(), [slope / 100, 0, 0.01], [-slope, 0, -1]);
+        }""",
+        [ratio, slope],
+    )
+    sine = ratio * np.sin(np.radians(degrees))
+    assert ray["kind"] == "designed"
+    assert ray["direction"][0] / ray["direction"][2] == pytest.approx(sine / np.sqrt(1 - sine**2), rel=1e-5)
+
+
 def test_rays_meet_where_the_equations_say(page):
     """At the pole in the eye; with alpha = 180 degrees 2 tiles before the window; with 66 degrees nowhere."""
     meets = "(values) => { fromHash(''); change({ light: 'pencil', ...values }); return meeting(bundle(moment())); }"
