@@ -3,7 +3,6 @@
 The commands are in commands/. The models check values (`povgen.validation`).
 """
 
-import errno
 import os
 import re
 import sys
@@ -125,10 +124,7 @@ def main() -> None:
             message = one_line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
         if isinstance(error, (PovrayError, OSError)):
-            limits = (
-                " (ulimit -n; fewer --workers need fewer files)" if getattr(error, "errno", 0) == errno.EMFILE else ""
-            )
-            _fail(f"povgen: {message_of(error)}{limits}", 1)
+            _fail(f"povgen: {message_of(error)}", 1)
         if isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY):
             _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise

@@ -1,5 +1,6 @@
 """The command line's messages and warnings."""
 
+from errno import EMFILE
 from typing import TYPE_CHECKING
 
 from povgen.progress import say
@@ -16,7 +17,8 @@ def message_of(error: Exception) -> str:
     """Return an error's message. For a file it is the file's name and the reason, without errno."""
     if isinstance(error, OSError) and error.strerror:
         file = error.filename2 or error.filename  # of two files, the second is written
-        return f"{file}: {error.strerror}" if file else error.strerror
+        limit = " (ulimit -n; fewer --workers need fewer files)" if error.errno == EMFILE else ""
+        return f"{file}: {error.strerror}{limit}" if file else f"{error.strerror}{limit}"
     return str(error)
 
 

@@ -71,16 +71,22 @@ def _finding(sheet: str, points: list[Point]) -> str:
     return f"{shown}: gl is {'faster' if median(shares) < 1 else 'slower'} than POV-Ray"
 
 
+def _text(file: Path) -> str:
+    """Return a table's text. Raises InputError if the file cannot be read."""
+    try:
+        return file.read_text("utf-8", "replace")  # a file that is no text has no columns, either
+    except OSError as error:
+        raise InputError(f"table = {str(file)!r}: {error.strerror}; allowed: a table that povgen chart wrote") from None
+
+
 def read_frames(file: Path) -> list[Point]:
     """Return the points of a table like frames.csv. Raises InputError if it is not one."""
-    points = []
+    points, text = [], _text(file)
     try:
-        for row in csv.DictReader(StringIO(file.read_text("utf-8"))):
+        for row in csv.DictReader(StringIO(text)):
             size = int(row["width"]), int(row["height"])
             seconds, *errors = (float(row[name]) for name in COLUMNS[4:])
             points.append(Point(row["method"], row["antialias"], size, None, [seconds], *errors))
-    except OSError as error:
-        raise InputError(f"table = {str(file)!r}: {error.strerror}; allowed: a table that povgen chart wrote") from None
     except (KeyError, TypeError, ValueError):
         raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
     return points
@@ -290,11 +296,10 @@ def redraw(tables: Tables, folder: Path) -> None:
 
 def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
     """Return the rows of a table, with columns of these types. Raises InputError if it has no such columns."""
+    text = _text(file)
     try:
-        rows = list(csv.reader(StringIO(file.read_text("utf-8"))))[1:]
+        rows = list(csv.reader(StringIO(text)))[1:]
         return [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
-    except OSError as error:
-        raise InputError(f"table = {str(file)!r}: {error.strerror}; allowed: a table that povgen chart wrote") from None
     except ValueError:
         raise InputError(f"table = {str(file)!r}: allowed: a table that povgen chart wrote") from None
 

@@ -121,8 +121,8 @@ class Runner:
             processes = list(self._all)
         for process in processes:
             self._end(process)
-        while self._idle:  # no thread reads from these
-            with self._idle.pop() as process:
+        while self._idle:  # no thread reads from these pipes
+            with self._idle.pop():
                 pass
 
     def _taken(self) -> "subprocess.Popen[bytes]":

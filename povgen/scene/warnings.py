@@ -70,8 +70,10 @@ def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str,
     shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
     if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
         yield "piece", "; ".join(notes)
-    coloured = [piece for piece in shown if TEXTURES & words(piece.text)]
-    if rendering and rendering.renderer == "gl" and coloured:
+    if not (rendering and rendering.renderer == "gl"):
+        return
+    coloured = [piece for piece in shown if not piece.is_mesh and TEXTURES & words(piece.text)]
+    if coloured:
         text = f"renderer = gl: the textures in {str(coloured[0])!r} are not drawn; the piece has the colour --color,"
         yield "renderer", f"{text} with --renderer povray its own"
 
