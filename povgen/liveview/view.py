@@ -34,8 +34,8 @@ class Live:
 
     The view is drawn by the browser, which needs WebGL 2. Dragging and the arrow keys move the eye; with Shift they
     change alpha. `view.scene` is the scene that is shown. Another scene, or a value of a parameter as in
-    `view.alpha = 90`, changes the view. In Jupyter and its like this needs povgen[jupyter], which also lets
-    `view.scene` follow what the user moves. `view.widget` is the widget, of the package anywidget.
+    `view.alpha = 90`, changes the view. A notebook shows such changes only if povgen[jupyter] is installed. Then
+    `view.scene` also follows what the user moves. `view.widget` is the widget, of the package anywidget.
     """
 
     scene: Scene
@@ -70,7 +70,7 @@ class Live:
         self.__dict__["scene"] = scene
         if widget := self.__dict__.get("widget"):
             known = [(type(x), pieces(x), surroundings(x), to_live([x])) for x in (before, scene)]
-            if known[0] != known[1]:  # another page: this one does not know all that the scene shows
+            if known[0] != known[1]:  # the page lacks a law, a piece or a picture of the new scene
                 widget.html = self.html
             shown.pop("pictures")  # the page has them
             widget.scene = shown
@@ -119,7 +119,7 @@ class Live:
 
 
 def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
-    """Return the page that shows a scene's live view. It also knows the laws of other scenes' sheets.
+    """Return the page that shows a scene's live view. It can also change to the sheets of the `others`.
 
     Raises what `volumes` and `values` raise.
     """

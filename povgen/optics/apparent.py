@@ -4,10 +4,11 @@ Points are complex numbers x + iy: x points right and y up, as the eye sees them
 lengths have the same unit. A ray from the eye E has the slope s = (dx + i dy)/dz. It crosses the first window, a
 distance z2 from the eye, at P = E + z2 s. A point L behind the last window appears at P if the ray meets L.
 
-A window whose effect on place and slope is linear has a ray-transfer matrix. It maps (X, Y, sx, sy, 1), a ray's place
-and slope before the window, to its place and slope behind the window. The windows' matrices and those of the distances
-between them are multiplied. The matrices of prisms and lenses are in `paraxial`. For other windows only `Element.slope`
-is known: the slope behind the window, for each ray. Newton's method, from many starts, then finds the ray to L.
+A window has a ray-transfer matrix (5, 5) if place and slope behind it are linear functions of those before it, plus
+constants. The matrix maps (X, Y, sx, sy, 1), a ray's place and slope before the window, to those behind the window. The
+windows' matrices and those of the distances between them are multiplied. The matrices of prisms and lenses are in
+`paraxial`. For other windows only `Element.slope` is known: the slope behind the window, for each ray. The ray to L is
+then found by Levenberg's and Marquardt's method, from many starts.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -25,7 +26,7 @@ from povgen.optics.profile import Profile
 Indices = NDArray[np.intp]
 # The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
-_STEPS = 60  # of Newton's method
+_STEPS = 60  # of the search
 _PRECISION = 1e-11  # a path is found if it misses L by at most this fraction of the distances in the scene
 
 
@@ -38,13 +39,16 @@ class Element(Protocol):
 
     @property
     def transfer(self) -> Matrix | None:
-        """The ray-transfer matrix, or None if there is none."""
+        """The ray-transfer matrix (..., 5, 5), or None if there is none."""
 
     def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
-        """Return a window's sheets of prisms or lenses, the nearest first. z is its place, `window` its number."""
+        """Return a window's sheets of prisms or lenses, the nearest to the eye first: `sheets.Sheet.layers_at`."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
-        """Return the slope behind a window without thickness, NaN if no light passes. Arguments are x + iy."""
+        """Return the slope behind a window without thickness, NaN if no light passes.
+
+        Slopes are (dx + i dy)/dz. The place is X + iY, from the window's centre.
+        """
 
 
 # The window nearest to the eye comes first. Each has its distance from the window before it, or from the eye.
@@ -62,7 +66,10 @@ def matrix(windows: Windows) -> Matrix | None:
 
 
 def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Complexes, Complexes, Complexes, Complexes]]:
-    """Follow rays from the eye with this slope. Return place and slope before and behind each window."""
+    """Follow rays from the eye with this slope.
+
+    Return for each window: the place and the slope before it, the place and the slope behind it.
+    """
     s, P = np.asarray(slope, complex), np.asarray(E, complex)
     found = []
     for distance, window in windows:
@@ -81,15 +88,16 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
 def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
-    L is complex. L, z1 and `near` broadcast. Light can reach the eye on several paths, so L can appear at several
-    positions. The result is the position with the least max(|x|, |y|). So if any of the positions is visible in a
-    square window with its centre at 0, the result is visible. The result is NaN if there is no path, and the complex
-    infinity (inf + 0j) if L appears at infinity: if the determinant of the equations for P is 0 within rounding errors,
-    1e-14 of its terms. The search can miss paths behind a sheet without a matrix that are more than 87 degrees from the
-    normal.
+    L is complex. L, z1 and `near` broadcast. NaN if there is no path, or if every ray is one.
 
-    At a caustic two paths merge. On one side of it there are none. There a large object can be seen in part, although
-    its middle cannot. So a path also counts if it misses L by at most `near`, and by less than neighbouring paths do.
+    If all windows have a matrix, there is at most one path. The result is the complex infinity (inf + 0j) if L appears
+    at infinity: the determinant of the equations for P is then at most 1e-14 of its terms.
+
+    If a window has no matrix, paths are searched for. There can be several. The result is the position with the least
+    max(|x|, |y|), so if any position is visible in a square window with its centre at 0, the result is. The search can
+    miss paths that leave the eye at more than 87 degrees to the normal. At a caustic two paths merge, and on one side
+    of it there are none. There a large object can be seen in part, although its middle cannot. So a path also counts if
+    it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
     distance, total = windows[0][0], matrix(windows)
@@ -131,11 +139,12 @@ def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
 
 
 def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
-    """Return A and B: if the slope at the eye changes by a small ds, L moves by A ds + B conj(ds).
+    """Return A and B: if a ray's slope at the eye changes by a small ds, its end moves by A ds + B conj(ds).
 
-    For windows that rotate light, L - E = A s + B conj(s) for a ray that reaches the eye E with the slope s. Without
-    thickness B = 0, and A is the complex depth Z of `equations.depth`. At |A| = |B| the light of a point meets the
-    eye's plane only along a line, or in one point if A = B = 0. NaN if a window has no matrix.
+    The end is in the plane of L, a distance z1 behind the last window. For windows that rotate light, L - E = A s + B
+    conj(s) for a ray that reaches the eye E with the slope s. Without thickness B = 0, and A is the complex depth Z of
+    `equations.depth`. At |A| = |B| the light of a point meets the eye's plane only along a line, or in one point if A =
+    B = 0. NaN if a window has no matrix.
     """
     z1, total = np.asarray(z1, float), matrix(windows)
     if total is None:
@@ -148,6 +157,9 @@ def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
 
 def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
+
+    nu is positive if the object appears turned counter-clockwise. M compares its size in the plane of the first window
+    with its true size.
 
     With A and B of `depths`, a short step d on the object appears as p d + q conj(d) in the plane of the first window:
     p = z2 conj(A)/(|A|^2 - |B|^2) and q = -z2 B/(|A|^2 - |B|^2). Then nu = arg(p). The magnification depends on the
@@ -180,7 +192,8 @@ def infinite_z1(windows: Windows) -> Floats:
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, shape: Prism | Profile) -> Complexes:
     """Return the alpha from 0 to pi, radians, at which two sheets that mirror show an object at infinity (|A| = |B|).
 
-    It is complex if there is no real one. At -alpha, the object is at infinity too.
+    z1 and z2 are measured from the middle of the pair. The result is complex if there is no real alpha. At -alpha, the
+    object is at infinity too.
     """
     g, apart = small_angles(shape).slab_shift, shape.separation
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
@@ -210,7 +223,7 @@ def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats
             targets.append(target)
     s, target = np.concatenate(starts), np.concatenate(targets)
     enough = np.maximum(_PRECISION * (abs(L - E) + z1 + windows[0][0]), near)[target]
-    s, off = newton(s, target, miss, enough)
+    s, off = nearest_rays(s, target, miss, enough)
     found = off <= enough
     far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
     # of all found paths the nearest to the window's middle
@@ -231,7 +244,8 @@ def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indic
 
     `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
     """
-    # if a target is in a triangle of three neighbouring rays, or a little outside, the start is interpolated in it
+    # Three neighbouring rays meet the target's plane at the corners of a triangle. If the target is inside, or a little
+    # outside, the start is interpolated between the slopes of the three.
     for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
         a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
         u, v = b - a, c - a
@@ -256,10 +270,13 @@ def _cross(a: Complexes, b: Complexes) -> Floats:
 
 
 @np.errstate(all="ignore")  # infinite and NaN steps are not taken
-def newton(
+def nearest_rays(
     s: Complexes, target: Indices, miss: Callable[[Complexes, Indices], Complexes], enough: Floats
 ) -> tuple[Complexes, Floats]:
-    """Return slopes that bring rays closer to their targets, and the distances by which they miss them.
+    """Return the slopes of rays that pass their targets most closely, and the distances by which they miss them.
+
+    s (n,) are the first slopes, and `target` (n,) the index of each ray's target. `miss(s, target)` returns the vectors
+    from the targets to the rays, as complex numbers. `enough` (n,) are the distances that are small enough.
 
     Levenberg's and Marquardt's method: if no ray near the first one meets the target, the result is the ray that misses
     it least. A ray is given up if its distance is more than `enough`, and twenty steps have not halved it.
@@ -289,6 +306,6 @@ def newton(
         active = active[going]
         if number % 20 == 0:
             distance = abs(f[active])
-            closer = (distance < earlier[active] / 2) | (distance <= enough[active])
-            earlier[active], active = distance, active[closer]
+            halved = (distance < earlier[active] / 2) | (distance <= enough[active])
+            earlier[active], active = distance, active[halved]
     return s, np.nan_to_num(abs(f), nan=np.inf)

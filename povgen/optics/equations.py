@@ -3,15 +3,15 @@
 Angles are in radians. The ray-rotation angle alpha is positive if light on its way from the object to the eye is turned
 counter-clockwise, as the eye sees it. Points in the plane of the sheet are complex numbers x + iy: x points right and y
 up, as the eye sees them, and z points away from the eye. The object L is a distance z1 behind the sheet. The eye E is a
-distance z2 in front of the sheet. Both are finite. Light from L to E crosses the sheet at P. The ratio r = z2/z1 is
-from 0 to infinity. Equations 5 to 9 are for L = 0 and E = 1.
+distance z2 in front of the sheet. z1 and z2 are finite. Light from L to E crosses the sheet at P. The ratio r = z2/z1
+is from 0 to infinity. Equations 5 to 9 are for L = 0 and E = 1.
 
 At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P and 1 - P are the complex infinity
 (inf + 0j). A double cannot be exactly pi: for r = 1, the double nearest to pi is treated as the pole. Near the pole no
 digits are lost by cancellation. `condition` returns the factor by which errors of r and alpha grow there.
 
-alpha, r and distances are real. Complex numbers raise TypeError. Negative r or distances raise ValueError, and so do
-angles beyond 10 pi, which are probably in degrees. NaN gives NaN.
+alpha, r and distances are real. Complex numbers raise TypeError. Negative r or distances raise ValueError, unless the
+docstring allows them. So do angles beyond 10 pi, which are probably in degrees. NaN gives NaN.
 """
 
 from collections.abc import Iterable
@@ -28,8 +28,8 @@ Booleans = Any
 # The windows behind the first one, in the order in which an eye looks through them. Each is the pair of its distance
 # from the window before it, and its alpha.
 Windows = Iterable[tuple[ArrayLike, ArrayLike]]
-# The terms of a sum of distances in several directions have relative errors of some 1e-16. A sum smaller than ROUNDING
-# times the sum of their sizes counts as 0.
+# In the sum for Z (see `depth`), each complex term has a relative error of some 1e-16. A sum smaller than ROUNDING
+# times the sum of the terms' absolute values counts as 0.
 ROUNDING = 1e-14
 LARGEST_ANGLE = 10 * np.pi
 
@@ -118,8 +118,9 @@ def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
 
 
 def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
-    """Return the complex depth Z: light from L that reaches E with the slope s has crossed L - E = Z s.
+    """Return the complex depth Z: for light from L that reaches E, L - E = Z s with its slope s at the eye.
 
+    The slope is s = (dx + i dy)/dz.
     z2 is the distance from the eye to the first window, alpha the angle of this window, and z1 the distance from the
     last window to the object. `behind` are the windows between the first one and the object: pairs (d, alpha). For
     windows of alpha_1 ... alpha_n, the nearest to the eye first,
@@ -136,12 +137,13 @@ def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) 
 
 
 def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, behind: Windows = ()) -> Floats:
-    """Return the curl of the field of unit directions of light from a point L, a distance z2 before the first window.
+    """Return the curl of the directions of light from a point L, on the eye's side of the windows.
 
-    theta is the angle there between the light and the normal. The curl is parallel to the light. The result is its
-    component along the light, per unit of length: -(1 + cos^2 theta) Im Z/|Z|^2, with Z of `depth`. For one window that
-    is (1 + cos^2 theta) z1 sin(alpha)/|Z|^2. Where the curl is not 0, no surface is perpendicular to the light: it has
-    no wave fronts (docs/beyond.md). NaN if Z = 0.
+    The unit vectors along this light, at every place, are a field. The curl is that of this field, at a distance z2
+    from the first window, where theta is the angle between the light and the normal. The curl is parallel to the light.
+    The result is its component along the light, per unit of length: -(1 + cos^2 theta) Im Z/|Z|^2, with Z of `depth`.
+    For one window that is (1 + cos^2 theta) z1 sin(alpha)/|Z|^2. Where the curl is not 0, no surface is perpendicular
+    to the light: it has no wave fronts (docs/beyond.md). NaN if Z = 0.
     """
     Z = depth(z1, real("z2", z2, 0), alpha, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -235,7 +237,10 @@ def _with_transverse(direction: Floats, transverse: Complexes) -> Floats:
 
 
 def _sum(a: Floats, b: Floats, alpha: Floats) -> Complexes:
-    """Return a + b exp(i alpha), for real a and b without cancellation: (a - b) + 2b cos(alpha/2) exp(i alpha/2)."""
+    """Return a + b exp(i alpha), as (a - b) + 2b cos(alpha/2) exp(i alpha/2).
+
+    a and b may be complex. If they are real, no digits are lost by cancellation.
+    """
     half = alpha / 2
     cosine = np.cos(half)
     at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # alpha is the double nearest to an odd multiple of pi

@@ -14,15 +14,14 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.apparent import Element, newton
+from povgen.optics.apparent import Element, nearest_rays
 from povgen.optics.equations import Complexes
 from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
 Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye first, each with the z of its middle
 # A law states the slope behind an ideal sheet for each slope before it. Of light, which comes from behind, only the
-# slope behind is known. Newton's method finds the slope before the sheet. The search starts from the slope behind the
-# sheet, and then from these.
+# slope behind is known. The slope before the sheet is searched for: first from the slope behind it, then from these.
 _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
@@ -346,7 +345,7 @@ def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Com
     for start, off_by in ((behind, miss), *((start, miss_sine) for start in (behind, *_STARTS))):
         size = 1 + abs(behind[left])
         enough = _PRECISION * (size if off_by is miss else np.ones(len(left)))
-        slope, off = newton(np.broadcast_to(start, behind.shape)[left].astype(complex), left, off_by, enough)
+        slope, off = nearest_rays(np.broadcast_to(start, behind.shape)[left].astype(complex), left, off_by, enough)
         # the sines of very large slopes are all alike
         hit = (off <= enough) & (abs(miss(slope, left)) <= 1e-6 * size)
         found[left[hit]], left = slope[hit], left[~hit]

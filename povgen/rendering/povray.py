@@ -30,7 +30,7 @@ from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
-DATA = "data.txt"  # the only file that a scene can write: in the sandbox no other file can be made
+DATA = "data.txt"  # for what a scene writes; in the sandbox it can write no other file but those of its own render
 # If the system's configuration is stricter than this one, POV-Ray obeys the system's. Release 3.7.0.10 obeys the ban on
 # shell commands, but not always the restrictions on files. Therefore POV-Ray also runs in a sandbox.
 CONFIG = """\
@@ -114,7 +114,7 @@ def has_util_linux() -> bool:
 
 
 def missing_protection() -> list[str]:
-    """Return what povgen cannot do on this machine to limit POV-Ray and to end it, one phrase for each."""
+    """Return a phrase for each protection that is missing on this machine: limits on POV-Ray, and its end."""
     if has_util_linux():
         return []
     missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout on each core"]
@@ -127,8 +127,8 @@ def missing_protection() -> list[str]:
 def _starter(timeout: float, threads: int) -> tuple[list[str], list[str]]:
     """Return the start of a command line that sets limits, and the programs that it runs.
 
-    setpriv also kills the command if its thread in povgen ends. Without util-linux a shell sets the limits. It cannot
-    kill the command then, so it limits the CPU time as well.
+    setpriv also kills the command when the thread of povgen that started it ends. Without util-linux a shell sets the
+    limits. A shell cannot kill the command, so it limits the CPU time as well.
     """
     if has_util_linux():
         programs = [binary("setpriv"), binary("prlimit")]
@@ -171,9 +171,10 @@ class Runner:
     """The POV-Ray processes of one render, which can be stopped together."""
 
     def __init__(self, threads: int = 1, part: Callable[[float], None] | None = None) -> None:
-        """Prepare for POV-Rays with so many threads each, fewer if their memory would exceed POV-Ray's limit.
+        """Each POV-Ray gets this number of threads, or fewer if their memory would exceed POV-Ray's limit.
 
-        `part` is called with each further part of a picture, while it is rendered.
+        `part` is called during a render, from another thread. Its argument is the fraction of the picture, 0 to 1, that
+        has been drawn since the last call.
         """
         self._part = part
         self._threads = max(1, min(threads, max_memory() // THREAD_MEMORY))
@@ -181,10 +182,11 @@ class Runner:
         self._stopped = False
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """Render a scene's text in a work folder and return the path of the picture there, reduced to its size.
+        """Render a scene's text in a work folder and return the picture's path. The picture has `rendering.size`.
 
-        If POV-Ray is killed or hangs, it is tried once more, because the scene is not always the reason. Raises
-        PovrayError if POV-Ray is missing, refuses the scene or was stopped, and TransientError if both tries fail.
+        If POV-Ray is killed, hangs or is short of time, it is tried once more, because the scene is not always the
+        reason. Raises TransientError, a kind of PovrayError, if both tries fail. Raises another PovrayError if POV-Ray
+        is missing, refuses the scene or was stopped. Raises OSError if the disk is full or the folder has been removed.
         """
         for attempt in count(1):
             try:
@@ -239,7 +241,7 @@ class Runner:
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
-        """Run POV-Ray. Return its exit status (minus the signal's number if a signal killed it), and its last words."""
+        """Run POV-Ray. Return its exit status, or -n if signal n killed it, and the end of its messages."""
         # POV-Ray looks for its configuration in HOME
         environment = {"HOME": str(folder), "PATH": "/usr/bin:/bin", "LC_ALL": "C", "TMPDIR": str(folder)}
         with stopping.lock:
@@ -284,7 +286,7 @@ class Runner:
 def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] | None = None) -> None:
     """Read a pipe to its end, close it, and add the last MAX_MESSAGES bytes to `last`.
 
-    Call `part` with each further part of the picture that POV-Ray says is there.
+    Call `part` with the fraction of the picture that has been drawn since the last call, as POV-Ray's messages say.
     """
     known = 0.0
     with pipe:
@@ -319,7 +321,8 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
-    # POV-Ray does not report a full disk. Another failed frame may since have freed the space of one picture.
+    # POV-Ray does not report a full disk. Another frame that failed may meanwhile have freed the space of one picture.
+    # So the disk also counts as full if no more than that is free.
     if files.is_full(folder, 2**16 + round(3 * rendering.supersampling**2 * width * height)):
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:
@@ -343,9 +346,10 @@ def _ends(log: Path) -> tuple[str, str]:
 
 
 def message_and_origin(error: PovrayError, source: str, pieces: Iterable[str | PieceFile]) -> tuple[str, str]:
-    """Return an error's message, which names a line of a user's file if the error is there, and where else it is.
+    """Return an error's message and its origin.
 
-    `source` is the text with these pieces that POV-Ray read. The second text is 'from a template', or empty.
+    `source` is the text that POV-Ray read, and `pieces` are the pieces in it. If the error is in a user's file, the
+    message names this file and its line, and the origin is empty. Otherwise the origin is such as 'from header.pov.j2'.
     """
     name, line = origin_of(pieces, source, error.line) if error.line else ("", None)
     if line is not None:

@@ -1,6 +1,6 @@
-"""The parameters of sheets, for pydantic: fields of the scene for its first window, and of `Window` for each other one.
+"""The parameters of sheets, as fields for pydantic. Those of the first window are fields of the scene.
 
-Such a window can be given as text: `z=2,sheet=mirror`.
+Those of each further window are fields of a `Window`. A `Window` can be given as text: `z=2,sheet=mirror`.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind
 
 
 class Table(dict[str, float]):
-    """A table of numbers that never changes, as other values of a scene do not."""
+    """A table of numbers. It never changes, like all values of a scene."""
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
         raise InputError("a table of a scene never changes; allowed: a copy of the scene, .replace(...)")
@@ -31,7 +31,10 @@ class Table(dict[str, float]):
 
 
 def as_table(value: object) -> object:
-    """Accept texts such as 'k=0.3', one or several, in place of a table of numbers. Raises ValueError for Booleans."""
+    """Return a text such as 'k=0.3', or several, as a table whose values are text. Return other values as they are.
+
+    Raises ValueError for text of another form, for a name that occurs twice, and for a table with a Boolean value.
+    """
     if isinstance(value, Mapping) and has_boolean(value.values()):
         raise ValueError("should be a table of numbers")
     texts = [value] if isinstance(value, str) else value
@@ -132,14 +135,15 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # of the window's middle plane, tiles; a pair of sheets stands on both sides of this plane
+    z: float  # of the middle plane, tiles behind that of the first window; a pair of sheets stands on both its sides
     sheet: Sheet
 
 
 def window_table(value: object) -> object:
     """Return a window's text, such as 'alpha=120,z=2', as a table. Commas also separate the components of a direction.
 
-    A value that is no text is returned as it is. Raises ValueError for text of another form.
+    Its values are texts, or a list of texts for a parameter that may occur several times. A value that is no text is
+    returned as it is. Raises ValueError for text of another form.
     """
     if isinstance(value, str):
         parts: list[str] = []

@@ -101,9 +101,10 @@ class Law:
         return {node.id for node in nodes if isinstance(node, ast.Name)} - {*FUNCTIONS}
 
     def check_divisions(self, values: Mapping[str, float]) -> None:
-        """Raise ValueError for a division of something by 0, whatever the ray is: POV-Ray refuses it.
+        """Raise ValueError if a divisor is 0 for every ray, because POV-Ray refuses such a law.
 
-        `values` has the parameters' values by name. `x/(1/k)` with k = 0 is x divided by infinity, which is 0.
+        `values` has the parameters' values by name. Divisions within the `constants` are allowed: with k = 0, 1/k is
+        infinite, and x/(1/k) is 0.
         """
         constants, parts = self._extracted
         divisions = (node for part in parts for node in ast.walk(part) if isinstance(node, ast.BinOp))
@@ -146,7 +147,7 @@ class Law:
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the parts of the law that depend on parameters alone, each as large as possible."""
+        """Return the longest parts of the law in which only parameters and numbers occur, each part once."""
         return [_written(part, name) for part in self._extracted[0]]
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
@@ -255,7 +256,7 @@ class _Rename(ast.NodeTransformer):
 
 
 class _Numpy(ast.NodeTransformer):
-    """Turn every number into a number of numpy, for which 1/0 is infinite, as in the other languages.
+    """Turn every number into a number of numpy, for which 1/0 is infinite, as it is within the constants of a law.
 
     This is done by numpy's abs. Numbers in the tree are not negative, so it leaves their values as they are.
     """

@@ -6,7 +6,11 @@ from povgen.sheets.sheet import Ideal
 
 
 class Rotation(Ideal):
-    """Light is turned counter-clockwise by alpha, as the eye sees it. The pair of Dove-prism sheets approaches it."""
+    """Light is turned counter-clockwise by alpha, as the eye sees it.
+
+    The law is that of a ray from the eye. Such a ray runs against the light, so it turns clockwise. A pair of sheets of
+    Dove prisms does the same to rays on its designed path, apart from their place.
+    """
 
     name = "ideal"
     title = "infinitely fine sheet"

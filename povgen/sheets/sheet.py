@@ -97,7 +97,10 @@ class Sheet:
 
     @property
     def alpha(self) -> Any:  # noqa: ANN401  (a number, or an array)
-        """The angle by which light is turned about the normal, radians; 0 for sheets without this parameter."""
+        """The parameter alpha, radians; 0 for sheets without it.
+
+        If the sheet turns light, alpha is positive for light that turns counter-clockwise, as the eye sees it.
+        """
         return self.values.get("alpha", 0.0) * (pi / 180)  # alpha may be an array
 
     @property
@@ -107,7 +110,10 @@ class Sheet:
 
     @property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix (`optics.apparent`), for sheets of glass in paraxial approximation. Or None."""
+        """The ray-transfer matrix (..., 5, 5) of `optics.apparent`, or None if the sheet has none.
+
+        For sheets of glass it is the paraxial approximation.
+        """
         return None
 
     @property
@@ -121,24 +127,27 @@ class Sheet:
         return 0.0
 
     def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
-        """Return the sheets of glass that this window contains, the one nearest to the eye first.
+        """Return the layers of glass of which this sheet consists, the one nearest to the eye first.
 
-        `window` is its number, and z the position of its middle, tiles.
+        z is the place of the sheet's middle plane, tiles from the first window. `window` is the number of its window,
+        from 0. An ideal sheet has no layers.
         """
         return ()
 
     @property
     def thin(self) -> "Ideal":
-        """The ideal sheet that changes every ray as this sheet changes rays on the designed path.
+        """The ideal sheet that does to every ray what this sheet does to the rays for which it is designed.
 
-        In prisms these rays enter at a facet, are reflected at the base, and leave through the other facet.
+        Rays on this designed path enter a prism at a facet, are reflected at its base, and leave through the other
+        facet.
         """
         raise NotImplementedError
 
     def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
         """Return the slope behind the sheet of a ray from the eye.
 
-        Slopes and places are complex numbers: dx/dz + i dy/dz, and X + iY.
+        Slopes and places are complex numbers: dx/dz + i dy/dz, and X + iY in tiles from the window's centre. x points
+        right and y up, as the eye sees them, and z away from the eye. NaN if no light passes.
         """
         return self.thin.slope(slope, place)
 
