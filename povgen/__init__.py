@@ -1,6 +1,6 @@
 """POV-Ray scenes of light-ray-rotating sheets, and the movies made from them.
 
-The public names are imported when they are first used, because that is slow and ``povgen --help`` needs none.
+Each public name is imported when it is first used: importing all is slow, and ``povgen --help`` needs none.
 """
 
 import sys

@@ -14,7 +14,7 @@ def main() -> None:
         sys.exit(
             "povgen: platform = Windows; allowed: the Windows Subsystem for Linux: wsl --install, then as on Ubuntu"
         )
-    # povgen has no large matrices: numpy's further threads would only wait, and take CPU time for that
+    # povgen has no large matrices: further threads of numpy would only wait, and waiting takes CPU time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(7000)  # more than Python's default: loading makes many objects, and nearly all of them stay
     from povgen import stopping  # Windows cannot import it

@@ -23,7 +23,7 @@ class TransientError(PovrayError):
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Raise InputError in place of the ValueError with which the mathematics refuses a value. Also a decorator."""
+    """Raise InputError in place of a ValueError, which `optics` raises for a wrong value. Can also be a decorator."""
     try:
         yield
     except ValueError as error:

@@ -44,7 +44,10 @@ def in_home(path: Path) -> Path:
 
 
 def as_path(path: object, suffixes: Iterable[str], option: str) -> Path:
-    """Return the path. Raises InputError, which names the option, if it is none, or has none of these suffixes."""
+    """Return a Path, with the home folder in place of ~. Raises InputError, which names the option, for no path.
+
+    Also raises it if the path has none of these suffixes, which are in lower case, such as .png.
+    """
     try:
         path = in_home(Path(path))  # type: ignore[arg-type]  # any object: what is no path raises TypeError
     except TypeError:
@@ -78,18 +81,18 @@ def checked_output(
 
 
 def check_new_folder(path: Path, longest: str) -> None:
-    """Raise InputError if the folder of this output, which is missing, or a file of this name in it cannot be made."""
+    """Raise InputError if the missing folder of this output, or a file named `longest` in it, cannot be made."""
     with _refused(f"output = {str(path)!r}", "a file in a folder that can be written to, or in a new one there"):
         with suppress(FileNotFoundError):
             os.lstat(path.parent)  # raises for a name that is too long
         with suppress(FileNotFoundError):
-            os.lstat(path.parent.parent / longest)  # of the same file system
+            os.lstat(path.parent.parent / longest)  # likewise; this folder is in the same file system
         tempfile.TemporaryFile(dir=path.parent.resolve().parent).close()
 
 
 @contextmanager
 def _refused(name: str, allowed: str) -> Iterator[None]:
-    """Raise InputError, which says what is allowed, for what the system does not do with the output of this name."""
+    """Raise InputError, which begins with `name` and says what is allowed, in place of an error of the system."""
     try:
         yield
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: links in a circle; ValueError: NUL in a name
@@ -301,7 +304,7 @@ def _remove_locked(folder: Path, opened: int) -> bool:
 
 
 def read_bytes(path: str, most: int) -> bytes:
-    """Return a regular file's content, at most so many bytes. Raises ValueError."""
+    """Return a regular file's content. Raises ValueError if it has more than `most` bytes or cannot be read."""
     try:
         # without O_NONBLOCK, opening a FIFO would wait
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
@@ -318,7 +321,10 @@ def read_bytes(path: str, most: int) -> bytes:
 
 
 def read_text(path: str, most: int) -> str:
-    """Return a regular file's text, UTF-8 of at most so many bytes. Lines end with a line feed. Raises ValueError."""
+    """Return a regular file's text, with line feeds at the ends of lines.
+
+    Raises ValueError if it is not UTF-8, has more than `most` bytes, or cannot be read.
+    """
     try:
         text = read_bytes(path, most).decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -330,8 +336,9 @@ def save(made: bytes | Path, output: Path, beside: Path | None = None) -> None:
     """Write data, or move a file, to the output atomically: an older file stays in place until the new one is complete.
 
     If the output is a link, the file that it points to is replaced. The new file gets the mode of the old file, and its
-    owner and group if the system permits this. `beside` is a work folder for several files of one folder: to make one
-    for each file would take long in a folder of thousands. Raises OSError, which names the output.
+    owner and group if the system permits this. `beside` is a work folder in the output's folder, which several calls
+    can share: in a folder of thousands of files, a new work folder for each call takes long. Raises OSError, which
+    names the output.
     """
     target = output.resolve()
     try:

@@ -23,14 +23,16 @@ MAX_FACES = 180
 MIN_DESIGNED_FRACTION = 0.25
 # With partial reflection (--fresnel), rays that carry less than this share of the light are not followed.
 LEAST_LIGHT = 0.01
-# (f) The error, in pixels of 1280x960, that the ideal sheet's camera may have for an eye off the axis; and the greatest
-# number of cells across the window to keep it. POV-Ray takes about 1.3 CPU s to parse so many.
+# (f) The ideal sheets' camera interpolates rays in cells (`scene.cells`). Its error may be up to MAX_CAMERA_ERROR, in
+# pixels of 1280x960. To keep it, up to MAX_CELLS cells across the window are used. POV-Ray takes about 1.3 CPU s to
+# parse this number of cells.
 MAX_CAMERA_ERROR = 0.03
 MAX_CELLS = 100
 # (g) With fewer pixels per prism, a picture without antialiasing is as wrong as one whose pixels are taken at random.
 MIN_PIXELS_PER_PRISM = 1.2
-# (h) For a smaller alpha, degrees, times the number of prisms or lenses across the window, those of the two sheets are
-# nearly parallel and make wide dark bands (moire). Bands of fewer prisms than MOIRE_COUNT do not stand out.
+# (h) If alpha, in degrees, times the number of prisms or lenses across the window is less than MOIRE, the ridges of the
+# two sheets are nearly parallel, and dark bands appear (moire). With fewer prisms or lenses than MOIRE_COUNT, the bands
+# do not stand out.
 MOIRE = 800
 MOIRE_COUNT = 40
 

@@ -77,7 +77,8 @@ def bar(what: str, total: int, quiet: bool = False, unit: str = "frames") -> Ite
 def parts(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[float], None] | None]:
     """Show on a terminal how much of some pictures is there, and the time left.
 
-    Yield the function to call with each further part of a picture; None if nothing is shown.
+    Yield a function, to call with the fraction of a picture that was rendered since its last call. Yield None if
+    nothing is shown. `total` is the number of pictures.
     """
     if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield None

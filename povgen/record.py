@@ -159,7 +159,7 @@ def _data(file: BinaryIO) -> bytes | None:
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
-    """Return so many bytes. Raises ValueError if the file has fewer, or if a record may not be so long."""
+    """Return `size` bytes. Raises IndexError if the file has fewer, and ValueError if no record can have so many."""
     if not 0 <= size <= MAX_BYTES + 2**10:
         raise ValueError(f"its record of {size} bytes is too long")
     data = file.read(size)

@@ -18,9 +18,10 @@ CHECKOUT = Path(__file__).parents[1]
 
 
 def system(what: str) -> str:
-    """Return the command that installs `what` (povray, gl or ffmpeg) on this system, or Debian's with its name.
+    """Return the command that installs `what` (povray, gl or ffmpeg) on this system.
 
-    In an environment of conda this is conda's command, which needs no administrator.
+    In an environment of conda this is conda's command, which needs no administrator. If no known program can install
+    it, return "on Debian: " and Debian's command.
     """
     programs = ["conda", *PACKAGES] if "CONDA_PREFIX" in os.environ else [*PACKAGES]
     for program in programs:

@@ -250,5 +250,5 @@ class Rendering(Sampling):
 
     @property
     def annotated(self) -> bool:
-        """Whether povgen draws on POV-Ray's picture."""
+        """Whether povgen adds a caption, a note, an overlay or a side view to the rendered picture."""
         return self.caption in ("short", "full") or bool(self.note) or self.overlay or self.side_view

@@ -15,7 +15,7 @@ from threading import RLock
 from typing import Any
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
-LONGEST = 1.5  # seconds after the signal; then povgen ends in any case
+LONGEST = 1.5  # seconds that the work has to end after the signal; after 3 times LONGEST, povgen ends in any case
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
 
 # Held while a process is started or a work folder is made. It is reentrant because the signal handler takes it in the

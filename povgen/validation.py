@@ -51,7 +51,7 @@ class Model(BaseModel):
                 yield name, value
 
     def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]
-        """Yield the names and values of the fields: dict() of a model makes the model again."""
+        """Return an iterator over the fields' names and values. The class makes an equal model from dict(model)."""
         return ((name, getattr(self, name)) for name in type(self).model_fields)
 
     def __hash__(self) -> int:
@@ -113,20 +113,20 @@ class Model(BaseModel):
 
 
 def _hashable(value: object) -> object:
-    """Return what equal values have in common. Of a table, values that may have no hash are left out."""
+    """Return something that has a hash, and is equal for equal values. A table's values without a hash are left out."""
     if isinstance(value, Mapping):
         return frozenset((name, x) for name, x in value.items() if isinstance(x, (Real, str)))
     return tuple(map(_hashable, value)) if isinstance(value, (list, tuple)) else value
 
 
 def is_several(value: object) -> TypeGuard[Iterable[Any]]:
-    """Return whether a value is not one scene or text, but can have several."""
+    """Return whether a value can contain several scenes: it is iterable, but no text, no model and no single number."""
     one = isinstance(value, (str, bytes, Model)) or getattr(value, "ndim", 1) == 0  # numpy's array of one value
     return isinstance(value, Iterable) and not one
 
 
 def as_pair(value: object) -> object:
-    """Accept text such as 'X,Y', and a complex number."""
+    """Return text such as 'X,Y' as a list of texts, a complex number as two numbers, and other values as they are."""
     if isinstance(value, Complex) and not isinstance(value, Real):
         return value.real, value.imag
     return value.split(",") if isinstance(value, str) else value
@@ -151,7 +151,7 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
 
 
 def has_boolean(value: object, depth: int = 2) -> bool:
-    """Return whether a value is a Boolean, or has one among its parts, or in lists of lists among their parts."""
+    """Return whether a value is a Boolean, or a list with one, nested at most `depth` deep. Tables are not searched."""
     value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
     if depth and isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
         return any(has_boolean(part, depth - 1) for part in value)

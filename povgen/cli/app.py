@@ -103,7 +103,7 @@ def _version(version: Annotated[bool, typer.Option("--version", help="print povg
         raise typer.Exit
 
 
-# of errors when there is no memory: Python starts no thread, or the system loads no library
+# words in the messages of errors without memory: Python cannot start a thread, or the system cannot load a library
 NO_MEMORY = ("can't start new thread", "failed to map segment")
 
 

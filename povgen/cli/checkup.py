@@ -18,7 +18,7 @@ from povgen.settings import Rendering
 from povgen.video import encode
 
 TINY = Rendering(size=(64, 48), antialias=None)
-FILES, ROOM = 16, 2**16  # bytes in each file
+FILES, ROOM = 16, 2**16  # the number of files that `_room` writes, and the bytes in each
 
 
 class Part(NamedTuple):

@@ -216,10 +216,10 @@ def scene_of(name: str, values: Values) -> "Scene":
 
 
 def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
-    """Return the record in a file, its scenes, and the values that the user gave, after those of its rendering.
+    """Return the record in a file, its scenes, and the values of its rendering, replaced by those that the user gave.
 
     An output that ends in .exr has 32 bits, whatever the record says. Print a warning if another version of povgen or
-    of the renderer made the file. Raises InputError.
+    of the renderer made the file. Raises InputError if the file has no valid record.
     """
     from povgen.scene.scenes import recorded
     from povgen.version import __version__
@@ -231,7 +231,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
         del options["bits"]
     if values.get("stereo", options["stereo"]) == "none":
         del options["eye_distance"]
-    if "quality" in values:  # it decides what the user does not
+    if "quality" in values:  # the quality then decides the size, unless the user gives a size
         del options["size"]
     if "quality" in values or values.get("sheet") == "auto":
         del options["antialias"]
@@ -244,7 +244,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
 
 
 def split(values: Values) -> tuple[Values, Values]:
-    """Divide values into a scene's values and a rendering's values. Raises InputError for a value without use."""
+    """Divide values into a scene's values and a rendering's. Raises InputError for eye_distance without stereo."""
     from povgen.settings import Rendering
 
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
@@ -257,7 +257,7 @@ def split(values: Values) -> tuple[Values, Values]:
 
 
 def made_folder(output: Path) -> AbstractContextManager[Path]:
-    """Make the folder for a command's output, as files.output_folder does. Call this when other values were checked."""
+    """Make the folder for a command's output, as files.output_folder does. Check all other values before this call."""
     from povgen.files import output_folder
     from povgen.rendering import cache
 
@@ -296,7 +296,8 @@ def chosen(
 ) -> tuple[str, str, str]:
     """Return what --sheet auto chooses for scenes with prisms: sheet, antialiasing and renderer. Print why.
 
-    Raises PovrayError before anything is rendered if the scheduler, which will be needed, does not answer.
+    The scheduler does not take part in the choice. But if it does not answer, PovrayError is raised before anything is
+    rendered. Raises what `auto.choose` raises.
     """
     from povgen.rendering import auto
     from povgen.rendering.views import views

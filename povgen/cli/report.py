@@ -66,7 +66,7 @@ def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
 
 
 def _unused_in_windows(scenes: list["Scene"], values: "Values") -> "Iterator[str]":
-    """Yield texts about given numbers of further windows, and of laws, that change nothing."""
+    """Yield a text for each parameter of a further window, or of a law, that the user gave and that changes nothing."""
     from povgen.sheets.own import OwnLaw
 
     shared: set[str] = set()  # the names in the laws whose numbers are the scene's

@@ -129,7 +129,7 @@ def _kind(kind: type[Sheet]) -> dict[str, Any]:
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:
-    """Return what the page needs to know of a parameter. One without limits has the page's."""
+    """Return what the page needs to know of a parameter. If it has no limits, they are -100 and 100 on the page."""
     return asdict(parameter) | {
         "symbol": parameter.symbol or parameter.name.replace("_", " "),
         "unit": parameter.unit.replace("degrees", "°").replace(" a ", "/"),
@@ -149,9 +149,9 @@ def check_options(movies: bool, options: dict[str, Any]) -> None:
 
 
 def _for_page(spec: MovieSpec) -> MovieSpec:
-    """Return the movie whose frames the page can seek by the parameter's value, with the view of the page.
+    """Return the movie without easing and hold: then the page can find a frame by the parameter's value.
 
-    The page has no direct image.
+    The view is the page's. The direct image is left out, because the page does not have it.
     """
     fixed = {name: value for name, value in spec.fixed.items() if name not in ("view", "direct_image")}
     return spec.replace(ease=False, hold=0.0, fixed=fixed)

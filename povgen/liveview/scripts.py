@@ -1,8 +1,8 @@
 """The modules of a page's script, joined to one script: a page is one file, which a browser opens without a server.
 
 Each module becomes a function that returns its exports. `povgen` in the page holds them, by the modules' names.
-An export is a constant, a function or a class: the functions return its value once. Lines that are comments are
-left out.
+An export is a constant, a function or a class, but no variable: the module's function returns its value only once.
+Lines that are comments are left out.
 """
 
 import posixpath
@@ -19,9 +19,9 @@ EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))",
 
 
 def script(*mains: str, laws: Sequence[Text]) -> str:
-    """Return modules of templates/ with all that they import. live/laws.js is made of the laws.
+    """Return a script that runs modules and all that they import. `mains` are the modules' paths in templates/.
 
-    Raises graphlib.CycleError for a circle of imports.
+    The module live/laws.js is made from `laws`. Raises graphlib.CycleError for a circle of imports.
     """
     texts: dict[str, str] = {}
     graph: dict[str, list[str]] = {}
@@ -45,7 +45,7 @@ def _function(path: str, text: str) -> str:
 
 
 def _names(found: re.Match[str]) -> str:
-    """Return the declaration of what is imported. An import without names only has its module run before."""
+    """Return the declaration of what is imported. For an import without names it is empty: the module runs before."""
     return f"const {found[1].replace(' as ', ': ')} = povgen.{_name(found[2])};\n" if found[1] else ""
 
 

@@ -152,7 +152,8 @@ def live(scene: Scene, width: int = 640, height: int = 480) -> Live:
 
     Raises InputError for anything but a scene of povgen's own classes: the view does not know what another class
     shows. Raises InputError for `fresnel`: the live view follows one ray a pixel, which does not split. Raises
-    PovrayError if POV-Ray, which measures the shapes of pieces, fails.
+    InputError for sheets with errors of building, and for a width or height outside 32 to 7680. Raises PovrayError if
+    POV-Ray, which measures the shapes of pieces, fails.
     """
     size = _Size(width=width, height=height)
     checked = _checked(scene)

@@ -25,9 +25,9 @@ def _parameters() -> dict[str, list[Parameter]]:
 
 SHEETS = _kinds()
 IDEAL = {name: kind for name, kind in SHEETS.items() if issubclass(kind, Ideal)}
-# ideal sheets that do something else than to rotate light about their normal
+# the ideal sheets that do not only rotate light about their normal; `none` is not among them
 OTHER = {name: kind for name, kind in IDEAL.items() if not kind.rotates and name != "none"}
-PARAMETERS = _parameters()  # of all kinds, by their names; kinds that share one have texts of their own
+PARAMETERS = _parameters()  # by name, a list: kinds that share a parameter can have different texts for it
 # the kinds that use each parameter
 USED_BY = {
     name: tuple(kind.name for kind in SHEETS.values() if name in {each.name for each in kind.parameters})

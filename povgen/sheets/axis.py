@@ -13,8 +13,8 @@ _ACROSS = f"(sin(alpha)/sqrt({_SQUARE}))"
 class AxisRotation(Ideal):
     """Light is rotated by alpha about an axis.
 
-    alpha is positive if the rotation is counter-clockwise for somebody who looks along the axis: for the axis (0, 0, 1)
-    it is that of the ideal sheet. Light passes if the rotated direction still points to the eye's side.
+    alpha is positive if the rotation is counter-clockwise for somebody who looks along the axis. With the axis
+    (0, 0, 1), the sheet does the same as `ideal`. Light passes if the rotated direction still points to the eye's side.
     """
 
     name = "axis"

@@ -3,14 +3,14 @@
 from povgen.sheets.law import Law
 from povgen.sheets.sheet import Ideal, Parameter
 
-# They follow from other parameters, so that nobody states them: in radians, and without ranges.
+# No user states these: they follow from a sheet's shape. So they have no ranges. `deviation` is a change of slope.
 _FACTOR, _DEVIATION = Parameter("factor", "", -1.0), Parameter("deviation", "", 0.0)
 _ALONG, _ACROSS = "(cos(alpha/2)*x + sin(alpha/2)*y)", "(cos(alpha/2)*y - sin(alpha/2)*x)"
 _BEHIND = f"(factor*{_ACROSS} + deviation*z)"
 
 
 class Alone(Ideal):
-    """One sheet, with ridges along x: the slope across them is multiplied by `factor`, and `deviation` is added."""
+    """One sheet, with ridges along x. It changes a ray's slope t across the ridges to `factor` t + `deviation`."""
 
     parameters = (_FACTOR, _DEVIATION)
     law = Law("x, factor*y + deviation*z, z", ["factor", "deviation"])

@@ -8,9 +8,9 @@ from povgen.sheets.sheet import Ideal
 
 
 class Glens(Ideal):
-    """Distances a on the eye's side and b on the object's are imaged into each other if f/a + g/b = 1.
+    """Planes at distances a on the eye's side and b on the object's are imaged into each other if f/a + g/b = 1.
 
-    f is focal_length and g is object_focal_length. If both are equal, it is a thin lens.
+    f is focal_length and g is object_focal_length. If f = g, the sheet is a thin lens.
     """
 
     name = "glens"

@@ -147,7 +147,10 @@ class Law:
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the longest parts of the law in which only parameters and numbers occur, each part once."""
+        """Return the longest parts of the law that contain a parameter and none of x, y, z, X and Y, each part once.
+
+        Names in them are replaced as in `expressions`.
+        """
         return [_written(part, name) for part in self._extracted[0]]
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
@@ -256,9 +259,9 @@ class _Rename(ast.NodeTransformer):
 
 
 class _Numpy(ast.NodeTransformer):
-    """Turn every number into a number of numpy, for which 1/0 is infinite, as it is within the constants of a law.
+    """Wrap every number in numpy's abs. The result is a number of numpy, for which 1/0 is infinite.
 
-    This is done by numpy's abs. Numbers in the tree are not negative, so it leaves their values as they are.
+    Numbers in the tree are not negative, so abs does not change their values.
     """
 
     def visit_Constant(self, node: ast.Constant) -> ast.Call:

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class Layered(Sheet):
-    """One sheet with ridges along x, or two: then the one near the eye is turned by alpha/2 about the normal."""
+    """One sheet with ridges along x, or a pair, whose sheet near the eye is turned by alpha/2 about the normal."""
 
     counted: ClassVar[str]  # the parameter that says how many prisms or lenses there are across the window
 
     @property
     def pitch(self) -> float:
-        """From one prism or lens to the next, tiles."""
+        """The distance from one prism or lens to the next, tiles."""
         return self.aperture / float(self.values[self.counted])
 
     @property

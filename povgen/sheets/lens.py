@@ -6,7 +6,7 @@ from povgen.sheets.sheet import Ideal
 
 
 class Lens(Ideal):
-    """An object and its image are at distances z1 and b with 1/z1 + 1/b = 1/focal_length, at any angle of light."""
+    """An object at z1 has its image at b, with 1/z1 + 1/b = 1/focal_length. This holds at any angle of light."""
 
     name = "lens"
     title = "thin lens"

@@ -6,10 +6,10 @@ from povgen.sheets.sheet import Ideal
 
 
 class Lenslets(Ideal):
-    """Light's slope is multiplied by the ratio exp(i alpha): Snell's law with tangents in place of sines.
+    """Light's slope is multiplied by ratio * exp(i alpha): Snell's law with tangents in place of sines.
 
-    For real lenslets, with the focal length f1 on the object's side and f2 on the eye's, the ratio is f1/f2 and alpha
-    is 180 degrees. Their field is limited; the law's is not.
+    For real lenslets, with the focal length f1 on the object's side and f2 on the eye's, `ratio` is f1/f2 and alpha
+    is 180 degrees. Their field of view is limited; the law's is not.
     """
 
     name = "lenslets"

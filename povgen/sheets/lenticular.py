@@ -59,7 +59,7 @@ class Lenticular(Layered):
     layers = 2
 
     @property
-    def rotates(self) -> bool:  # type: ignore[override]  # of other kinds it is the class's
+    def rotates(self) -> bool:  # type: ignore[override]  # in other kinds it is a class attribute
         return bool(self.values["ratio"] == 1)
 
     @property
@@ -67,7 +67,10 @@ class Lenticular(Layered):
         return not any(self.values["error"].get(name) for name in OF_LENSES)
 
     def check_errors(self) -> None:
-        """Raise ValueError for an error that lenses cannot have or that is outside its range, and for wrong shapes."""
+        """Raise ValueError for an error that lenses cannot have, or that is outside its range.
+
+        Also raise it if no lenses with these errors are possible.
+        """
         check_ranges(self.values["error"], OF_LENSES, "lenses")
         if not self.is_exact:
             self.layers_at(0.0, 0)
@@ -82,7 +85,10 @@ class Lenticular(Layered):
         return replace(near, shape=self._shape_of(wrong[0])), replace(far, shape=self._shape_of(wrong[1]))
 
     def _shape_of(self, mismatch: float) -> "Profile":
-        """Return the shape of a sheet whose lenses on the object's side have a greater pitch, by this part."""
+        """Return the shape of a sheet whose pitch on the object's side is greater by the fraction `mismatch`.
+
+        Raises ValueError, which names f_number and ratio, if there is no such shape.
+        """
         from povgen.optics.profile import confocal
 
         ratio, f_number = self.values["ratio"], self.values["f_number"]

@@ -33,7 +33,7 @@ class OwnLaw(Ideal):
     )
 
     @cached_property
-    def law(self) -> Law:  # type: ignore[override]  # of other kinds it is the class's
+    def law(self) -> Law:  # type: ignore[override]  # in other kinds it is a class attribute
         return Law(self.values["law"], self.values["parameter"])
 
     @cached_property

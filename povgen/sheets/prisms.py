@@ -77,10 +77,10 @@ ERRORS = {
     "far_index": CHANGE,
     "base_angle": ANGLE,  # of the near sheet's prisms: too great, for a base of the planned length
     "far_base_angle": ANGLE,
-    "pitch": CHANGE,  # of the near sheet's lenses on the object's side: too great by this part
+    "pitch": CHANGE,  # of the near sheet's lenses on the object's side: too great by this fraction
     "far_pitch": CHANGE,
     "facets": Range(0, 1, "degrees"),  # standard deviation of the angle of each single facet
-    "pitches": Range(0, 0.05),  # standard deviation of the height of each single prism, as a part of it
+    "pitches": Range(0, 0.05),  # standard deviation of the height of each single prism, as a fraction of this height
     "seed": Range(0, 1e9),  # of the random numbers for facets and pitches
 }
 ERROR = Parameter(
@@ -167,8 +167,8 @@ class PrismPair(Prisms):
     def single(self) -> list[list[tuple[float, ...]]]:
         """The prisms of each sheet, the near sheet first, from the lowest prism up; empty if all prisms are equal.
 
-        Of each prism: the height of its base in the sheet and its own height, tiles, and the angles of its near and its
-        far facet to the base, degrees.
+        Each prism has four numbers: where its base is, as a height above the window's centre before the sheet is
+        turned, and its own height, tiles; and the angles of its near and its far facet to the base, degrees.
         """
         found: list[list[tuple[float, ...]]] = []
         if not any(self._built[name] for name in RANDOM):
@@ -195,7 +195,10 @@ class PrismPair(Prisms):
         return Rotation({"alpha": self.values["alpha"] + 2 * self._built["turn"]})
 
     def check_errors(self) -> None:
-        """Raise ValueError for an error outside its range, and for facets that would cross."""
+        """Raise ValueError for an error that prisms cannot have, or that is outside its range.
+
+        Also raise it if no prisms with these errors are possible.
+        """
         check_ranges(self.values["error"], [name for name in ERRORS if name not in OF_LENSES], "prisms")
         wrong = self._built
         if wrong["seed"] % 1:

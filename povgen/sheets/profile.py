@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAMES = ("dove", "confocal", "lenticulars", "wedges")  # functions of optics/profile.py
 MAX_BYTES = 2**14  # of a file
-NEARLY = 0.02  # the slope's factor may differ so much from -1 in sheets that count as mirrors
+NEARLY = 0.02  # a sheet reverses slopes if `factor` differs from -1, and `deviation` from 0, by less than this
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class ProfileFile:
 
     @cached_property
     def profile(self) -> "profile.Profile":
-        """The profile. Raises ValueError."""
+        """The profile. Raises ValueError if the text is not TOML, or states no profile that is allowed."""
         from povgen.optics import profile
 
         try:
@@ -46,7 +46,10 @@ class ProfileFile:
 
 
 def as_profile(value: object) -> object:
-    """Read the file if the value is text but no name of a profile. Raises ValueError for what is no profile."""
+    """Return the `ProfileFile` of a path. Return the name of one of povgen's profiles, and any other value, as it is.
+
+    Raises ValueError if the file cannot be read or does not state a profile.
+    """
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
     if isinstance(value, str) and value not in NAMES:
@@ -89,7 +92,7 @@ class ProfileSheets(Layered):
     counted = "periods"
 
     @property
-    def layers(self) -> int:  # type: ignore[override]  # of other kinds it is the class's
+    def layers(self) -> int:  # type: ignore[override]  # in other kinds it is a class attribute
         return 1 if self.values["arrangement"] == "single" else 2
 
     @property

@@ -11,8 +11,8 @@ _Y = "(cos(alpha)*y - sin(alpha)*x)/ratio"
 class Refraction(Ideal):
     """The sine of light's angle to the normal is multiplied by the ratio (Snell's law), and light is turned by alpha.
 
-    The complex ratio is ratio exp(i alpha). 180 degrees is negative refraction. Light passes if the new sine is less
-    than 1; otherwise it is totally reflected.
+    The complex ratio is ratio * exp(i alpha). alpha = 180 degrees is negative refraction. Light passes if the new sine
+    is less than 1; otherwise it is totally reflected.
     """
 
     name = "refraction"

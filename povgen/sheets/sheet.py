@@ -138,8 +138,8 @@ class Sheet:
     def thin(self) -> "Ideal":
         """The ideal sheet that does to every ray what this sheet does to the rays for which it is designed.
 
-        Rays on this designed path enter a prism at a facet, are reflected at its base, and leave through the other
-        facet.
+        In a Dove prism, these rays enter through one facet, are reflected at the base, and leave through the other
+        facet. In arrays of lenses, they leave through the lens opposite to the one where they enter.
         """
         raise NotImplementedError
 
@@ -147,7 +147,8 @@ class Sheet:
         """Return the slope behind the sheet of a ray from the eye.
 
         Slopes and places are complex numbers: dx/dz + i dy/dz, and X + iY in tiles from the window's centre. x points
-        right and y up, as the eye sees them, and z away from the eye. NaN if no light passes.
+        right and y up, as the eye sees them, and z away from the eye. The result is NaN if no light passes. For sheets
+        of glass it is that of `thin`.
         """
         return self.thin.slope(slope, place)
 

@@ -1,1 +1,1 @@
-"""From pixels to files: encoding, captions and overlays. May import `rendering`, `scene` and `optics`."""
+"""From pixels to files: encoding, captions and overlays. May import `optics`, `sheets`, `scene` and `rendering`."""

@@ -78,17 +78,18 @@ def movie(
 ) -> Movie:
     """Render a movie to .mp4, .webm, .webp or .gif. Jupyter plays the result. The file is written atomically.
 
-    A short caption below the picture says what moves, unless `caption` is "none" or "full", and the spec's overlay,
-    side view and note are drawn, unless `caption`, or an option of their name, is given. With an output such as
-    frames/%04d.png, every frame becomes a PNG file, frames/0001.png and so on, without a caption unless one is asked
-    for. The folder is made if it is missing. No file is written before all frames are rendered.
+    If `caption` is not given, a short caption below the picture says what moves, and the spec's overlay, side view and
+    note are drawn. An option `overlay`, `side_view` or `note` replaces the spec's value. If `caption` is given, the
+    spec's values are not used. With an output such as frames/%04d.png, every frame becomes a PNG file: frames/0001.png
+    and so on. These files show only what the options ask for. Their folder is made if it is missing. No file is written
+    before all frames are rendered.
 
-    The movie is a spec, the name of one of povgen's own movies, the path of a TOML file, or the scenes of all frames.
-    `frame_rate` and `title` replace the spec's; for scenes they are 25 a second and the file's name unless given.
-    `workers` frames are rendered at once. `scheduler` is the address of a Dask scheduler, whose workers then render
-    instead of this machine. `progress=False` shows no progress bar. Other options are the fields of `Rendering`.
+    `spec` is a MovieSpec, the name of one of povgen's own movies, the path of a TOML file, or the scenes of all frames.
+    `frame_rate`, in frames a second, and `title` replace the spec's. For scenes the defaults are 25 and the file's
+    name. `workers` frames are rendered at once. `scheduler` is the address of a Dask scheduler, whose workers then
+    render instead of this machine. `progress=False` shows no progress bar. Other options are the fields of `Rendering`.
     Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
-    fails.
+    fails. Raises OSError if the encoder fails or the disk is full.
     """
     rendering = Rendering(**options)
     given: dict[str, Any] = {"frame_rate": frame_rate, "title": title}
@@ -129,7 +130,7 @@ def movie(
             folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
             frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
             if files:
-                # with the antialiasing of all: of each scene alone, another could be suited
+                # each file's record states the antialiasing of the whole movie; for its scene alone it could differ
                 records = (record_of([scene], record.rendering) for scene in scenes)
                 pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
                 _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])

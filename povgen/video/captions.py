@@ -22,7 +22,7 @@ from povgen.video.text import text_width
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
-LEAST_GROWTH = 1.4  # it states the size only if this changes by more than this factor
+LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
 
 Reals = NDArray[np.float64]
 
@@ -125,9 +125,10 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
 
 
 def _image(scene: Scene) -> tuple[float, float]:
-    """Return nu, degrees, of a scene's only object, and its size as a multiple of that without the sheets.
+    """Return the angle nu, degrees, by which a scene's only object appears turned, and its size.
 
-    For several objects both are NaN. At the pole, nu is NaN and the size is infinite.
+    The size is a multiple of the size without the sheets. Both are NaN unless the scene has one object and every window
+    rotates light. At the pole, nu is NaN and the size is infinite.
     """
     if len(scene.objects) != 1 or not scene.rotates:
         return float("nan"), float("nan")
@@ -144,7 +145,7 @@ def _digits(values: Iterable[tuple[float, ...]], angles: bool = False) -> int:
     span = max(numbers) - min(numbers)
     if all(float(x).is_integer() for x in numbers):
         return 0
-    if not span:  # other frames have no such value
+    if not span:  # all frames that have the value have the same; some frames do not have it
         return next((digits for digits in range(4) if round(numbers[0], digits) == numbers[0]), 4)
     return min(max(1 - floor(log10(span)), 0 if angles or span >= 100 else 1), 4)
 
@@ -190,8 +191,8 @@ def _said(scene: Scene, name: str, text: str, full: bool = False) -> str:
 def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
     """Return the parameters that a movie can change, each as a number, as least and greatest number, or as x and y.
 
-    A parameter of a further window has the window's number as a subscript. The view is left out: it is no part of the
-    scene that is seen. So are the sheets' parameters that are not `used` in any frame.
+    A parameter of a further window has the window's number as a subscript. The sheets' parameters that are not `used`
+    in any frame are left out. The view is left out, because it does not change the scene, only the picture of it.
     """
     counts = swept_numbers(type(scene))
     found: dict[str, Any] = {
@@ -238,10 +239,11 @@ def _unit(name: str) -> str:
 
 
 def facts(scene: Scene) -> dict[str, str]:
-    """Return what the caption says: alpha, z1, z2, r, nu and M, as text, and n of prisms whose glass is named.
+    """Return what a full caption states, as text by name: the sheets' parameters, z1, z2, r, nu and M.
 
-    Windows in series have their z in place of r. For several objects a value is a range. nu and M are predictions for
-    prisms of the scene's size (`Scene.nu_and_M`).
+    nu and M are there if the sheets only rotate light. r is there for one window with such a sheet, with the sheet
+    `single` or without a sheet. Windows in series have their z instead. A glass that is named adds n. For several
+    objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
     tiles = UNITS["z1"]

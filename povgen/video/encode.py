@@ -58,7 +58,8 @@ def encode(
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
     `rate` is in frames a second. A GIF and a WebP file have the record alone, other files also have the tags.
-    An MP4 file has its middle picture as its cover. Raises OSError if the file is incomplete.
+    An MP4 file has its middle picture as its cover. Raises InputError if the pictures are too large for the encoder,
+    and OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
@@ -85,7 +86,7 @@ def encode(
             writer.close()  # waits for ffmpeg
     with suppress(
         RuntimeError, OSError, struct.error
-    ):  # if the file is no movie; ffmpeg's exit status is not available
+    ):  # the file is no movie. Frames are counted because ffmpeg's exit status is not available.
         if output.suffix == ".webp":
             found = _webp_frames(output, rate, written)
         else:
@@ -100,9 +101,9 @@ def encode(
 
 
 def _add_cover(movie: Path, time: float) -> None:
-    """Make the first frame after a time, in seconds, the cover of an MP4 file. Players and folders show it.
+    """Make the first frame after a time, in seconds, the cover of an MP4 file. Players and folders show the cover.
 
-    The movie's own first frame may show no effect yet. Other formats have no cover. Where there is no room for it, the
+    The movie's own first frame may show no effect yet. Other formats have no cover. If ffmpeg or the disk fails, the
     movie stays as it was.
     """
     if movie.suffix != ".mp4":
@@ -122,7 +123,8 @@ def _add_cover(movie: Path, time: float) -> None:
 def _webp_frames(output: Path, rate: float, written: int) -> int:
     """Return for how many frames a WebP file lasts, if `written` are expected. Raises as `webp_parts` does.
 
-    Equal successive pictures are in the file once. If all are equal, it is one picture without a duration.
+    Equal successive pictures are in the file once. If all are equal, the file is one picture without a duration, and
+    the result is `written`.
     """
     durations, still = [], False
     with output.open("rb") as file:
@@ -171,7 +173,7 @@ def gif_durations(frames: int, rate: float, before: int = 0) -> list[int]:
 
 
 def check_size(ending: str, width: int, height: int) -> None:
-    """Raise InputError if a movie's file with this ending cannot have pictures of so many pixels."""
+    """Raise InputError if a movie's file with this ending (.mp4) cannot have pictures of this size in pixels."""
     most = LARGEST.get(ending, width + height)
     if max(width, height) > most:
         raise InputError(f"{ending[1:]}: pictures of {width}x{height} pixels; allowed: up to {most}x{most}")
@@ -192,7 +194,7 @@ def check_encoder() -> None:
         imageio_ffmpeg.get_ffmpeg_version()
     except RuntimeError:
         raise InputError(f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: .gif") from None
-    except (OSError, subprocess.SubprocessError):  # only of IMAGEIO_FFMPEG_EXE: imageio_ffmpeg tries others
+    except (OSError, subprocess.SubprocessError):  # only IMAGEIO_FFMPEG_EXE is not tested by imageio_ffmpeg itself
         named = os.environ.get("IMAGEIO_FFMPEG_EXE")
         raise InputError(
             f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; allowed: an ffmpeg, or without it .gif"

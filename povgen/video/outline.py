@@ -18,9 +18,10 @@ _measuring = Lock()
 
 
 def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
-    """Return points of the outlines with which the pieces appear in the plane z = 0, tiles, about `step` apart.
+    """Return points of the outlines with which the pieces appear in the plane z = 0: x + iy, tiles, about `step` apart.
 
-    Only points that are visible in the window. Raises PovrayError if POV-Ray is missing and a piece is not povgen's.
+    Points that are not visible in the window are left out. Raises PovrayError if POV-Ray is missing and a piece is not
+    povgen's.
     """
     found = []
     for piece, (L, z1) in zip(scene.pieces, scene.objects, strict=True):
@@ -44,7 +45,7 @@ def _measured(piece: str | PieceFile) -> Volume:
 
 @lru_cache(maxsize=64)
 def _outline(volume: Volume, times: int) -> NDArray[np.complex128]:
-    """Return points of a piece's outline, x + iy in tiles from its foot's centre: `times` or more a voxel."""
+    """Return points of a piece's outline, at least about `times` a voxel: x + iy, tiles, from its foot's centre."""
     steps = np.frombuffer(zlib.decompress(base64.b64decode(volume.data)), np.uint8).reshape(GRID[::-1])
     field = (np.cumsum(steps, axis=0, dtype=np.uint8).astype(float) - 128) * MOST / 127
     least = field.min(axis=0)  # along z: the distance of a line of sight from the surface, below 0 inside

@@ -39,7 +39,7 @@ LINES = 4  # of a strip of text, at most
 SAMPLE = 1.7  # width of a dot or line in a strip with the space after it, in units of the text's height
 GAP = 1.4  # between two texts of a strip, in units of the text's height
 ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
-AT_ONCE = 1 << 18  # so many pixels are computed at a time in `_discs`, for the same reason
+AT_ONCE = 1 << 18  # about this number of pixels, those of all discs, are computed at a time in `_discs`, to save memory
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -147,9 +147,10 @@ def _broken(item: Item, most: float) -> list[Item]:
 
 @lru_cache(16)  # all frames of a movie have the same
 def _rows(widths: tuple[float, ...], most: float) -> tuple[list[range], float]:
-    """Return the items of each line, which have these widths with the gaps after them, and the longest line's width.
+    """Divide items into lines. Return the numbers, from 0, of each line's items, and the width of the longest line.
 
-    There are as few lines as fit into `most`, or LINES. Of all ways to divide the items the longest line is shortest.
+    `widths` are those of the items, each with the gap after it. There are as few lines as possible with lines no wider
+    than `most`, but at most LINES. The items are divided so that the longest line is as short as possible.
     """
     for lines in range(1, min(LINES, len(widths)) + 1):
         starts = ([*places, len(widths)] for places in combinations(range(1, len(widths)), lines - 1))
@@ -174,7 +175,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
     items = [part for item in items for part in _broken(item, free / size)]
-    # the widths of items, each with the gap after it, in the same units
+    # the widths of items, each with the gap after it, in units of the text's height
     widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
     rows, widest = _rows(tuple(widths), free / size)
     size = min(size, free / widest)
@@ -308,7 +309,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         return
     # for each pixel, the square of its distance from the nearest point, at most (radius + 0.5)^2
     nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
-    near = np.arange(-reach, reach + 2)  # rows, or columns, around a point: 0 is the one that the point is in
+    near = np.arange(-reach, reach + 2)  # rows, or columns, around a point: 0 is the last one not beyond the point
     for some in np.array_split(points, len(points) * len(near) ** 2 // AT_ONCE + 1):
         sides = []
         for ends, first, size in ((some.imag, rows.start, len(part)), (some.real, columns.start, part.shape[1])):

@@ -12,14 +12,14 @@ from povgen.scene.scenes import MAX_ASIDE, Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
-FINER = 3  # the lines are drawn on so much a finer grid, for smooth edges
+FINER = 3  # the lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
 FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
-HIGHEST = 2  # an image higher than this multiple of what else is shown is left out
+HIGHEST = 2  # an image is left out if it reaches higher than this multiple of the highest object, or of the window
 LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (190, 200, 220)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 ARROW = 1.2  # height of the arrow that stands for a piece, tiles
-# where the other rays end: so far from the eye, in apertures. The directions differ: then rays without a common point
-# have none in any view.
+# Where the other rays end, relative to the eye: x + iy, in units of the aperture. The two directions differ, so that
+# rays without a common point seem to have none from the side and from above.
 ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
 
 
@@ -67,7 +67,7 @@ class Shown(NamedTuple):
 
 
 def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
-    """Return what shows the objects and images of all these scenes.
+    """Return the extent of a side view that shows the eyes, windows, objects and images of all these scenes.
 
     The eyes of a stereo pair stand `aside`, tiles, to the left and to the right of a scene's eye.
     """
@@ -96,7 +96,7 @@ def _discs(scene: Scene, from_above: bool) -> bool:
 
 
 def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Drawn]]:
-    """Return the objects that are not beyond FARTHEST, and their images if they are neither beyond it nor too high.
+    """Return the objects that are not too far (FARTHEST), and the images that are not too far or too high (HIGHEST).
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
     """
@@ -118,7 +118,8 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     """Return a strip with the side view for a picture of this size. Its height is even.
 
     z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
-    left out, and the text says how many. `shows` is the extent if it is not that of this scene alone: that of a movie.
+    left out, and the text says how many. `shows` is the extent that is shown, in a movie that of all its scenes.
+    Without it, the extent is that of this scene.
     """
     first, last, reach, from_above = shows or extent([scene])
     shown, there = _shown(scene, from_above)
@@ -195,10 +196,11 @@ def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Drawn], last: f
 
 
 def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[complex, list[tuple[float, complex]]]]:
-    """Return where rays from an object end, at the eye and beside it, and z and x + iy of the corners of each.
+    """Return rays from an object to the eye and to points beside the eye: for each, its end and its corners.
 
-    The rays begin at the upper end of a piece, and in a view from above at its foot. A ray that does not pass all
-    windows is left out.
+    An end is x + iy. The corners are (z, x + iy), from the end to the object. The rays begin at the upper end of a
+    piece or at a sphere's centre, and in a view from above at a piece's foot. A ray that does not pass all windows is
+    left out.
     """
     z1 = shown.z1
     tip = shown.thing.place if from_above else shown.thing.tip
@@ -245,7 +247,10 @@ def _object(
 def _labels(
     draw: ImageDraw.ImageDraw, labels: Sequence[tuple[float, str]], middle: float, size: float, width: int
 ) -> None:
-    """Write texts below their places. Those that would overlap move apart, and all stay within the picture."""
+    """Write texts in a row at the height `middle`, each centred on its x. Texts that would overlap are moved apart.
+
+    All stay within the picture, which has this width. Lengths are in pixels.
+    """
     labels = sorted(labels, key=lambda each: each[0])  # of two at the same place the first one is on the left
     widths = [size * text_width(text) for _, text in labels]
     starts = [x - wide / 2 for (x, _), wide in zip(labels, widths, strict=True)]

@@ -37,7 +37,7 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 SUFFIXES = ".png", ".exr"
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
 MADE_PIXELS = 1 << 25  # if so many pictures have more pixels together, fewer are made at once
-MAX_LARGE = 2**22  # bytes of all pictures of sky and floor, and of all meshes, that a record holds
+MAX_LARGE = 2**22  # a record holds the pictures of sky and floor only up to this number of bytes; also the meshes
 
 
 @overload
@@ -125,7 +125,7 @@ def pictures(
 
             cluster = opened.enter_context(Cluster(scheduler, rendering.renderer))
         at_once = workers or (cluster.frames if cluster else None)
-        # a picture that stays is rendered once
+        # successive equal scenes of a movie are rendered once
         runs = [(scene, len([*same])) for scene, same in groupby(scenes)] if movie else [(each, 1) for each in scenes]
         once = [scene for scene, _ in runs]
         # Pictures are made in threads while the caller, which may encode, is busy with those before. When all ends, the
@@ -181,7 +181,11 @@ def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
 
 
 def rendering_for(path: object, options: Mapping[str, object]) -> Rendering:
-    """Return the rendering for a file: for an EXR file, with 32 bits. Raises InputError."""
+    """Return the rendering for a file. By default an EXR file has 32 bits, a PNG file 8.
+
+    Raises InputError if the path has another ending, for an option that is not allowed, and for bits that the file
+    cannot have.
+    """
     is_exr = files.as_path(path, SUFFIXES, "output").suffix.lower() == ".exr"
     rendering = Rendering(**{"bits": 32 if is_exr else 8, **options})
     if is_exr != (rendering.bits == 32):
@@ -193,9 +197,10 @@ def rendering_for(path: object, options: Mapping[str, object]) -> Rendering:
 
 
 def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = True) -> bytes:
-    """Return the scene's picture as the bytes of a PNG file, or with 32 bits of an EXR file.
+    """Return the scene's picture as the bytes of a PNG file, or of an EXR file if `rendering.bits` is 32.
 
-    If it is not quiet, a terminal shows how much of the picture is there. Raises PovrayError if POV-Ray fails.
+    With `quiet=False`, a terminal shows how much of the picture is there. Raises InputError for a request that is not
+    allowed, and PovrayError if POV-Ray fails.
     """
     rendering = rendering or Rendering()
     if rendering.bits == 32:
@@ -217,7 +222,8 @@ def record_of(
 ) -> Record:
     """Return the record of a picture, or of a movie with this title and frame rate.
 
-    Raises InputError if it would be too large.
+    Raises InputError if it would be too large, or if the file of a piece or a profile has two different texts in these
+    scenes. Raises what `drawn_by` raises.
     """
     texts: dict[str, str] = {}
     meshes: dict[str, int] = {}  # the sizes
@@ -257,7 +263,10 @@ def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
 
 
 def drawn_by(rendering: Rendering) -> str:
-    """Return the version of what renders. Raises InputError if the renderer gl cannot be used."""
+    """Return the version of POV-Ray, or the device with which the renderer gl draws.
+
+    Raises PovrayError if POV-Ray is missing or too old, and InputError if the renderer gl cannot be used.
+    """
     if rendering.renderer == "gl":
         from povgen.rendering import gl_runner
 
@@ -275,8 +284,8 @@ def picture(
 ) -> "NDArray[Any]":
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
-    Each frame gets the overlay, the caption and the side view that `rendering` asks for: in a movie, this caption,
-    this extent, and this key.
+    Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
+    (the extent of the side view) and `said` (the key) must be given, because they depend on all scenes of the movie.
     """
     if rendering.is_light:
         from povgen.rendering import light

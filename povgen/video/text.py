@@ -15,7 +15,8 @@ STRIP = (24, 26, 30)  # red, green, blue behind text
 TEXT, MAX_TEXT, LEGIBLE = 0.041, 0.05, 12
 FONTS = {"text": fonts.TEXT, "symbol": fonts.SYMBOLS}
 SYMBOL_SIZE = 1.2  # the symbols' letters are larger, because they are low for their size
-# A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, and not a. Its subscript is text.
+# A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, but neither A nor a. Its subscript
+# is text.
 SYMBOL = re.compile("(?<![\\w'’-])([B-Zb-zα-ω])(?![A-Za-z0-9-])")
 
 
@@ -32,9 +33,9 @@ def text_width(text: str) -> float:
 
 
 def write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float, edge: float = 0) -> None:
-    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, in pixels.
+    """Write a text in white. x is its left edge, `middle` the middle of its letters' height, `size` its height.
 
-    With an `edge` of so many pixels, in white, the text is black.
+    All are in pixels. If `edge` is not 0, the text is dark, with a white edge of this width.
     """
     colours: dict[str, Any] = {"fill": "white"}
     if edge:

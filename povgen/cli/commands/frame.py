@@ -78,7 +78,8 @@ def command(
     cache.check()
     if not quiet:
         tell_if_long([made], rendering)
-        warn(values if limit is None else {}, [made], rendering)  # --sheet auto compares with the prisms in any case
+        # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
+        warn(values if limit is None else {}, [made], rendering)
     save(as_file(made, rendering, quiet=quiet), output)
     if not quiet:
         tell(f"wrote {output}")

@@ -115,7 +115,7 @@ def command(
     if part is not None:
         _check_shard(part, scheduler, output)
     read = source or spec or ""
-    unnamed = dry_run and output is None  # then the source's own name is no fault
+    unnamed = dry_run and output is None  # then the default output may be the source: nothing is written
     output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
         own = [] if sweep or unnamed else [source or spec_file(read)]
@@ -135,7 +135,7 @@ def command(
     if not quiet:
         tell_if_long(scenes, rendering)
         swept = dict.fromkeys(each.parameter for each in getattr(made, "sweep", ()))
-        # --sheet auto compares with the prisms in any case
+        # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
         warn(swept | values if limit is None else {}, scenes, rendering)
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
@@ -191,7 +191,7 @@ def _loaded(
     if record.frame_rate is None:
         raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
     rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate
-    title = one_line(record.title or "")[:200] or None  # of a file's name, it can be longer
+    title = one_line(record.title or "")[:200] or None  # if it is the name of a file, it can be longer
     return _Recorded(scenes, rate, title), *split(values)
 
 

@@ -23,7 +23,7 @@ def command(
 ) -> None:
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
-    The source's header states a command, which makes the same picture as povgen frame with these options.
+    The source's header states the command with which POV-Ray makes the same picture as povgen frame does.
     The pictures of --sky and --floor, which the source names, are written beside the file of -o.
     """
     from povgen.files import checked_output, save
