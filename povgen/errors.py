@@ -33,7 +33,7 @@ def input_errors() -> Iterator[None]:
 def shown(value: object) -> str:
     """Return a value as text for a message: one line of at most 60 characters."""
     try:
-        text = repr(value)
+        text = " ".join(line.strip() for line in repr(value).splitlines())  # numpy's arrays have several
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables
         return f"a very long {type(value).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."

@@ -18,18 +18,19 @@ from povgen.rendering.light import encoded
 from povgen.scene.scenes import Scene
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser as Browser  # for others, too
+    from playwright.sync_api import Browser as Browser  # other modules may import it from here
     from playwright.sync_api import Page
 
 Floats = NDArray[np.float32]
 Size = tuple[int, int]  # width and height, pixels
-# SwiftShader draws in software; Chromium uses it only if it is told to. It need not draw the page around the live view:
-# without GPU rasterization that takes less time. The others keep Chromium off the network.
+# SwiftShader draws in software; Chromium uses it only if it is told to. Without GPU rasterization SwiftShader draws
+# only the live view, and the page around it is drawn faster. With --no-sandbox Chromium also starts for the user root.
+# The arguments after it keep Chromium off the network.
 ARGUMENTS = (
     "--use-angle=swiftshader --enable-unsafe-swiftshader --disable-gpu-rasterization --no-sandbox --disable-quic "
     "--no-first-run --disable-background-networking --disable-component-update --disable-sync"
 ).split()
-# A typed array's bytes in base 64, in parts that a function call can take.
+# JavaScript that encodes a typed array's bytes in base 64. A function call can take only some of the bytes at once.
 ENCODE = """(numbers) => {
   const bytes = new Uint8Array(numbers.buffer);
   let text = "";
@@ -62,7 +63,7 @@ class View:
     """A page that shows a scene's live view. Pictures have their first row at the top."""
 
     def __init__(self, browser: "Browser", scene: Scene, others: Iterable[Scene] = ()) -> None:
-        """Open the page, which can also show the other scenes. Raises InputError if the browser cannot draw it."""
+        """Open the page, which can also show the sheets of the others. Raises InputError if the browser cannot draw."""
         self.browser = browser
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
@@ -74,27 +75,28 @@ class View:
             raise InputError(f"Chromium: {self.page.inner_text('#message')}")
 
     def set(self, scene: Scene) -> None:
-        """Show another scene, with pieces of the same kinds."""
+        """Show another scene: with kinds of pieces of the first scene, and sheets of the first scene or the others."""
         self.page.evaluate("(values) => povgen.main.view.set(values)", values(scene))
 
     def readout(self, size: Size) -> dict[str, Floats]:
-        """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
+        """Return `ray`, `shown` and `met`, (height, width, 4) each. templates/live/readout.glsl explains them."""
         names = ("ray", "shown", "met")
         script = f"(size) => Object.values(povgen.readout.readout(povgen.main.view, ...size)).map({ENCODE})"
         found = self.page.evaluate(script, list(size))
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
 
     def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
-        """Return the picture, (height, width, 3), with this many rays a pixel, in this part of its width and height.
+        """Return the picture, (height, width, 3), as sRGB bytes.
 
-        A transparent background is black.
+        `rays` rays are followed for each pixel. They are spread over the middle `part` of the pixel's width and height:
+        with 0, all pass the pixel's centre. A transparent background is black.
         """
         return self.measured(size, rays, part)[1]
 
     def measured(self, size: Size, rays: int, part: float = 1, repeats: int = 1) -> tuple[float, NDArray[np.uint8]]:
         """Return the CPU seconds that the browser's processes use for a picture, and the picture.
 
-        They are known to 0.01 s divided by `repeats`, the number of times that the picture is drawn.
+        The picture is drawn `repeats` times, and the mean counts. So the resolution is 0.01 s divided by `repeats`.
         """
         before = self.cpu_seconds()
         for _ in range(repeats):

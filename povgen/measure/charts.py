@@ -61,7 +61,10 @@ def save_frames(points: list[Point], folder: Path) -> None:
 
 
 def _finding(sheet: str, points: list[Point]) -> str:
-    """Return what a panel of these points shows, by the median of the renderers' ratios of cost at equal sampling."""
+    """Return a panel's title: whether gl is faster than POV-Ray, for these points of one model of the sheets.
+
+    The median of the ratios of their CPU seconds decides, over all samplings that both renderers have.
+    """
     shown = {"detailed": "Prisms", "ideal": "Ideal sheet"}[sheet]
     seconds = {(p.method, p.sampling): p.cpu for p in points}
     theirs = {sampling: cpu for (method, sampling), cpu in seconds.items() if method == sheet}
@@ -105,7 +108,8 @@ class Label(NamedTuple):
 def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
     """Draw RMS against CPU seconds: povgen's qualities large, other samplings small. Return the points' labels.
 
-    The model's colour and the marker tell the renderer; what povgen does not render is grey.
+    The marker says which renderer it is. Fronts and labels of POV-Ray and gl have the colour of the model of the
+    sheets. Those of the live view and of the baselines are grey.
     """
     labels: list[Label] = []
     samplings = {name: Rendering(quality=name).suited(sheet != "ideal").sampling for name in QUALITIES}
@@ -128,7 +132,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
             labels.append(Label(best[-1].cpu, best[-1].rms, what, own, bold=True))
         else:
             names = {"intersections": "prisms by hand"}
-            if method != "prisms":  # beside the points of intersections
+            if method != "prisms":  # its points lie beside those of "intersections", whose label is for both
                 labels.append(Label(best[-1].cpu, best[-1].rms, names.get(method, method.split()[0]), GREY))
         for p in of_method:
             if renderer in ("POV-Ray", "gl") and p.sampling in qualities:
@@ -175,7 +179,8 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
             for row in rows:
                 if row[0] == "ideal":
                     ends = [each[0] for each in detailed]
-                    shown = max(float(row[n]), 0.01) if better else row[n]  # far below the prisms' error
+                    # a smaller error is drawn at 0.01, which is far below the prisms' errors
+                    shown = max(float(row[n]), 0.01) if better else row[n]
                     name = "ideal sheet" if shown == row[n] else "ideal sheet: below 0.01"
                     ax.plot(
                         [min(ends), max(ends)], [shown] * 2, "-" if shown == row[n] else ":", color=IDEAL, label=name
@@ -275,7 +280,7 @@ class Tables(NamedTuple):
 
 
 def read_tables(folder: Path) -> Tables:
-    """Return the tables of an earlier measurement. Raises InputError if one is not there."""
+    """Return the tables of an earlier measurement in a folder. Raises InputError if one is missing or malformed."""
     return Tables(
         read_frames(folder / "frames.csv"),
         _read(folder / "flicker.csv", str, float),
@@ -322,7 +327,11 @@ EFFECTS = {"displaced": "arcminutes", "turned": "degrees"}  # what is drawn of a
 
 
 def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
-    """Write a chart of how far each error alone displaces and turns the object, and its table beside it, as .csv."""
+    """Write a chart of how far each error alone displaces and turns the object, and a table beside it, as .csv.
+
+    `sensitivities` are those that `tolerance.sensitivities` returns. The errors drawn are 1 degree, 0.01 tiles, and
+    0.01 for an index.
+    """
     small = {"tiles": (0.01, "0.01 tiles"), "": (0.01, "0.01")}  # a tile, or an index of 1, would be far too much
     units = {name: small.get(ERRORS[name].unit, (1.0, "1 degree")) for name in sensitivities}
     effects = {
@@ -354,7 +363,7 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
 
 
 def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
-    """Write a chart of how many random builds displace and turn the object by how much, and a table, as .csv.
+    """Write histograms of how far random builds displace and turn the object, and a table of the values, as .csv.
 
     `given` are the standard deviations of the builds' errors, in the errors' units.
     """
@@ -379,7 +388,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
 
 
 def _rounded_up(value: float) -> float:
-    """Return the least number of one digit that is not below a value, which is finite and 0 or more."""
+    """Return the least number with one significant digit that is not below a value, which is finite and 0 or more."""
     if not value:
         return 0.0
     unit = 10.0 ** np.floor(np.log10(value))
@@ -401,7 +410,7 @@ def _with_unit(name: str, value: float) -> str:
 
 
 def _draw_builds(ax: Axes, found: Floats, limit: float) -> None:
-    """Draw how many builds have which value. Those above the limit are pale. NaN: the object is not seen."""
+    """Draw a histogram of the builds' values. Bins above the limit are pale. NaN: a build does not show the object."""
     values = found[np.isfinite(found)]
     most = np.max(values, initial=0)
     width = limit / 12 if 0 < limit < np.inf else most / 20 or 1.0
@@ -423,7 +432,7 @@ def _draw_builds(ax: Axes, found: Floats, limit: float) -> None:
 
 
 def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> None:
-    """Write each label beside its point where it covers no other label, point or line, with a line to the point."""
+    """Write each label beside its point, with a line to it, where it covers few or no other labels, points or lines."""
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # fixes the layout
     figure.set_layout_engine("none")
@@ -437,7 +446,7 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
                 places = np.transpose([np.interp(steps, np.arange(len(places)), xy) for xy in places.T])
                 half = 1
             taken.append(_squares(places, half))
-        # the points at the right come first, because there is less room beside them
+        # bold labels come first; then the points at the right, because there is less room beside them
         for x, y, text, colour, bold in sorted(labels, key=lambda each: (not each.bold, -each.x)):
             look: dict[str, Any] = {
                 "fontsize": 11,
@@ -473,7 +482,7 @@ def _draw_labels(figure: Figure, labelled: list[tuple[Axes, list[Label]]]) -> No
 
 
 def _side(angle: float) -> str:
-    """Return which part of a label is at its end of the line that leads to it in this direction."""
+    """Return the horizontal alignment of a label that lies in the direction `angle`, radians, from its point."""
     return "left" if np.cos(angle) > 0.2 else "right" if np.cos(angle) < -0.2 else "center"
 
 

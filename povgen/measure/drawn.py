@@ -1,4 +1,4 @@
-"""The live view's shaders drawn by OpenGL, without a browser: what they find for each pixel, and for measurements."""
+"""The live view's shaders, run by OpenGL without a browser: for measurements, and for the points that pixels show."""
 
 import json
 from functools import cache
@@ -23,7 +23,7 @@ Size = tuple[int, int]  # width and height, pixels
 
 @cache
 def _drawer() -> "Drawer":
-    gl_runner.device()  # what is missing is an InputError
+    gl_runner.device()  # raises InputError if something is missing
     from povgen.rendering.gl import Drawer
 
     return Drawer()
@@ -34,7 +34,8 @@ def points(scene: Scene, size: Size) -> NDArray[np.float32]:
 
     z is the depth behind the first window. The points are NaN for the sky, and where no light arrives. `size` is the
     picture's width and height in pixels. One ray is followed for each pixel, through all windows, by the renderer gl.
-    Raises InputError for other sizes, and if this system cannot draw with OpenGL.
+    The first row is the top one. Raises InputError for a size that the renderer does not allow, for what is no scene or
+    one that gl cannot draw, and if this system cannot draw with OpenGL.
     """
     size = Rendering(size=size, renderer="gl").size
     check_gl(checked_scene(scene))
@@ -43,7 +44,10 @@ def points(scene: Scene, size: Size) -> NDArray[np.float32]:
 
 
 class Drawn:
-    """What the shaders draw of a scene, with the methods of browser.View. Pictures have their first row at the top."""
+    """What the shaders draw of a scene. Pictures have their first row at the top.
+
+    `set`, `readout` and `picture` take and return the same as those of `browser.View`.
+    """
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError if this system cannot draw with OpenGL."""
@@ -55,11 +59,11 @@ class Drawn:
         self._scene, self._shapes = scene, volumes(pieces(scene))
 
     def readout(self, size: Size) -> dict[str, NDArray[np.float32]]:
-        """Return what the shader finds for each pixel, (height, width, 4) each: templates/live/readout.glsl."""
+        """Return `ray`, `shown` and `met`, (height, width, 4) each. templates/live/readout.glsl explains them."""
         return dict(zip(("ray", "shown", "met"), self._drawer.readout(self._text("readout"), size), strict=True))
 
     def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
-        """Return the picture, (height, width, 3), with so many rays a pixel, in this part of its side."""
+        """Return the picture, (height, width, 3) sRGB bytes: `rays` rays in the middle `part` of each pixel's side."""
         return np.concatenate([*self._drawer.bands(self._text(), size, rays, part=part)])
 
     def save(self, file: Path, rendering: Rendering) -> None:

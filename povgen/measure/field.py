@@ -39,15 +39,19 @@ def save_charts(folder: Path) -> None:
 
 
 def light_of(scene: Scene, radius: float, count: int) -> Traced:
-    """Return light from the point (0, 0, Z1), on the designed path, through a disc of the window with this radius."""
+    """Return rays from the point (0, 0, Z1) through a disc in the middle of the window, with this radius in tiles.
+
+    `count` rays are traced. Those on the designed path are returned.
+    """
     light = scene.trace(scene.pencil((0, 0, Z1), count, radius=radius))
     return light[light.designed]
 
 
 def traced_curl(light: Traced, z2: float) -> float:
-    """Return the curl on the axis, at a distance z2 before the window, per tile: of a linear function fitted to rays.
+    """Return the curl, per tile, of the slopes of light on the axis, z2 tiles before the window.
 
-    It is the mean over many prisms. Within a single one the curl is 0.
+    A linear function of the place is fitted to the slopes of the rays, and its curl is returned. Through prisms this is
+    a mean over many of them: in the light of a single prism the curl is 0.
     """
     Q, slope = light.at(-z2), -light.slope  # towards the eye
     (_, along, _), *_ = np.linalg.lstsq(np.column_stack((np.ones(len(Q)), Q, Q.conj())), slope, rcond=None)
@@ -55,7 +59,10 @@ def traced_curl(light: Traced, z2: float) -> float:
 
 
 def walked(start: Floats | float, steps: Floats, rate: Callable[[Floats, float], Floats]) -> Floats:
-    """Return w at each of the places `steps`, (steps, ...), of paths with dw/dstep = rate(w, step): midpoint method."""
+    """Integrate dw/dstep = rate(w, step) by the midpoint method. Return w at each of the places `steps`: (steps, ...).
+
+    `start` is w at the first place: a number or, for several paths, an array.
+    """
     w = [np.asarray(start, float)]
     for here, step in zip(steps, np.diff(steps), strict=False):
         middle = w[-1] + rate(w[-1], here) * step / 2
@@ -64,11 +71,13 @@ def walked(start: Floats | float, steps: Floats, rate: Callable[[Floats, float],
 
 
 def wave_front(radii: Floats, turns: Floats, start: float) -> Floats:
-    """Return the distance before the sheet of a surface that is perpendicular to the rays, (turns, radii).
+    """Return how far before the ideal sheet a surface perpendicular to the rays is, in tiles: (turns, radii).
 
-    It begins on the axis at `start`. From there it follows a radius, at the angle 0, and from each of its points a turn
-    round the axis, through the angles `turns`, radians. A step of the surface is perpendicular to light with the slope
-    s = r/Z towards the eye if dw = -Re(conj(s) dr).
+    The surface begins on the axis, `start` tiles before the sheet. It is followed along the direction of angle 0
+    through the distances `radii` from the axis, tiles. From each of these places it is followed round the axis through
+    the angles `turns`, radians. Both begin with 0. At the place r, a complex number, the surface is w tiles before the
+    sheet, and light has the slope s = r/Z towards the eye. A step of the surface is perpendicular to this light if
+    dw = -Re(conj(s) dr).
     """
 
     def inverse(w: Floats) -> Any:  # noqa: ANN401  (an array, or a number)
@@ -81,8 +90,9 @@ def wave_front(radii: Floats, turns: Floats, start: float) -> Floats:
 def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
     """Return the optical path, metres, from a point L = 0 to points Q on the near side of two sheets of prisms.
 
-    Paraxial, and without the constant path in glass. Each prism mirrors light about the middle of its base. So light
-    that passes two prisms seems to come from an image of L, which is different for each pair of prisms.
+    L is on the axis, DISTANCE behind the sheets; Q is x + iy in metres. The path is paraxial, and lacks the constant
+    path in glass. Each prism mirrors light about the middle of its base. So light that passes two prisms seems to come
+    from an image of L, which is different for each pair of prisms.
     """
     turn = np.exp(0.5j * radians(ALPHA))
     far, near = (PITCH * np.round(place / PITCH) for place in (Q.imag, (Q / turn).imag))

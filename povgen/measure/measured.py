@@ -34,5 +34,5 @@ def rms(values: ArrayLike) -> float:
 
 
 def px(tiles: float) -> float:
-    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the default view."""
+    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the probes' view."""
     return float(tiles * HD[1] / probes.VIEW)

@@ -72,9 +72,10 @@ def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
 
 
 def name_lines(ax: Axes, size: float = 10) -> None:
-    """Write the name of each labelled line of `ax` at the right of the axes, and lead a thin line to it from its end.
+    """Write the name of each labelled line of `ax` at the right of the axes. A thin line joins it to the line's end.
 
-    Names that would overlap are moved apart. Call this when the limits of the axes are final.
+    `size` is the size of the letters in points. Names that would overlap are moved apart. Call this when the limits of
+    the axes are final.
     """
     figure = ax.figure
     figure.draw_without_rendering()  # type: ignore[union-attr]  # fixes the height of the axes
@@ -89,7 +90,7 @@ def name_lines(ax: Axes, size: float = 10) -> None:
             named.append((end.clip(0, 1), line))
     named.sort(key=lambda each: each[0][1])
     heights = [end[1] for end, _ in named]
-    for _ in range(200):  # a pair that is too near moves apart by equal steps, and all stay beside the axes
+    for _ in range(200):  # two names that are too near move apart by equal steps; all stay within the axes' height
         heights = [min(max(height, room / 2), 1 - room / 2) for height in heights]
         for n in range(len(heights) - 1):
             short = room - (heights[n + 1] - heights[n])
@@ -134,7 +135,7 @@ def point_to_better(ax: Axes) -> None:
 
 
 def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
-    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1."""
+    """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1. Ticks are at `subs` times powers of ten."""
     axis.set_major_locator(LogLocator(subs=subs))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter("")

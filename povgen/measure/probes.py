@@ -131,7 +131,8 @@ def brightness(scene: Light | White, size: Size) -> Floats:
 def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:
     """Render probes, and yield the numbers that the pixels of each probe encode, (height, width, 3).
 
-    The numbers are directions, or positions in tiles. They are NaN where a pixel encodes nothing. Raises PovrayError.
+    The probes keep their order. The numbers are x, y and z of directions, or of positions in tiles. They are NaN where
+    a pixel encodes nothing. Raises PovrayError if a probe cannot be rendered.
     """
     rendering = LinearRendering(size)
 
@@ -176,10 +177,10 @@ class ApparentObject:
 def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:
     """Return where the point 0 of an object appears, or None if too little of the object is visible.
 
-    `position` holds the pixels' positions in the picture. `on_object` holds the position on the object that each pixel
-    shows. Only pixels that show a position within `radius` of 0 count. Prisms cut the object into slices, and stray
-    light shows parts of it elsewhere. Therefore a linear function is fitted to the pixels. The fit starts where the
-    pixels are densest, and drops pixels with large errors.
+    `position` (n,) holds the pixels' positions in the picture. `on_object` (n,) holds the position on the object, in
+    tiles, that each pixel shows, or NaN. Only pixels that show a position within `radius` of 0 count. Prisms cut the
+    object into slices, and stray light shows parts of it elsewhere. Therefore a linear function is fitted to the
+    pixels. The fit starts where the pixels are densest, and drops pixels with large errors.
     """
     near = abs(on_object) < radius
     position, on_object = position[near], on_object[near]

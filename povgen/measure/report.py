@@ -26,12 +26,12 @@ def times(folder: Path) -> dict[Path, int]:
 
 
 def written(folder: Path, before: Mapping[Path, int], suffix: str) -> list[Path]:
-    """Return the files of a folder with a suffix that have been written since `times` was called, by name."""
+    """Return the files with a suffix that were written to a folder since `times` returned `before`, sorted by path."""
     return sorted(path for path, time in times(folder).items() if path.suffix == suffix and before.get(path) != time)
 
 
 def read_tables(files: Iterable[Path]) -> list[Table]:
-    """Return the tables of .csv files, but those that are too long for the page."""
+    """Return the tables of .csv files, except those with more than LONGEST rows."""
     found: list[Table] = []
     for file in files:
         head, *rows = csv.reader(StringIO(file.read_text("utf-8")))

@@ -17,11 +17,12 @@ TILT_PER_PRISM = 1e-7
 
 
 def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
-    """Return which of the eye's rays POV-Ray's rounding can send elsewhere. `direction` and the result: (n, 3), (n,).
+    """Return which of the eye's rays POV-Ray's rounding can send elsewhere, (n,).
 
-    A ray counts if a neighbouring ray takes another path or leaves in a direction 5e-4 rad away. A neighbouring
-    ray reaches the sheets at a distance of MIN_DISTANCE and is turned by TILT_PER_PRISM times N. A ray also counts if
-    two faces that it meets are within MIN_DISTANCE of each other, as at an edge.
+    `direction` (n, 3) are unit vectors. Each ray is compared with 16 neighbouring rays. Before the sheets they
+    run at a distance of MIN_DISTANCE from this ray. Their directions are turned by TILT_PER_PRISM times N. A ray counts
+    if a neighbouring ray takes another path, or leaves in a direction more than 5e-4 rad away. A ray also counts if it
+    meets two faces, one after the other, at points within MIN_DISTANCE of each other, as at an edge.
     """
     max_faces, rays = survey.max_trace_level(scene), camera.along(scene, direction)
     path = scene.trace(rays, max_faces)

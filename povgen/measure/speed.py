@@ -3,11 +3,12 @@
 A sampling is the choice of rays for a pixel, `Rendering.antialias`. CPU seconds are what the operating system reports
 of POV-Ray and of povgen, which reduces larger pictures. The POV-Ray processes run one at a time. They are measured in
 several rounds, in the same order, and the median of the rounds counts. The renderer gl is measured in the same rounds,
-if this system has OpenGL: CPU seconds are those of drawing, on all cores, and of writing the picture. So is the live
-view, in a Chromium that draws without a GPU, if there is one: CPU seconds are what all its processes use for a picture.
-A picture is compared, inside the window, with a converged picture of the same scene (81 rays a pixel). Its errors are
-the RMS of gamma-encoded colours (0 black to 1 white) and the mean of FLIP. FLIP says how different two pictures look,
-0 to 1. Errors of position are RMS distances from eq. 7's prediction, in pixels of 1280x960.
+if this system has OpenGL: CPU seconds are those of drawing, on all cores, and of writing the picture. The live view is
+measured in these rounds too, in a Chromium that draws without a GPU, if one is installed: CPU seconds are what all
+processes of Chromium use for a picture. A picture is compared, inside the window, with a converged picture of the same
+scene (81 rays a pixel). Its errors are the RMS difference of gamma-encoded colours (0 black to 1 white) and the mean of
+FLIP. FLIP says how different two pictures look, 0 to 1. Errors of position are RMS distances from the position by the
+formula for infinitely fine sheets, in pixels of 1280x960. For one window that rotates light, this formula is eq. 7.
 """
 
 import os
@@ -47,7 +48,7 @@ from povgen.settings import Rendering
 from povgen.sheets import OTHER
 from povgen.video.build import movie
 
-# A hand-written macro: it must leave the scene's names as they are.
+# A file with one macro `Sheet`. It must not change names of the scene: it contains no #declare and no other macro.
 BASELINE = re.compile(r"(?:\s|//[^\n]*\n)*#macro Sheet\b(?:(?!#\s*(?:declare|macro)\b).)*#end\s*", re.DOTALL)
 
 SIZES = ((160, 120), (320, 240), (640, 480))
@@ -58,7 +59,7 @@ SAMPLINGS = (
 )
 POVRAY_DEFAULT = "1,0.3,3"  # POV-Ray's own antialiasing, +A0.3
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", POVRAY_DEFAULT)
-# the renderer gl draws as many rays in every pixel, whatever the method and the threshold
+# the renderer gl draws the same number of rays in every pixel: METHOD and THRESHOLD of POV-Ray do not matter
 GL_SAMPLINGS = ("off", "2x", "3x", "4x", "1,0.1,2", "1,0.1,3", "1,0.1,4", "1,0.1,8")
 LIVE_RAYS = (1, 4, 16, 64)  # a pixel
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
@@ -74,10 +75,10 @@ ROUNDS = 5
 class Point:
     """A point of the chart: a way to make a picture, its CPU seconds, and the picture's error."""
 
-    method: str  # 'detailed', 'ideal', these after 'gl' or 'live', or a baseline's name
+    method: str  # 'detailed' or 'ideal', alone (by POV-Ray) or after 'gl ' or 'live '; or a baseline's name
     sampling: str
     size: Size
-    # returns CPU seconds and the picture; None: measured elsewhere
+    # makes the picture: returns CPU seconds and the picture. None for a point from a table
     make: Callable[[], tuple[float, Picture]] | None = field(repr=False)
     seconds: list[float] = field(default_factory=list, repr=False)
     picture: Picture = field(init=False, repr=False)
@@ -100,7 +101,8 @@ def machine() -> str:
 def baselines(folder: Path) -> dict[str, str]:
     """Return the hand-written macros `Sheet` from a folder's .inc files, by the files' names without suffix.
 
-    Raises InputError if the folder contains no such file.
+    Raises InputError if the folder cannot be read or contains no such file, and for a file that is not one macro
+    `Sheet` with #local names, or whose name ends with 'detailed' or 'ideal'.
     """
     try:
         found = {path.stem: path.read_text("utf-8") for path in sorted(folder.glob("*.inc"))}
@@ -120,7 +122,9 @@ def baselines(folder: Path) -> dict[str, str]:
 
 
 def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Render a scene's text with a sampling; return the CPU seconds of POV-Ray and of povgen, and the picture.
+    """Render a scene's text by POV-Ray. Return the CPU seconds of POV-Ray and of povgen, and the picture.
+
+    Raises PovrayError if POV-Ray fails.
 
     No other child process is allowed to end during the call, and no other thread to work: their CPU seconds would be
     counted too.
@@ -132,9 +136,9 @@ def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
 
 
 def drawn_sample(view: Drawn, sampling: str, size: Size) -> tuple[float, Picture]:
-    """Return the same of the renderer gl: the CPU seconds of drawing, of all threads, and the picture.
+    """Return the CPU seconds that the renderer gl uses for a picture, in all threads, and the picture.
 
-    Those of starting a process and of compiling the shaders do not count, if the scene has been drawn before.
+    If the scene has been drawn before, this does not include the time to start OpenGL and to compile the shaders.
     """
     with temporary_folder() as folder:
         before = _cpu()
@@ -161,8 +165,9 @@ def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[f
 def measure_samplings(sheet_macros: Mapping[str, str], done: Callable[[str], object]) -> list[Point]:
     """Measure every method with every sampling. `sheet_macros` are the macros that `baselines` returns.
 
-    A method is a model of the sheets, by POV-Ray, by the renderer gl or by the live view, or a baseline. Calls `done`
-    with the name of each finished step. Without OpenGL or a Chromium it says so, and does not measure what needs them.
+    A method is a baseline, or a model of the sheets by POV-Ray, by the renderer gl or by the live view. Calls `done`
+    with the name of each finished step. If OpenGL or Chromium is missing, `done` is told so, and what needs it is not
+    measured.
     """
     scenes = {"detailed": Chess(), "ideal": Chess(sheet="ideal")}
     texts = {method: to_pov(scene) for method, scene in scenes.items()}
@@ -244,7 +249,10 @@ def measure_flicker(done: Callable[[str], object]) -> Iterator[tuple[str, float]
 
 
 def pareto_front(points: Sequence[Point], error: str) -> list[Point]:
-    """Return the points for which no other point has both fewer CPU seconds and less error, the cheapest first."""
+    """Return the points for which no other point has both fewer CPU seconds and less error, the cheapest first.
+
+    `error` is the name of a field of `Point`.
+    """
     best, least = [], np.inf
     for point in sorted(points, key=lambda point: point.cpu):
         if getattr(point, error) < least:

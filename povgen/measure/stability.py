@@ -1,4 +1,4 @@
-"""Where methods fail: `povgen verify --stability` measures eight stability maps, (a) to (h), and their limits."""
+"""Where methods fail: `povgen verify --stability` measures the stability maps, (a) to (h), and their limits."""
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -52,7 +52,7 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
     result = StabilityMap(
         "prediction",
         title,
-        "",  # the finding is known when all errors are
+        "",  # the finding is set below: it depends on all errors
         x,
         y,
         limits.MAX_ERROR,
@@ -106,7 +106,7 @@ def _near_pole(
 
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
-    """(b) Measure the wrong pixels on the designed path: POV-Ray's direction differs from the exact ray trace's."""
+    """(b) Measure how many pixels on the designed path are wrong: POV-Ray's direction is not that of the ray trace."""
     finding = "Very many prisms: POV-Ray's rounding sends rays astray"
     y = "pixels with rotated light that are wrong (%)"
     result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy", "allowed: 0.01 %")
@@ -162,7 +162,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     most = 100 * limits.MAX_LOST_FRACTION
     title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
     allowed = f"needed: with fewer, more than {most:g} % of the pixels stay black"
-    # the finding is known when all limits are
+    # the finding is set below: it depends on all limits
     result = StabilityMap("trace-level", title, "", x, y, most, "x", allowed, "set by povgen", "limits")
     levels = np.arange(5, limits.MAX_FACES)
     for given in (
@@ -203,7 +203,7 @@ def field_angle(
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
     x = "field angle: of the line of sight to the axis (degrees)"
-    # the finding is known when all angles are
+    # the finding is set below: it depends on the values at all angles
     angles = StabilityMap("field", "(e) field angle", "", x, y, 50, "", "half of the pixels", shape="range")
 
     for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
@@ -262,7 +262,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
     result = StabilityMap(
         "grid",
         "(f) cells of the ideal camera",
-        "",  # the finding is known when all errors are
+        "",  # the finding is set below: it depends on all errors
         x,
         "worst error (px)",
         limits.MAX_CAMERA_ERROR + 0.011,
@@ -331,10 +331,11 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 def moire(
     products: Sequence[float] = (0, 100, 300, 500, 700, 800, 900, 1200), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
-    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha times their prisms.
+    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha times N.
 
-    For each block of pixels, the fraction of rays on the designed path is found. The contrast is the RMS difference of
-    this fraction between neighbouring blocks, divided by that at alpha = 30 deg.
+    N is the number of prisms in a sheet, and alpha is in degrees. Nothing is rendered. For each block of 24x24 pixels,
+    the ray trace gives the fraction of rays on the designed path. The contrast is the RMS difference of this fraction
+    between neighbouring blocks, divided by that at alpha = 30 deg.
     """
     finding, y = "Sheets that are nearly parallel show moiré", "contrast of bands, relative to that at 30°"
     result = StabilityMap(

@@ -33,9 +33,9 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw a map as its `shape` says. Values of x beyond the limit are shaded."""
+    """Draw a map as its `shape` says."""
     ax.set(xlabel=measured.x, ylabel=measured.y)
-    ax.set_title(measured.finding, pad=26)  # room for what the shaded part is
+    ax.set_title(measured.finding, pad=26)  # room for the line of `_name_limit`
     ax.grid(alpha=0.25)
     if "x" in measured.log_axes:
         ax.set_xscale("log")
@@ -66,7 +66,8 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
     _shade_beyond_limit(ax, measured)
     _explain(ax, measured.note, *_symbols(" ".join(series)))
     top = ax.get_ylim()[1]
-    if all(y.max() > top for _, y in series.values()):  # the lines leave the axes, and are apart there
+    # all lines leave the axes at the top: each name stands where its line has just exceeded the tolerance
+    if all(y.max() > top for _, y in series.values()):
         for (name, colour), limit in zip(colours.items(), measured.limits, strict=True):
             at = limit.value, 1.6 * measured.tolerance
             ax.annotate(name, at, (-6, 0), textcoords="offset points", ha="right", color=colour, fontsize=10)
@@ -101,7 +102,7 @@ def _draw_range(ax: Axes, measured: StabilityMap) -> None:
 def _shade_beyond_limit(ax: Axes, measured: StabilityMap) -> None:
     """Draw the tolerance as a dotted line. Shade the values of x beyond the limit that povgen uses."""
     y = [y for *_, y in measured.rows]
-    if "y" not in measured.log_axes:  # from 0, or from the least value below it, to eight times the tolerance
+    if "y" not in measured.log_axes:  # from 0, or from below the least negative value, to at most eight tolerances
         top = min(ax.get_ylim()[1], 8 * measured.tolerance)
         ax.set_ylim(1.5 * min(0, *y), max(top, 1.15 * measured.tolerance))
     left, right = ax.get_xlim()
@@ -137,9 +138,9 @@ def _name_limit(ax: Axes, x: float, text: str, colour: str = RED) -> None:
 
 
 def _draw_bound(ax: Axes, measured: StabilityMap) -> None:
-    """Draw a point for each row: y against its bound x. Shade what exceeds the bound.
+    """Draw a point for each row: y against its bound x. Shade the region where y exceeds its bound by too much.
 
-    As far as the tolerance exceeds the limit, y may exceed the bound too.
+    y may exceed its bound by the tolerance minus the limit that povgen uses. A point in the shaded region is red.
     """
     _, x, y = zip(*measured.rows, strict=True)
     limit = measured.limits[0]
@@ -207,12 +208,12 @@ def _series(measured: StabilityMap) -> dict[str, tuple[Floats, Floats]]:
 
 
 def _symbols(text: str) -> list[str]:
-    """Return what the symbols in a text mean: one line, or none."""
+    """Return what the symbols in a text mean: one line, which is empty if the text has none of SYMBOLS."""
     words = {*re.findall(r"\w+", text)}
     return ["; ".join(f"{symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in words)]
 
 
 def _explain(ax: Axes, *lines: str, left: float = 0) -> None:
-    """Write below the axes what marks and symbols mean, from `left` points beside them on."""
+    """Write below the axes what marks and symbols mean, beginning `left` points right of the axes' left edge."""
     text = "\n".join(fill(line, 80) for line in lines if line)
     ax.annotate(text, (0, 0), (left, -48), "axes fraction", "offset points", va="top", fontsize=10, color="#444444")

@@ -24,7 +24,8 @@ class StabilityMap:
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
     `tolerance` is the greatest allowed y, and `allowed` says so in a drawing. `action` is what povgen does beyond its
     limit. `finding` is what the map shows, in a sentence. `note` stands below the drawing. `reached` is the x where the
-    mean of the series first exceeds the tolerance, if the drawing marks it. `shape` is how it is drawn:
+    mean of the series first exceeds the tolerance, if the drawing marks it. `limits` are what `limit` has found.
+    `shape` is how the map is drawn:
 
     - 'lines': each series is a line.
     - 'range': the mean of the series is a line, in the band that they cover.
@@ -52,7 +53,7 @@ class StabilityMap:
         self.rows.append((series, float(x), float(y)))
 
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
-        """Measure the limit of a series, and compare it with the limit that povgen uses, `in_force`.
+        """Find the limit of a series in its rows. Append it to `limits`, with the limit that povgen uses, `in_force`.
 
         If y is rising with x, the limit is the greatest x up to which y is within the tolerance. Otherwise the limit is
         the least x above which y is within the tolerance. Between two rows the limit is interpolated linearly, or in

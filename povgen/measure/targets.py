@@ -31,7 +31,8 @@ def targets(
 ) -> list[Positions]:
     """Return squares at random distances that appear at random positions in the window, magnified less than 10 times.
 
-    |alpha| lies between `alphas`, degrees. Each square appears 0.6 tiles wide. The scenes have these other values.
+    |alpha| lies between `alphas`, degrees. `E` is the eye, x + iy in tiles. Each square appears 0.6 tiles wide.
+    `values` are other parameters of all scenes.
     """
     random = np.random.default_rng(seed)
     scenes: list[Positions] = []
@@ -48,7 +49,11 @@ def targets(
 
 
 def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, **values: float) -> list[Positions]:
-    """Return squares behind random windows, like `targets`, that are well inside every window."""
+    """Return squares behind random windows, in the same way as `targets`. `windows` is the number of windows.
+
+    The eye sees each square's centre well inside every window. Each square appears 0.5 tiles wide, magnified less than
+    4 times.
+    """
     random = np.random.default_rng(seed)
     scenes: list[Positions] = []
     while len(scenes) < count:

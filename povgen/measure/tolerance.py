@@ -1,4 +1,4 @@
-"""How errors of building a pair of sheets change what is seen: sensitivities, and a Monte Carlo of many builds.
+"""How errors of building a pair of sheets change what is seen: sensitivities, and a simulation of many random builds.
 
 All is found by the exact ray trace, on the designed path (`scene.quantities.seen`). The errors are those of
 `sheets.prisms.ERRORS`, without those of lenses.
@@ -57,7 +57,8 @@ class Spread(Model):
     @model_validator(mode="after")
     def _check_deviation(self) -> Self:
         for name, value in self.deviation.items():
-            most = min(1.0, ERRORS[name].most / (1 if name in RANDOM else 4))  # few builds are farther off
+            # few builds have an error of more than four standard deviations
+            most = min(1.0, ERRORS[name].most / (1 if name in RANDOM else 4))
             if value > most:
                 raise ValueError(f"deviation: {name} = {value:g}; allowed: 0 to {most:g}")
         return self
@@ -78,8 +79,10 @@ def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | Non
     The unit is a degree; for `separation` it is a tile, and for an index a difference of 1. Two scenes are compared:
     the error is less by its step of `STEPS` in one, and greater in the other. If the scene does not allow the whole
     step, a part of it is used; if it allows no part, the error stays as it is. The difference in what is seen is
-    divided by the difference between the two errors. `displaced` has no sign. Tilts are compared otherwise: `_tilted`.
-    Raises InputError for other sheets than one pair of prisms, and for an error that can be neither less nor greater.
+    divided by the difference between the two errors. `displaced` has no sign. If a tilt can be both less and greater,
+    each of the two scenes is compared with the given one: `_tilted`. `workers` and `scheduler` are as for
+    `rendering.results.results`. Raises InputError for sheets other than one pair of prisms, and for an error that can
+    be neither less nor greater.
     """
     _check(scene)
     ends = {name: (_moved(scene, name, -step), _moved(scene, name, step)) for name, step in STEPS.items()}
@@ -101,8 +104,9 @@ def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | Non
 def _tilted(less: Floats, more: Floats) -> Change:
     """Return the greater of the changes by one degree less and by one degree more of a tilt.
 
-    Both ways to tilt a sheet move it away from the other sheet. In the difference between the two scenes, what this
-    does would cancel. The sign is that of a greater tilt or, if both ways do nearly the same, that of what they do.
+    `less` and `more` (4,) are the fields of `Change` for one degree. A tilt either way moves a sheet away from the
+    other sheet. In the difference between the two scenes, the effect of this would cancel. The sign is that of the
+    change by one degree more.
     """
     opposite, same = more - less, more + less
     sign = np.where(abs(opposite) >= abs(same), opposite, same)
@@ -142,7 +146,10 @@ def drawn(scene: Scene, spread: Spread) -> list[Scene]:
 
 
 def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, scheduler: str | None = None) -> Change:
-    """Return by how much each of many builds, those of `drawn`, differs from the scene: arrays, without signs."""
+    """Return how differently each of the builds `made` by `drawn` shows the object: arrays (builds,), without signs.
+
+    They are compared with the scene. `workers` and `scheduler` are as for `rendering.results.results`.
+    """
     seen = _seen([scene, *made], workers, scheduler)
     change = _change(scene, seen.at(0), seen.at(slice(1, None)))
     return Change(*map(abs, change))
@@ -191,8 +198,9 @@ def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:
 def _blur_angle(scene: Scene, seen: _Seen) -> Floats:
     """Return the RMS blur as the eye sees it, radians.
 
-    Seen from the eye, a length in the plane z = 0 is 1/D if it is across the line of sight, of the length D, and z2/D^2
-    if it is in the plane of the line of sight and the normal. The blur is taken as equal in all directions.
+    D is the distance from the eye to the position. From the eye, a unit of length in the plane z = 0 is seen at an
+    angle: z2/D^2 along the plane that contains the line of sight and the normal, and 1/D perpendicular to that plane.
+    The blur is taken as equal in all directions.
     """
     square = scene.z2**2 + abs(seen.position - scene.E) ** 2
     return np.asarray(seen.blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))

@@ -1,7 +1,7 @@
 """Compare what POV-Ray renders with the equations and the exact ray trace: `povgen verify`.
 
-Each check renders probes: scenes whose colours encode numbers. It yields each measured value together with the value's
-bound. Random scenes have fixed seeds.
+A check renders probes: scenes whose colours encode numbers. Only `verify_profiles.ghosts` renders nothing. Each check
+yields each measured value together with the value's bound. Random scenes have fixed seeds.
 """
 
 from collections.abc import Iterator

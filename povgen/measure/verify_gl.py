@@ -26,7 +26,7 @@ from povgen.video.still import render
 
 PICTURE = (320, 240)  # pictures are compared at this size
 RAYS = 64  # a pixel: `PACE.RAYS` in templates/live/scheduling.js
-SHADOW_RAYS = 13  # through the same point, for soft shadows: each asks for one of the sun's lights
+SHADOW_RAYS = 13  # through the same point, for soft shadows: each ray tests whether one of the sun's lights is hidden
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
 SKY, OBJECT = 0, 3  # templates/live/objects.glsl
 PRISM_SCENES: tuple[dict[str, Any], ...] = (
@@ -80,7 +80,11 @@ def checks() -> Iterator[Measured]:
 def directions(
     scenes: Sequence[dict[str, Any]] = PRISM_SCENES, size: Size = SMALL, sheets: str = "prisms", least: float = 99.8
 ) -> Iterator[Measured]:
-    """Compare the directions in which the shader's rays leave the sheets with the exact ray trace."""
+    """Compare the directions in which the shader's rays leave the sheets with the exact ray trace.
+
+    `scenes` are parameters of `Directions`. `sheets` names their kind in the result. `least` is the bound, in percent,
+    for all rays that leave.
+    """
     view, designed, leaving = Drawn(Directions()), [], []
     for values in scenes:
         scene = Directions(**{"sheet": "detailed", **values})
@@ -102,7 +106,7 @@ def directions(
 
 
 def positions(count: int = 20, size: Size = SMALL) -> Iterator[Measured]:
-    """Compare where the shader's ideal sheets show points with eq. 7, or what takes its place."""
+    """Compare where the shader's ideal sheets show points with the formulas, such as eq. 7 for a single window."""
     view, half = Drawn(Directions()), count // 2
     one = [*targets("ideal", half, seed=7, E=0j), *targets("ideal", half, seed=8, E=0.3 - 0.4j)]
     several = [scene for n in (2, 3) for scene in series_targets("ideal", n, half, seed=9, E=0.3 - 0.2j)]
@@ -150,14 +154,14 @@ def pictures(
 
 
 def shows_the_same(view: Drawn, scene: Scene, size: Size) -> Mask:
-    """Return for each pixel, with one ray, whether the shader shows the same as POV-Ray: the sky, a piece, or else.
+    """Return for each pixel whether the shader shows the same as POV-Ray at its centre: the sky, a piece, or neither.
 
     POV-Ray shows the sky where white instead of black behind the scene changes the picture, and a piece where the
     piece's colour does. Elsewhere are floor and frame, spheres, and lost rays: there the colours are compared.
     """
     variants = [scene, scene.replace(background="white"), scene.replace(background="black")]
     count = len(scene.pieces) if isinstance(scene, Chess) else 0
-    if count:  # each piece in another colour than the others, and at last none
+    if count:  # in each picture one piece is green and the others are orange; in the last picture all are orange
         colours = [["#008000" if n == k else "#ff8000" for n in range(count)] for k in range(count + 1)]
         variants += [scene.replace(color=tuple(several)) for several in colours]
     plain, white, black, *coloured = (picture.astype(int) for picture in rendered(variants, size))
@@ -178,7 +182,7 @@ def rendered(scenes: Sequence[Scene], size: Size, antialias: str = "off") -> lis
 
 
 def costs(size: Size = SMALL, rounds: int = 5) -> Iterator[Measured]:
-    """Compare the CPU seconds of one frame with POV-Ray's, one ray a pixel, in turns."""
+    """Compare the CPU seconds of the renderer gl for a frame with POV-Ray's: one ray a pixel, measured alternately."""
     for sheet, most in (("detailed", 0.11), ("ideal", 0.3)):
         scene = Chess(sheet=sheet)
         text, view = to_pov(scene), Drawn(scene)

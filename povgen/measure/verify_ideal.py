@@ -74,10 +74,10 @@ def chess_pieces(size: Size = HD) -> Iterator[Measured]:
 
 
 def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
-    """Return the complex number that multiplies positions relative to E, at the depth of the piece's axis.
+    """Return the factor from positions on a piece to their apparent positions, relative to E, at the piece's axis.
 
-    A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the number is fitted as a
-    cubic polynomial of the depth.
+    A piece is as deep as it is wide, and its farther parts appear turned by more. Therefore the complex factor is
+    fitted as a polynomial of the depth, of degree 3 or, far away, less.
     """
     inside, direction = camera.rays(scene, size)
     if scene.sheet == "detailed":  # stray light shows other places of the piece
@@ -92,7 +92,7 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
 
 
 def horizon(size: Size = HD) -> Iterator[Measured]:
-    """Measure the angle at which the horizon appears: on a line through E that is turned by alpha."""
+    """Compare alpha with the angle by which the horizon appears turned. The horizon appears as a line through E."""
     alphas = (-120, 30, 66, 90, 180)
     off = [horizon_angle(Directions(sheet="ideal", alpha=alpha), size) - radians(alpha) for alpha in alphas]
     worst = np.max(abs((np.array(off) + pi) % (2 * pi) - pi))
@@ -120,7 +120,10 @@ def real_image(size: Size = HD) -> Iterator[Measured]:
 
 
 def image_distance(size: Size, **values: object) -> complex:
-    """Measure how far behind the plane z = 0 the lines of sight of two eyes to an object cross: a scene with values."""
+    """Measure how far behind the plane z = 0 the lines of sight from two eyes to an object cross, in tiles.
+
+    The result is complex: the lines cross if its imaginary part is 0. `values` are parameters of the scene.
+    """
     eyes = (-0.2 + 0.1j, 0.25 - 0.1j)
     scenes = [Positions(sheet="ideal", L=0.1 + 0.1j, eye=E, extent=0.05, **values) for E in eyes]
     left, right = (seen.position for _, seen in located(scenes, size))
@@ -140,7 +143,7 @@ def nothing_changed(size: Size = SMALL) -> Iterator[Measured]:
 
 
 def other_sheets(size: Size = HD) -> Iterator[Measured]:
-    """Compare the apparent positions of objects behind other ideal sheets with `ideal.apparent_position`."""
+    """Compare the apparent positions of objects behind other ideal sheets with `Scene.apparent_position`."""
     for sheet, scenes in other_targets().items():
         off = [px(abs(seen.position - scene.apparent_position(scene.L, 2))) for scene, seen in located(scenes, size)]
         yield Measured(

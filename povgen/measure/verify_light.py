@@ -31,7 +31,7 @@ def black_tops(size: Size = SMALL) -> Iterator[Measured]:
 
 
 def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
-    """Compare how bright light on the designed path is, with partial reflection, with the Fresnel equations."""
+    """Compare the brightness of light on the designed path with the Fresnel equations, if faces also reflect light."""
     scene = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
     inside, direction = camera.rays(scene, size)
     angles, prism = [0, radians(scene.alpha) / 2], scene.prism
@@ -49,9 +49,9 @@ def partial_reflection(size: Size = SMALL) -> Iterator[Measured]:
 
 
 def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
-    """Compare how bright the whole window is before white surroundings, with partial reflection, with the ray trace.
+    """Compare the window's mean brightness with the ray trace, for partial reflection and white surroundings.
 
-    The ray trace also says what share of this light at least one partial reflection has sent to the eye.
+    The ray trace also says what share of this light has been partially reflected at least once.
     """
     scene = White(sheet="detailed", fresnel=True, aperture=APERTURE, view=VIEW)
     inside, direction = camera.rays(scene, size)

@@ -1,6 +1,7 @@
 """Compare what the live view draws in a browser with what OpenGL draws by the same shaders: `povgen verify --live`.
 
-The view runs in a Chromium that draws without a GPU. `povgen verify --gl` compares the shaders with all else.
+The view runs in a Chromium that draws without a GPU. `povgen verify --gl` compares the shaders with
+the ray trace, eq. 7 and POV-Ray.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,7 +29,7 @@ SCENES: tuple[Scene, ...] = (
 
 
 def checks() -> Iterator[Measured]:
-    """Measure everything. Raises InputError if no browser, or no OpenGL, can draw."""
+    """Measure everything. Raises InputError if Chromium or OpenGL cannot draw, or flip-evaluator is not installed."""
     with chromium() as browser:
         yield from same([(View(browser, scene), Drawn(scene)) for scene in SCENES])
 

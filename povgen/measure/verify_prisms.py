@@ -47,10 +47,10 @@ def any_window(count: int, seed: int) -> list[Directions]:
 
 
 def pixel_shares(scenes: list[Directions], size: Size) -> tuple[float, float, Floats]:
-    """Return the shares of pixels that show the direction of the ray trace within 1e-3 rad.
+    """Return two shares, 0 to 1, of pixels that show the direction of the ray trace within 1e-3 rad, and an array.
 
-    They are of the rays on the designed path, and of all rays that leave. The third result says of each ray that leaves
-    and differs whether rounding decides its path.
+    The first share is that of the rays on the designed path, the second that of all rays that leave. The array (rays,)
+    says of each ray that leaves in another direction whether rounding decides its path.
     """
     designed, agree, by_rounding = [], [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
@@ -66,7 +66,7 @@ def pixel_shares(scenes: list[Directions], size: Size) -> tuple[float, float, Fl
 
 
 def within_the_trace(kind: str, shares: Sequence[float], bounds: tuple[float, float]) -> Iterator[Measured]:
-    """Return the first two results of `pixel_shares` with their bounds, percent."""
+    """Yield the first two results of `pixel_shares`, in percent, with their bounds. `kind` says of which sheets."""
     texts = "pixels on the designed path", "all pixels whose ray leaves,"
     for text, share, bound in zip(texts, shares, bounds, strict=True):
         yield Measured(
@@ -117,7 +117,11 @@ def other_prisms(
     count: int = 12,
     size: Size = SMALL,
 ) -> Iterator[Measured]:
-    """Measure 100 prisms of other shapes against the exact ray trace, and the paraxial prediction for them."""
+    """Compare sheets of 100 prisms of other shapes with the exact ray trace, and measure their prediction's error.
+
+    `shapes` are refractive indices and base angles, `alphas` angles. Angles are in degrees. `count` squares are located
+    for each shape.
+    """
     between, most = ALPHA_RANGES[1]
     for index, base_angle in shapes:
         shape, kind = {"index": index, "base_angle": base_angle}, f"2x100, n = {index:g}, {base_angle:g} deg"
@@ -201,7 +205,8 @@ def designed_fraction(alphas: tuple[float, ...] = (30, 66, 120, 170), size: Size
 def fractions(alphas: tuple[float, ...], size: Size, z2: float = 1.4) -> Iterator[tuple[float, float, float, float]]:
     """Yield alpha, field angle, and two fractions of pixels that show rotated light: rendered, and traced exactly.
 
-    Angles are in degrees. Pixels are grouped by field angle, in rings 5 degrees wide; each ring's middle is yielded.
+    Angles are in degrees. Pixels are grouped by field angle, in rings 5 degrees wide. The field angle is that of the
+    ring's middle. Rings of 500 pixels or fewer are left out.
     """
     scenes = [Directions(sheet="detailed", alpha=alpha, z2=z2) for alpha in alphas]
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):

@@ -51,17 +51,18 @@ def every_pixel(size: Size = SMALL) -> Iterator[Measured]:
         yield from within_the_trace(kind, shares, (99.9, 99))
 
 
-STRONG = 4  # a smaller f-number: the predicted ghosts are off by spherical aberration
+STRONG = 4  # f-number; below it, spherical aberration displaces ghosts from their predicted positions
 # f-number, alpha in degrees, and z1 in tiles of lenses whose ghosts are compared
 GHOSTS = ((3, 66, 2), (4, 66, 2), (6, 40, 1.5), (6, 40, 3))
 
 
 def ghosts(scenes: tuple[tuple[float, float, float], ...] = GHOSTS, rays: int = 400_000) -> Iterator[Measured]:
-    """Compare the predicted positions of ghosts, and of the object itself, with the ray trace; and the field of view.
+    """Compare the predicted positions of ghosts, and of the object itself, with the ray trace.
 
-    Nothing is rendered. The rays are those from the eye that end near the object after they have passed the predicted
-    number of lenses in each sheet. A linear function of their place on the object is fitted to their place in the
-    window.
+    Nothing is rendered. The rays are those from the eye that end near the object and that, in each sheet, leave by the
+    lens that is predicted for the ghost. A linear function of their place on the object is fitted to their place in the
+    window. The field of view is compared with the formula n p/(4 f) for its greatest slope: n is the refractive index,
+    p the pitch and f the focal length.
     """
     own: list[float] = []
     others: dict[bool, list[float]] = {}  # through weak and through strong lenses

@@ -47,7 +47,7 @@ def series_directions(size: Size = HD) -> Iterator[Measured]:
 def through_ideal(scene: Scene, direction: Floats) -> tuple[Mask, Floats]:
     """Return which of the eye's rays pass all windows and their frames, and their directions behind the windows.
 
-    Shapes are (n, 3), (n,) and (n, 3). Rays within 1e-6 tiles of an edge do not count.
+    `direction` is (n, 3), and the results are (n,) and (n, 3). Rays within 1e-6 tiles of an edge do not pass.
     """
     slope = (direction[:, 0] + 1j * direction[:, 1]) / direction[:, 2]
     at, z, through, half = scene.E + scene.z2 * slope, 0.0, np.ones(len(slope), bool), scene.aperture / 2 - 1e-6

@@ -3,11 +3,12 @@
 With `--renderer auto` it is also the choice of the renderer.
 
 A sampling is a value of `Rendering.antialias`, such as '2x' or '1,0.1,2'. The error of positions is predicted: it is
-the distance from the paraxial prediction for the prisms to the place where the point is drawn instead. That is the
-place by eq. 7 (ideal sheet), or where the straight line from the eye to the point crosses z = 0 (no sheet). The error
-of the picture is measured as FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1. For this,
-small blocks of the window are rendered with each candidate. Each is compared with the same block of the converged
-picture: through the scene's prisms, with 81 rays a pixel.
+the distance, in the plane z = 0, between two apparent places of a point behind the sheets. The first place is the
+paraxial prediction for the prisms. The second place is where the cheaper model shows the point: by eq. 7 (ideal sheet),
+or where the straight line from the eye to the point crosses z = 0 (no sheet). The error of the picture is measured as
+FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1. For this, small blocks of the window are
+rendered with each candidate. Each block is compared with the same block of the converged picture. POV-Ray renders that
+picture through the scene's prisms, with the sampling `flip.CONVERGED`.
 """
 
 import re
@@ -47,10 +48,10 @@ PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
 GL_PRISM_SAMPLINGS = ("off", "2x", "3x", "4x")
 RENDERERS = ("gl", "povray")  # the cheapest first: for the same sheets, gl needs a tenth to a third of the CPU time
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
-MAX_SHARE = 0.11  # the greatest fraction of the window's pixels that a mosaic contains
+MAX_SHARE = 0.11  # the fraction of the window's pixels that a mosaic contains, within the limits of MOSAIC_SIDES
 BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
 MIN_BLOCKS = 4  # blocks in a row and in a column
-MOSAIC_SIDES = 20, 100  # the least and the greatest side of a mosaic, pixels
+MOSAIC_SIDES = 20, 100  # limits of a mosaic's side, pixels; it is smaller after rounding, or in a smaller window
 MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
 MARGIN_FACTOR = 1.5  # mean FLIP of the blocks + this factor * its standard error must be within the tolerance
 ALLOWED_TOLERANCES = "allowed: pixels (1px), mean FLIP (0.2flip), or both (1px,0.2flip)"
@@ -77,9 +78,10 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A renderer, a model of the sheets and a sampling, with the errors of a picture that they make.
+    """A renderer, a model of the sheets and a sampling, with the errors of a picture that is made with them.
 
-    `flip` is estimated from blocks, with the uncertainty `margin`. Both are NaN if the candidate was not tried.
+    `px` is the error of positions, in pixels. `flip` is the mean FLIP, estimated from blocks. `margin` is its
+    uncertainty: MARGIN_FACTOR standard errors. `flip` and `margin` are NaN if the candidate was not tried.
     """
 
     sheet: str
@@ -107,8 +109,9 @@ def cheapest(scene: Scene, tolerance: str, **options: Unpack[Options]) -> tuple[
     This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
     Example: `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, and `render(scene, **options)`.
     The tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
-    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError if the
-    tolerance or an option is not allowed, or if no choice meets the tolerance. Raises PovrayError if POV-Ray fails.
+    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError if an argument
+    is not allowed, for several windows, if no choice meets the tolerance, and for a tolerance of FLIP if flip-evaluator
+    is missing. Raises PovrayError if POV-Ray fails.
     """
     limit, rendering = Tolerance.parse(tolerance), Rendering(**options)
     prisms = checked_scene(scene).replace(sheet="detailed")
@@ -129,8 +132,8 @@ def choose(
     The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
     scenes. If `antialias` is given, no other sampling is tried. Of several renderers, gl is left out if it cannot show
     the scenes or cannot be used here.
-    Raises InputError for windows in series, if no candidate meets the tolerance, and if flip-evaluator is missing.
-    Raises PovrayError if POV-Ray fails.
+    Raises InputError for windows in series, if no candidate meets the tolerance, and for a tolerance of FLIP if
+    flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")
@@ -163,10 +166,10 @@ def choose(
 
 
 def _cheapest(ladders: Sequence[list[Candidate]], trial: "_Trial", most: float, reason: str) -> tuple[Candidate, str]:
-    """Return the cheapest candidate whose FLIP is at most `most`, and one line with the reason.
+    """Return the cheapest candidate whose FLIP + margin is at most `most`, and one line with the reason.
 
-    A ladder is a list of candidates, the cheapest first; ladders are tried in turn, each by bisection.
-    Raises InputError if there is none.
+    A ladder is a list of candidates, the cheapest first. The ladders are searched in turn, each by bisection. A tried
+    candidate is replaced in its ladder by one with its errors. Raises InputError if no candidate is found.
     """
     for ladder in ladders:
         low, high = 0, len(ladder)  # candidates below `low` exceed the tolerance, candidates from `high` up meet it
@@ -273,7 +276,8 @@ class _Trial:
 def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     """Return blocks of the window's pixels, or None if no pixel shows the window.
 
-    The window is divided into equal parts, with one block at a random place in each part.
+    The places where a block can begin are divided into equal parts. In each part, one block begins at a random place,
+    the same one each time. Neighbouring blocks can overlap. `size` is the picture's width and height, in pixels.
     """
     inside, _ = camera.rays(scene, size)
     if not inside.any():
@@ -282,7 +286,7 @@ def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(MAX_SHARE * height * width), *MOSAIC_SIDES)), height, width)
     count = max(MIN_BLOCKS, round(whole / BLOCK_SIDE))
-    side = max(1, int(whole / count) // 2 * 2)  # an even number: then 1.5 * side is a whole number
+    side = max(1, int(whole / count) // 2 * 2)  # an even number, or 1: if it is even, 1.5 * side is a whole number
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)
     columns = x.start + ((np.arange(count) + shift[1]) / count * (width - side)).round().astype(int)

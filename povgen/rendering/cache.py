@@ -38,11 +38,12 @@ HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 
 
 def frame_path(source: str, rendering: Rendering) -> Path:
-    """Return the file of a frame.
+    """Return the path of a frame in the cache.
 
-    Its key is POV-Ray's version, POV-Ray's command line, the scene's text, and the size and the filter by which povgen
-    reduces it. The number of threads does not matter: the command line is that for one thread. Of the renderer gl the
-    key is the device, the code that draws, the antialiasing, the size and the scene's text.
+    The frame's key is POV-Ray's version, POV-Ray's command line, the scene's text, the picture's size, and the filter
+    by which povgen reduces the picture. The number of threads does not matter: the command line is that for one
+    thread. With the renderer gl, the key is the device, the code that draws, the antialiasing, the size and the scene's
+    text. Raises InputError or PovrayError if the renderer is missing.
     """
     size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
     if rendering.renderer == "gl":
@@ -62,7 +63,8 @@ def path_for(key: str, suffix: str) -> Path:
 def folder() -> Path:
     """Return the cache's folder: POVGEN_CACHE, or else povgen's folder in the user's cache.
 
-    Raises InputError for a relative path if the current folder has been removed.
+    For a user without a home it is a folder among temporary files. Raises InputError if POVGEN_CACHE is a relative path
+    and the current folder has been removed.
     """
     if named := os.environ.get("POVGEN_CACHE"):
         try:
@@ -82,7 +84,7 @@ def _temporary() -> Path:
 
 
 def max_bytes() -> float:
-    """Return the limit of the cache's size, POVGEN_CACHE_SIZE (GiB). Raises InputError if that is no number."""
+    """Return the limit of the cache's size, bytes, from POVGEN_CACHE_SIZE, GiB. Raises InputError if not allowed."""
     text = os.environ.get("POVGEN_CACHE_SIZE") or str(DEFAULT_SIZE)
     try:
         size = float(text)
@@ -96,8 +98,9 @@ def max_bytes() -> float:
 def check() -> None:
     """Check the settings before any work is done.
 
-    Raises InputError for a limit that is no number, for a folder that is not povgen's, and for another user's folder to
-    which every user can write. Raises PermissionError for a folder among temporary files that other users can use.
+    Raises InputError for a limit that is not allowed, for a folder that is not povgen's, and for another user's folder
+    to which every user can write. Raises PermissionError if the cache is among temporary files and other users can use
+    it. Raises OSError if the folder cannot be read.
     """
     max_bytes()
     path = folder()
@@ -163,7 +166,10 @@ def read(path: Path, most: int) -> bytes | None:
 
 
 def _read(path: Path, most: int, used: bool = False) -> bytes:
-    """Return the first bytes of a regular file. Raises OSError for anything else, a link included."""
+    """Return the first `most` bytes of a regular file. Raises OSError for anything else, a link included.
+
+    If `used`, mark the file as used now, and also raise OSError for a file of more than `most` bytes.
+    """
     # without O_NONBLOCK, opening a FIFO would wait
     with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
         status = os.fstat(file.fileno())
@@ -176,8 +182,11 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
 
 
 def store(made: Path, path: Path) -> bool:
-    """Move a finished file to its path in the cache. Return whether it is there now: something else may be there."""
-    # each of these means that something else is there; FileNotFoundError: the cache has been removed
+    """Move a finished file to its path in the cache. Return whether this succeeded.
+
+    It fails if something else is at this path, or if the cache has been removed.
+    """
+    # FileNotFoundError: the cache has been removed. Each other error: something else is at this path.
     with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError, FileNotFoundError):
         path.parent.mkdir(exist_ok=True)
         free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
@@ -188,7 +197,7 @@ def store(made: Path, path: Path) -> bool:
 
 
 def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
-    """Return the values that `store_values` stored with this key. None if the file is missing, damaged or another."""
+    """Return the values that `store_values` stored with this key. None if no undamaged file has this key."""
     checksum, _, text = (read(path_for(key, ".values"), MAX_VALUES) or b"").partition(b"\n")
     return json.loads(text) if checksum == _checksum(key, text) else None
 
@@ -255,7 +264,7 @@ def trim(most: float) -> list[Path]:
 
 
 def leftover_sizes() -> list[int]:
-    """Return the sizes, in bytes, of the work folders that killed povgens left here and among temporary files."""
+    """Return the sizes, bytes, of the work folders that killed povgens left in the cache and among temporary files."""
     return [size for parent in _work_parents() for size in files.leftover_sizes(parent)]
 
 

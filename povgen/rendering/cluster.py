@@ -1,7 +1,8 @@
 """Rendering on other machines, by the workers of a Dask scheduler. No other module uses Dask.
 
-A worker gets a scene's text and returns a PNG file's bytes. It needs povgen and no shared files, and what renders:
-POV-Ray, or for the renderer gl the same drawing device as this machine.
+A worker gets a scene's text and the pictures that the text names. It returns the bytes of a PNG file or of a frame of
+light. It needs povgen, Dask and no shared files. To render, it also needs POV-Ray, or for the renderer gl the same
+drawing device as this machine.
 """
 
 import asyncio
@@ -41,9 +42,10 @@ class Cluster:
 
     A worker from which the scheduler hears nothing is removed. Other workers render its frames.
 
-    The address is as `checked_scheduler` returns it. `renderer` is what they need: povray, gl, or None. Raises
-    PovrayError if no scheduler answers, if it has no workers, or if a worker has another version of povgen, of the
-    renderer or of Dask than this machine. The message names that worker.
+    `scheduler` is an address as `checked_scheduler` returns it. `renderer` is what the workers need: povray, gl, or
+    None. `frames` is the number of frames to be sent out at once. Raises PovrayError if no scheduler answers, if it has
+    no workers, or if a worker has another version of povgen, of the renderer or of Dask than this machine. The message
+    names that worker. Raises also what `versions` raises.
     """
 
     def __init__(self, scheduler: str, renderer: str | None = "povray") -> None:
@@ -155,7 +157,7 @@ class Cluster:
             await pause
 
     async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
-        """Return what the scheduler says of its workers (Dask's own names), by their addresses. Raises TimeoutError."""
+        """Return Dask's description of each worker, by the worker's address. Raises TimeoutError after `seconds`."""
         return dict((await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"])
 
     async def _dismiss(self, worker: str) -> None:
@@ -190,7 +192,11 @@ class Cluster:
 
 
 def versions(renderer: str | None) -> str:
-    """Return the versions that all machines must have in common; for the renderer gl, the drawing device."""
+    """Return as text what all machines must have in common: povgen's and Dask's version, and what renders.
+
+    What renders is POV-Ray's version for povray, the drawing device for gl, and left out for None. Raises PovrayError
+    or InputError if this machine lacks the renderer.
+    """
     drawn_by = {"povray": lambda: f"POV-Ray {povray.version()}, ", "gl": lambda: f"{gl_runner.device()}, "}
     return f"povgen {__version__}, {drawn_by[renderer]() if renderer else ''}Dask {distributed.__version__}"
 
@@ -203,7 +209,10 @@ def check(wanted: str, renderer: str | None) -> None:
 
 
 def render(source: str, rendering: Rendering, shown: dict[str, bytes]) -> bytes:
-    """Render a scene's text, on a worker, and return the PNG file. `shown` are the pictures that the text names."""
+    """Render a scene's text, on a worker, and return the bytes of its PNG file, or of a frame of light.
+
+    `shown` are the pictures that the text names, by their names.
+    """
     pictures.know(shown)
     with temporary_folder() as folder:
         run = gl_runner.shared().run if rendering.renderer == "gl" else povray.run
@@ -234,7 +243,7 @@ def ask(scheduler: str) -> None:
         async with distributed.rpc(scheduler, timeout=PATIENCE, connection_args=arguments) as there:
             return str((await there.versions())["packages"]["distributed"])
 
-    # in a thread: in a notebook, this thread's event loop runs already
+    # asyncio.run is called in a new thread: in a notebook, an event loop already runs in the calling thread
     try:
         with concurrent.futures.ThreadPoolExecutor(1) as thread:
             there = thread.submit(asyncio.run, asyncio.wait_for(version(), PATIENCE)).result()

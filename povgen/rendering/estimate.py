@@ -1,8 +1,8 @@
 """How long rendering takes, before it begins.
 
-The numbers are CPU seconds of the machine in docs/speed.md, on which a picture of 640x480 pixels through 2x100 prisms
-takes POV-Ray about 2 s. On another machine, and for another scene, rendering can take half or twice as long. The
-renderer gl was measured without a GPU.
+The numbers are CPU seconds of the machine in docs/speed.md. On that machine, POV-Ray takes about 2 s for a picture of
+640x480 pixels through 2x100 prisms, without antialiasing. On another machine, and for another scene, rendering can take
+half or twice as long. The renderer gl was measured without a GPU.
 """
 
 from collections.abc import Sequence
@@ -12,9 +12,10 @@ from povgen.rendering.views import views
 from povgen.scene.scenes import Scene
 from povgen.settings import Rendering
 
-# CPU seconds: of a picture, of a ray, and of a ray through a window of glass, for each such window
+# CPU seconds: for each picture, for each ray, and in addition for each window of glass that a ray passes
 COSTS = {"povray": (0.05, 1.3e-6, 9e-6), "gl": (0.03, 2e-7, 5e-7)}
-MORE_RAYS = 0.35, 0.8  # of POV-Ray's own antialiasing, for each square of its depth: without prisms, and through prisms
+# With POV-Ray's own antialiasing, a pixel has on average 1 + this * depth^2 rays: without and through prisms.
+MORE_RAYS = 0.35, 0.8
 LONG = 60.0  # seconds of wall time
 
 
@@ -32,7 +33,7 @@ def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
         rays = 1 + more * antialias[2] ** 2 if isinstance(antialias, tuple) else sampling.supersampling**2
     picture, ray, glass = COSTS[rendering.renderer]
     layered = sum(sheet.layers > 0 for sheet in scene.sheets)
-    inside = min(1.0, height / width * (scene.aperture / scene.view) ** 2)  # of the picture: the first window
+    inside = min(1.0, height / width * (scene.aperture / scene.view) ** 2)  # the first window's part of the picture
     return len(views(scene, rendering)) * (picture + width * height * rays * (ray + layered * inside * glass))
 
 
@@ -51,14 +52,14 @@ def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time with one or two digits that are not 0."""
+    """Return a time as text: seconds with one significant digit, minutes or hours with two."""
     if seconds < LONG:
         return f"{_rounded(seconds, 1)} s"
     return f"{_rounded(seconds / 60)} min" if seconds < 3600 else f"{_rounded(seconds / 3600)} h"
 
 
 def _rounded(number: float, digits: int = 2) -> str:
-    """Return a number without an exponent, with so many digits that are not 0."""
+    """Return a number as text without an exponent, rounded to this number of significant digits."""
     return f"{float(f'{number:.{digits}g}'):.15g}"
 
 

@@ -27,11 +27,11 @@ if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does no
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
 BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
-SHOWN_FAILURES = 3  # a message describes at most so many failed frames
+SHOWN_FAILURES = 3  # the greatest number of failed frames that a message describes
 
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
-    """Return the frame's path in the cache, or the bytes of its PNG file if the cache cannot store the frame.
+    """Return the frame's path in the cache, or the bytes of its file if the cache cannot store the frame.
 
     Raises PovrayError, whose message states the scene's parameters.
     """
@@ -51,7 +51,7 @@ def _read(path: Path, rendering: Rendering) -> bytes | None:
 
 
 def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
-    """Render the scene and store the PNG file. Return the file's bytes, and whether the cache contains it now.
+    """Render the scene and store the frame's file. Return the file's bytes, and whether the cache contains it now.
 
     If the cache is removed meanwhile, the scene is rendered again.
     """
@@ -122,17 +122,18 @@ def render_all(
     runner: Runner | None = None,
     part: Callable[[float], None] | None = None,
 ) -> Generator[list[bytes], None, None]:
-    """Yield a list of PNG files for each scene: one, or several for stereo or a transparent background.
+    """Yield a list of frames for each scene: one, or several for stereo or a transparent background.
 
-    The lists are in the order of the scenes.
+    The lists are in the order of the scenes. A frame is the bytes of a PNG file, or, if `rendering.is_light`, the bytes
+    that `light.unpacked` takes.
 
-    Call `done` after each scene. Call `part` with the fraction of a frame that was rendered since the last call of
-    `part`. `workers` frames are rendered at once by `runner`. The default runner is the renderer on this machine. The
-    runner is stopped at the end.
+    `done` is called after each scene that has not failed. `workers` frames are rendered at once by `runner`. The
+    default runner is the renderer on this machine. Only the default runner calls `part`, with the fraction of a frame
+    that was rendered since the last call of `part`. The runner is stopped at the end.
 
-    If POV-Ray is killed or hangs, the other frames are still rendered. Then a TransientError is raised. It says how
-    many frames failed, and why the first SHOWN_FAILURES failed. Any other error ends the rendering at once. Finished
-    frames stay in the cache. At the end, the cache is trimmed to its limit.
+    If the renderer is killed or hangs, the other frames are still rendered, but no further list is yielded. Then a
+    TransientError is raised. It says how many scenes failed, and why the first SHOWN_FAILURES of them failed. Any other
+    error ends the rendering at once. Finished frames stay in the cache. At the end, the cache is trimmed to its limit.
     """
     cache.check()
     most = cache.max_bytes()
@@ -241,7 +242,7 @@ def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:
-    """Return every n-th of a movie's scenes, starting with the i-th. `part` is "i/n". Raises InputError."""
+    """Return every n-th of a movie's scenes, from the i-th on, counted from 1. `part` is "i/n". Raises InputError."""
     found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", part)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise InputError(f"shard = {part!r}: allowed: i/n, whole numbers, i from 1 to n")

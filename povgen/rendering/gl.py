@@ -1,8 +1,9 @@
 """Draw pictures with the graphics library OpenGL, by the live view's shaders. No other module uses it.
 
-`gl_runner` starts this module as a process. A graphics driver that crashes then ends this process alone. It writes a
-line of JSON with the device's name. Then it reads a line for each picture and answers with an empty object, or with an
-`error`, and its `errno` if the system has one.
+`gl_runner` starts this module as a process, so that a graphics driver that crashes ends only this process. At its start
+the process writes a line of JSON: the device's name and OpenGL's version, or an `error`. Then it reads a line of JSON
+for each picture. While it draws, it writes lines with each further `part` of the picture, a fraction. At the end of the
+picture it writes an empty object, or an `error`, with an `errno` if the system gave one.
 """
 
 import base64
@@ -25,19 +26,20 @@ from PIL.PngImagePlugin import PngImageFile
 
 from povgen.scene import hdr
 
-TILE = 1024  # pixels, a power of 2: a picture is drawn in tiles of this side, so that it may be of any size
+# A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
+TILE = 1024  # pixels, a power of 2: the side of such a square
 STEP = 512  # a ray's place in its pixel is a multiple of 1/STEP: these places are exact in 32-bit numbers in every tile
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
-NEAR = 0.9  # steps along diagonals in the sum of steps that `extend` makes are up to a tenth too long
+NEAR = 0.9  # factor for the steps in `extend`, whose sum along the grid can exceed the distance by up to 13 %
 
 
 class Drawer:
     """An OpenGL context, and the programs and distance fields that it knows."""
 
     def __init__(self) -> None:
-        """Make a context without a window. Raises Exception, of no other type, if the system has none."""
+        """Make a context without a window. Raises a plain Exception, no subclass, if the system has no OpenGL 3.3."""
         backend: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
         self.gl = moderngl.create_context(standalone=True, require=330, **backend)
         self.device = self.gl.info["GL_RENDERER"]
@@ -45,7 +47,8 @@ class Drawer:
         self.programs: dict[str, Any] = {}
         self.fields: dict[str, Any] = {}
         self.pictures: dict[tuple[str, bytes], Any] = {}
-        # the light of one ray for each pixel and for those round the tile, the sum of all rays, and the sum as bytes
+        # the light of one ray for each pixel of a tile and of a border one pixel wide; the sum of all rays; the sum as
+        # bytes
         self.rays, self.sum, self.shown = (
             self.gl.framebuffer([self.gl.texture((side, side), 4, dtype=kind)])
             for side, kind in ((TILE + 2, "f4"), (TILE, "f4"), (TILE, "f1"))
@@ -65,11 +68,13 @@ class Drawer:
         is_light: bool = False,
         told: Callable[[float], None] = lambda _: None,
     ) -> Iterator[NDArray[Any]]:
-        """Yield the picture's rows from top to bottom, in bands (up to TILE, width, 3), with so many rays a pixel.
+        """Yield the picture's rows from top to bottom, in bands (up to TILE, width, 3), with `rays` rays a pixel.
 
-        They are sRGB bytes, or numbers of 32 bits: light, where 1 is white. `told` is called with each further part.
-        `scene` is what `gl_scene.to_text` wrote. A pixel shows the mean of its own rays, or with the wide filter the
-        weighted mean of the rays nearer than one pixel (`light.reduced`). The rays are in this part of a pixel's side.
+        A band is sRGB bytes, or if `is_light`, light as numbers of 32 bits, where 1 is white. `scene` is what
+        `gl_scene.to_text` wrote, decoded, with bytes of files in place of their names. `size` is width and height.
+        A pixel shows the mean of its own rays, or with the wide filter the weighted mean of the rays nearer than one
+        pixel (`light.reduced`). A pixel's rays are in a square around its centre, whose side is `part` pixels. After
+        each tile, `told` is called with the tile's fraction of the picture.
         """
         picture, share, display = (self._program(scene[name]) for name in ("shader", "share", "display"))
         self._volumes(scene)
@@ -111,7 +116,7 @@ class Drawer:
                     yield band / kind.type(rays) if is_light else band
 
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
-        """Return the numbers (height, width, 4) that templates/live/readout.glsl finds for each pixel."""
+        """Return the arrays ray, shown and met, (height, width, 4), as templates/live/readout.glsl describes them."""
         numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         program = self._program(scene["shader"])
         self._volumes(scene)
@@ -171,7 +176,7 @@ class Drawer:
 
 
 def set_uniforms(program: Any, values: dict[str, Any]) -> None:  # noqa: ANN401  (moderngl's)
-    """Set the uniforms that the program has of these."""
+    """Set those uniforms of the program that `values` contains."""
     for name in program:
         if name in values:
             numbers = np.ravel(values[name])
@@ -179,10 +184,11 @@ def set_uniforms(program: Any, values: dict[str, Any]) -> None:  # noqa: ANN401 
 
 
 def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
-    """Return the place of one of a pixel's rays, from the centre, pixels.
+    """Return a ray's place in its pixel, (x, y) from the centre to the right and up, pixels. `number` is from 0.
 
-    The rays are on a square grid. Without the wide filter, if there are n * n + 1, it is turned so that no two are in a
-    row or in a column: edges that are nearly level or upright are smoother then.
+    With the wide filter, `rays` is n * n, and the rays are on a square grid. Otherwise `rays` is n * n + 1, and this
+    grid is rotated so that no two rays are in a row or in a column. This makes nearly horizontal and vertical edges
+    smoother.
     """
     if wide_filter:
         n = side = isqrt(rays)
@@ -195,7 +201,11 @@ def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
 
 
 def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
-    """Return the distances to a piece's surface, in voxels, (z, y, x), as templates/live/pieceShape.js does."""
+    """Return the distances to a piece's surface, (z, y, x), in voxels, below 0 inside, as pieceShape.js does.
+
+    `volume` has the fields of `volumes.Volume`. `grid` is the number of points along x, y and z. The script is
+    templates/live/pieceShape.js.
+    """
     steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
     stored = np.cumsum(steps, axis=0, dtype=np.uint8)
     most = volume["most"]
@@ -203,9 +213,10 @@ def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
 
 
 def extend(distance: NDArray[np.float64], most: float) -> NDArray[np.float64]:
-    """Return distances (z, y, x), also where they are greater than `most` voxels and not known.
+    """Return distances (z, y, x), in voxels, also where the given ones are `most` or more, which means unknown.
 
-    Two sweeps: each adds the steps from the neighbours before. The result may be less than the distance, not more.
+    There are two sweeps in opposite directions. An unknown distance is found from those of the neighbours that the
+    sweep has already passed, each plus a step. The result is about 0.9 to 1.05 times the distance.
     """
     nz, ny, nx = distance.shape
     # inside a border of voxels that are infinitely far away, each voxel has all neighbours
@@ -267,7 +278,7 @@ def main() -> None:
 
     try:
         drawer = Drawer()
-    except Exception as error:  # of moderngl's own, without a type
+    except Exception as error:  # moderngl raises a plain Exception
         return say(error=str(error))
     say(device=drawer.device, version=drawer.version)
     for line in sys.stdin:
@@ -281,7 +292,7 @@ def main() -> None:
             bands = drawer.bands(scene, *sampling, is_light=is_light, told=lambda part: say(part=part))
             picture = Path(asked["picture"])
             write_light(picture, bands) if is_light else write_png(picture, bands, size)
-        except OSError as error:  # the disk is full; said where povgen waits, and this process goes on
+        except OSError as error:  # such as a full disk: `gl_runner` raises the error, and this process continues
             say(error=error.strerror or str(error), errno=error.errno)
         except Exception as error:
             say(error=f"{type(error).__name__}: {error}")

@@ -31,7 +31,7 @@ POVRAY = "allowed: renderer = 'povray'"
 
 @cache
 def device() -> str:
-    """Return the name of the device that draws, and its driver. Raises what `Runner` raises."""
+    """Return the name of the device that draws, and OpenGL's version. Raises what `Runner` and its `device` raise."""
     runner = Runner()
     try:
         return runner.device()
@@ -40,7 +40,7 @@ def device() -> str:
 
 
 def at_once() -> int:
-    """Return how many pictures are drawn at once if --workers does not say. Raises what `Runner` raises."""
+    """Return how many pictures are drawn at once if --workers does not say. Raises what `device` raises."""
     return cores() if WITHOUT_GPU.search(device()) else min(ON_GPU, cores())
 
 
@@ -59,9 +59,9 @@ class Runner:
     """Processes that draw, which can be stopped together. There is one for each picture that is drawn at once."""
 
     def __init__(self, at_once: int = 1, part: Callable[[float], None] | None = None) -> None:
-        """Prepare for so many pictures at once. Raises InputError if moderngl is not installed.
+        """Prepare to draw `at_once` pictures at once. Raises InputError if moderngl is not installed.
 
-        `part` is called with each further part of a picture, while it is drawn.
+        `part` is called while a picture is drawn, with the fraction that has been drawn since the last call.
         """
         if find_spec("moderngl") is None:
             raise InputError(
@@ -74,11 +74,11 @@ class Runner:
         self._stopped = False
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
-        """Draw a scene's text, as of `gl_scene.to_text`, in a work folder and return the picture's path.
+        """Draw a scene from a text of `gl_scene.to_text`, in a work folder, and return the picture's path.
 
-        If the process crashes or hangs, another one tries once more. Raises InputError if this system cannot draw,
-        PovrayError if the process was stopped or refuses the scene, OSError if the disk is full, and TransientError if
-        both tries fail.
+        If the process crashes or hangs while it draws, another process tries once more. Raises InputError if this
+        system cannot draw. Raises PovrayError if the process was stopped or refuses the scene. Raises OSError if the
+        disk is full. Raises TransientError if both tries fail, or if a process crashes or hangs while it starts.
         """
         (folder / SCENE).write_text(source, "utf-8")
         for name, png in pictures.used(source).items():
@@ -109,7 +109,11 @@ class Runner:
         raise AssertionError("no tries")
 
     def device(self) -> str:
-        """Return the name of the device that draws, and its driver. Raises InputError if this system cannot draw."""
+        """Return the name of the device that draws, and OpenGL's version.
+
+        Raises InputError if this system cannot draw, TransientError if the process crashes or hangs, and PovrayError if
+        it was stopped.
+        """
         process, answer = self._started()
         self._idle.append(process)
         return f"{answer['device']}, OpenGL {answer['version']}"
@@ -135,7 +139,7 @@ class Runner:
     def _started(self) -> "tuple[subprocess.Popen[bytes], dict[str, Any]]":
         with stopping.lock:
             self._check()
-            # llvmpipe's threads, Mesa's drawing without a GPU
+            # the number of threads of llvmpipe, Mesa's driver that draws without a GPU
             process = python("povgen.rendering.gl", LP_NUM_THREADS=str(self._threads))
             self._all.add(process)
         answer = self._answer(process, START)
@@ -156,7 +160,7 @@ class Runner:
             if asked:
                 process.stdin.write(json.dumps(asked).encode() + b"\n")
                 process.stdin.flush()
-            # without a buffer of Python's, of which `select` would not know
+            # os.read uses no buffer of Python's: `select` would not see bytes that wait in such a buffer
             while ready := bool(select([process.stdout], [], [], max(0, end - time.monotonic()))[0]):
                 if not (block := os.read(process.stdout.fileno(), 1 << 16)):
                     break

@@ -56,7 +56,7 @@ def _two_thirds(light: Light) -> Light:
 
 
 def reduce_file(path: Path, size: tuple[int, int]) -> None:
-    """Replace a PNG file's picture with the reduced one. Leave a damaged file as it is, for its reader to find."""
+    """Replace a PNG file's picture with the reduced one, of this width and height. Leave a damaged file unchanged."""
     from PIL import Image
 
     try:
@@ -67,7 +67,7 @@ def reduce_file(path: Path, size: tuple[int, int]) -> None:
     Image.fromarray(reduced(picture, size)).save(path, format="PNG")
 
 
-# ---- Frames of light: compressed numbers of 32 bits, red, green and blue of each pixel, whose checksum zlib stores
+# ---- Frames of light: red, green and blue of each pixel, numbers of 32 bits, compressed by zlib, which adds a checksum
 
 
 def packed(light: Light) -> bytes:
@@ -101,9 +101,10 @@ def exr() -> Any:  # noqa: ANN401  (a library without types)
 
 
 def from_exr(path: Path, size: tuple[int, int]) -> Path:
-    """Return the path of the frame of light that is in POV-Ray's EXR file, reduced to this size.
+    """Write the light of POV-Ray's EXR file as a frame beside it, reduced to this width and height. Return its path.
 
-    The light is not clipped before. If the file is damaged, this is its own path, for its reader to find.
+    The light is not clipped before it is reduced. If the EXR file is damaged, its own path is returned. Whoever reads
+    this as a frame finds that it is damaged. Raises InputError if OpenEXR is not installed.
     """
     library = exr()
     try:

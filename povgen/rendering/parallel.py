@@ -20,13 +20,13 @@ POVRAYS_PER_CORE = 8
 
 
 class Runner(Protocol):
-    """Renders scenes' texts: `povray.Runner` on this machine, `cluster.Cluster` on others."""
+    """Renders scenes' texts: `povray.Runner` and `gl_runner.Runner` on this machine, `cluster.Cluster` on others."""
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Render a scene's text in a work folder and return the picture's path. Raises PovrayError."""
 
     def stop(self) -> None:
-        """Stop at once all that runs, and start nothing more."""
+        """End each `run` at once with PovrayError, and start nothing more. Processes on this machine are killed."""
 
 
 def cores() -> int:
@@ -60,9 +60,10 @@ def default_workers() -> int:
 
 
 def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
-    """Start a Python that runs a module of povgen, and talks through its standard files. A signal to povgen ends it.
+    """Start a Python process that runs a module of povgen, with pipes as its standard input and output. Return it.
 
-    Raises KeyboardInterrupt if povgen was asked to stop.
+    `environment` are further environment variables. If a signal stops povgen, the process is killed. Raises
+    KeyboardInterrupt if povgen was asked to stop.
     """
     folder = str(Path(__file__).parents[2])
     path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")]))

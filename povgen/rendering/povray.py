@@ -114,7 +114,7 @@ def has_util_linux() -> bool:
 
 
 def missing_protection() -> list[str]:
-    """Return a phrase for each protection that is missing on this machine: limits on POV-Ray, and its end."""
+    """Return a phrase for each missing protection: POV-Ray's end if povgen is killed, and its limit of memory."""
     if has_util_linux():
         return []
     missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout on each core"]
@@ -159,7 +159,7 @@ def version() -> str:
 
 
 def run(source: str, rendering: Rendering, folder: Path) -> Path:
-    """Render one scene's text with a new Runner."""
+    """Render one scene's text with a new Runner, as `Runner.run` does, and return the picture's path."""
     runner = Runner()
     try:
         return runner.run(source, rendering, folder)

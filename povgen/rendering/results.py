@@ -20,7 +20,7 @@ from povgen.scene.scenes import SCENES, Scene, checked_scene
 from povgen.validation import is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
-PARTS = 4  # of the scenes, for each thread of a cluster's workers
+PARTS = 4  # of the scenes, for each of a cluster's calls at once: AHEAD calls for each thread of its workers
 
 Done = Callable[[], object]
 
@@ -35,13 +35,14 @@ def results(
     """Return a table with a row for each scene, as a dictionary of arrays (n,), such as pandas.DataFrame takes.
 
     Its columns are the parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and
-    the quantities. `povgen.scene.quantities` says what they are. A parameter that has the name of one of these
-    quantities, x, is called scene_x.
-    Lengths are in tiles, angles in degrees. What does not exist is NaN.
+    the quantities. `povgen.scene.quantities` says what they are. A parameter with the name of one of these quantities
+    gets the prefix scene_: beside the quantity x, the parameter x is the column scene_x.
+    Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
 
-    `workers` processes compute at once, by default as many as there are cores, or the workers of the Dask scheduler
-    with the address `scheduler`. `progress=False` shows no progress bar. Raises InputError for what is no scene and no
-    quantity, and PovrayError if a process or the cluster fails.
+    `workers` processes compute at once, by default one for each core. With `scheduler`, the address of a Dask
+    scheduler, its workers compute instead. `progress=False` shows no progress bar. Raises InputError for what is no
+    scene or no quantity, if no quantity is given, and for `workers` or a `scheduler` that is not allowed. Raises
+    PovrayError if a process or the cluster fails.
     """
     scenes = [checked_scene(scene) for scene in (scenes if is_several(scenes) else [scenes])]
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
@@ -75,7 +76,7 @@ def _column(values: list[Any]) -> NDArray[Any]:
 
 
 def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
-    """Return the quantities of each scene. If that takes longer than PATIENCE, other processes help."""
+    """Return the quantities of each scene. What is left after PATIENCE seconds is computed by other processes."""
     rows: list[list[float]] = []
     # other processes know povgen's own scenes only
     alone = workers == 1 or any(type(scene) not in SCENES.values() for scene in scenes)
@@ -142,7 +143,7 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
 
 
 def main() -> None:
-    """Answer the question on the standard input: a line for each scene."""
+    """Read pickled scenes and names of quantities from the standard input. Write a line of JSON for each scene."""
     scenes, quantities = pickle.load(sys.stdin.buffer)
     for scene in scenes:
         print(json.dumps(values_of([scene], quantities)[0]), flush=True)

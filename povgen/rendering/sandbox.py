@@ -16,7 +16,7 @@ from typing import TypeVar
 
 Result = TypeVar("Result")
 
-# From linux/landlock.h. The numbers of these system calls are the same on every architecture.
+# Rights from linux/landlock.h. The numbers of the system calls are those of x86, ARM, RISC-V, POWER and s390.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
 # All rights on files, by the version of Landlock that first knew them.
@@ -51,9 +51,10 @@ def within(
 ) -> Result:
     """Call `work` in a sandbox, in a new thread, and return its result.
 
-    `work` may read, run and write only these files and what is in these folders. A file that may be run may also be
-    read. A file that may be written may also be read and removed, but not run. Landlock 4 and later also block TCP.
-    Without Landlock there is no sandbox. Raises what `work` raises, and OSError if the kernel refuses.
+    `work` may read, run and write only these files and what is in these folders. What may be run may also be read.
+    What may be written may also be read, but not run. In a folder of `write`, files may also be made and removed.
+    Landlock 4 and later also block TCP. Without Landlock there is no sandbox. Paths that are missing are ignored.
+    Raises what `work` raises, and OSError if the kernel refuses.
     """
     done: Future[Result] = Future()
 
@@ -69,13 +70,13 @@ def within(
 
 
 def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -> None:
-    """Put this thread into a sandbox for the rest of its life."""
+    """Put this thread into a sandbox until the thread ends."""
     abi = version()
     if not abi:
         return
     every = RIGHTS[max(number for number in RIGHTS if number <= abi)]
     rules = _Ruleset(every, NETWORK, ABSTRACT_SOCKETS_AND_SIGNALS)
-    size = 8 if abi < 4 else 16 if abi < 6 else 24  # bytes: older kernels do not know the rules at the end
+    size = 8 if abi < 4 else 16 if abi < 6 else 24  # bytes: older kernels do not know the last fields of _Ruleset
     ruleset = _checked(_libc().syscall(CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), 0))
     try:
         look = READ_FILE | READ_DIR
@@ -89,7 +90,7 @@ def _confine(read: Iterable[Path], run: Iterable[Path], write: Iterable[Path]) -
 
 
 def _allow(ruleset: int, path: Path, rights: int) -> None:
-    """Add a rule: these rights on a file, or on all that is in a folder. None for a path that is out of reach."""
+    """Add a rule: these rights on a file, or on all that is in a folder. A path that cannot be opened gets no rule."""
     try:
         opened = os.open(path, os.O_PATH | os.O_CLOEXEC)
     except (FileNotFoundError, NotADirectoryError, PermissionError):

@@ -19,8 +19,8 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     """Return the scenes of the frames that the scene's picture is composed of, in the order that `composed` takes.
 
     The left eye comes first. A transparent background takes two frames of each eye: black behind the scene, then white.
-    Raises InputError if an eye's place is not allowed, for what the renderer gl cannot show, and for outlines on
-    light.
+    Raises InputError if an eye's place is not allowed, and if `rendering.renderer` is gl, for what gl cannot show. For
+    light (`rendering.is_light`), raises InputError if the background is transparent or if the scene has outlines.
     """
     if rendering.renderer == "gl":
         check_gl(scene)
@@ -82,8 +82,8 @@ def _joined(eyes: "Sequence[NDArray[Any]]", rendering: Rendering) -> "NDArray[An
 def _transparent(black: "Picture", white: "Picture") -> "Picture":
     """Return a picture with alpha from its appearances in front of black and of white.
 
-    In linear light, white - black = 1 - alpha, and black = alpha times the colour. Each colour gives an alpha;
-    the greatest of the three is taken.
+    In linear light, white - black = 1 - alpha, and black = alpha times the colour. Red, green and blue each give an
+    alpha; the greatest of the three is taken.
     """
     import numpy as np
 

@@ -1,4 +1,6 @@
-"""Chess pieces as distance fields, for the live view: the distance to the piece's surface at each point of a grid.
+"""Chess pieces as distance fields: the distance to the piece's surface at each point of a grid.
+
+The live view and the renderer gl draw pieces by these fields.
 
 POV-Ray finds where the grid's lines meet the surface (templates/probes/crossings.pov.j2), so a piece's only description
 is its own text. Finished fields are kept in the cache. Those of povgen's own pieces are in the file SHIPPED, so they
@@ -35,7 +37,7 @@ MOST = 2.0  # distances up to this many voxels are stored
 # A line of JSON: the place of each piece's field, by the SHA-256 of the text for POV-Ray. Then the fields' bytes, each
 # as the difference to the one before along y, which compress well. `make povgen/rendering/volumes.xz` writes it.
 SHIPPED = Path(__file__).with_name("volumes.xz")
-MAX_CROSSINGS = 1 << 24  # bytes of the file in which POV-Ray writes them; those of povgen's pieces are below 2 MB
+MAX_CROSSINGS = 1 << 24  # bytes of the file in which POV-Ray writes where lines meet surfaces; povgen's have below 2 MB
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -45,16 +47,18 @@ class Volume(NamedTuple):
     """A piece's distance field. `templates/live/pieceShape.js` reads it."""
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
-    # A byte for each point: the difference from the point before it along z. x changes fastest, z slowest. All is
-    # compressed and written in base 64.
+    # A byte for each point is 128 + 127 * distance / most, at least 1 and at most 255. The distance is below 0 inside.
+    # Stored is the difference, modulo 256, from the byte of the point before it along z. x changes fastest, z slowest.
+    # All is compressed with zlib and written in base 64.
     data: str
-    most: float = MOST  # the distance, in voxels, that the byte 255 means
+    most: float = MOST  # the distance, in voxels, for which the byte is 255; the same byte means greater distances
 
 
 def _kept(piece: str | PieceFile) -> tuple[str, str, Volume | None]:
     """Return the text for POV-Ray, the distance field's key in the cache, and the field if it is there or shipped.
 
-    Raises PovrayError if it is neither and POV-Ray is missing.
+    The key of a shipped field is empty. Raises PovrayError if the field is not shipped and POV-Ray is missing, because
+    POV-Ray's version belongs to the key.
     """
     source = to_crossings(piece, GRID, FILE_RADIUS, povray.DATA)
     if shipped := _shipped().get(_hash(source)):
@@ -83,7 +87,7 @@ def _shipped() -> dict[str, tuple[Sequence[float], NDArray[np.uint8]]]:
 
 
 def ship(path: Path = SHIPPED) -> None:
-    """Measure povgen's own pieces, and write their distance fields to the file of those that povgen brings."""
+    """Measure povgen's own pieces, and write their distance fields to a file, by default SHIPPED."""
     sources = [to_crossings(piece, GRID, FILE_RADIUS, povray.DATA) for piece in PIECES]
     runner = povray.Runner()
     made = [_measured(piece, source, runner, 100) for piece, source in zip(PIECES, sources, strict=True)]
@@ -111,7 +115,7 @@ def _measured(
 ) -> tuple[Sequence[float], NDArray[np.uint8]]:
     """Return the place of a piece's distance field, and its bytes (z, y, x).
 
-    Raises PovrayError, and InputError for an empty piece.
+    Raises PovrayError, and InputError for a piece that is empty or has too many surfaces.
     """
     with temporary_folder() as folder:
         try:
@@ -143,9 +147,10 @@ def _new(piece: str | PieceFile, source: str, key: str, runner: povray.Runner, t
 def distances(met: Floats) -> Floats:
     """Return the distance to the piece's surface at each point of the grid, in voxels, below 0 inside. Shape: GRID.
 
-    `met` (n, 4) says where lines meet surfaces: the number of the line's axis, its numbers along the two other axes,
-    and the place on the line, in voxels. Surfaces of parts that are hidden inside the piece are ignored: a point is
-    outside if nothing stands between it and the grid's border in one of the six directions along the axes.
+    `met` (n, 4) says where lines meet surfaces: the number of the line's axis (0 for x), the line's numbers along the
+    two other axes, from 0, and the distance from the line's first point, in voxels. Surfaces of parts that are hidden
+    inside the piece are ignored: a point is outside if nothing stands between it and the grid's border in one of the
+    six directions along the axes.
 
     A surface that is flat near a point has the distance 1/sqrt(1/dx^2 + 1/dy^2 + 1/dz^2), where dx, dy and dz are the
     distances along the axes. Far from the surface the result is inaccurate: it is for points within MOST voxels.
@@ -158,14 +163,18 @@ def distances(met: Floats) -> Floats:
 
 
 class _Lines:
-    """All lines along one axis, and where they meet surfaces. Arrays have the shape GRID."""
+    """All lines along one axis, and where they meet surfaces.
+
+    `free` (shape GRID) is true where a line meets no surface between the point and an end of the line. In `first` and
+    `last`, this axis is the last one.
+    """
 
     def __init__(self, met: Floats, axis: int) -> None:
         self.axis = axis
         i, j, place = met[:, 1].astype(int), met[:, 2].astype(int), met[:, 3]
         self.count = GRID[axis]
         others = [n for k, n in enumerate(GRID) if k != axis]
-        # after point k and before point k + 1: the first and the last place
+        # the first and the last place between point k and point k + 1 where a line meets a surface; infinite if none
         self.first = np.full((*others, self.count), np.inf)
         self.last = np.full((*others, self.count), -np.inf)
         k = np.clip(place.astype(int), 0, self.count - 1)
@@ -201,8 +210,8 @@ def volumes(
 ) -> dict[str, Volume]:
     """Return the pieces' distance fields, by the same names: shipped, from the cache or new. Then trim the cache.
 
-    `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for an
-    empty piece, and what `cache.check` raises.
+    `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for a piece
+    that is empty or has too many surfaces, and what `cache.check` raises.
     """
     cache.check()
     kept = {name: _kept(piece) for name, piece in pieces.items()}

@@ -158,7 +158,10 @@ class TracedThroughP:
 
 
 def trace_through_P(alpha: float, z1: float, z2: float) -> TracedThroughP:
-    """Trace rays from E through fine prisms near P, back to the plane of L. The angle alpha is in radians."""
+    """Trace rays from E through fine prisms near P, back to the plane of L, with L = 0 and E = 1.
+
+    alpha is in radians. z1 and z2 are in units of |E - L|.
+    """
     window = 4.0
     prism = Prism(window / 3000)
     place = complex(equations.P(z2 / z1, alpha))

@@ -26,8 +26,8 @@ def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # 
 
 
 def entitle(ax: Axes, number: int, title: str = "") -> None:
-    """Write (a), (b), ... at the left above a panel, and a title of one or more lines beside it."""
-    high = 4 + 13 * title.count("\n")  # of the first line, points; the last one's is 4
+    """Write (a) for number 0, (b) for 1, ... at the left above a panel, and a title of one or more lines beside it."""
+    high = 4 + 13 * title.count("\n")  # points from the axes up to the title's first line; its last line is at 4
     ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=high)
     look = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "baseline", "fontsize": 9}
     ax.annotate(title, (0, 1), (20, 4), **look)  # type: ignore[arg-type]

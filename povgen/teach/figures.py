@@ -55,7 +55,10 @@ class Drawn:
 
 
 def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
-    """Write figure 1 to 6 of the paper: figureN.png, its caption figureN.md and, for a line drawing, figureN.svg."""
+    """Write figure `number`, 1 to 6, and return the files: figureN.png, for a line drawing figureN.svg, and figureN.md.
+
+    figureN.md is the caption.
+    """
     with style(**PRINT):
         drawn = FIGURES[number](rendering)
         pictures = [folder / f"figure{number}{suffix}" for suffix in ([".png", ".svg"] if drawn.lines else [".png"])]
@@ -252,10 +255,10 @@ def _letters(figure: Figure, *places: tuple[float, float]) -> None:
 def _montage(
     scenes: Sequence[Scene], rendering: Rendering, titles: list[str], reach: float = 1.45, *, ideal: bool = False
 ) -> tuple[Figure, Sequence[Axes]]:
-    """Draw two rows of three frames, with coordinates in the plane z = 0, and return their panels.
+    """Draw two rows of three frames, with coordinates in the plane z = 0. Return the figure and the six panels.
 
-    Each frame ends `reach` tiles from its middle. If `ideal`, each row has the same frames through the ideal sheet
-    beneath it.
+    Each frame ends `reach` tiles from its middle. If `ideal`, a row of the same scenes through the ideal sheet is drawn
+    below each row. The panels of these further rows are not returned.
     """
     figure = Figure(figsize=(WIDTH, 9.75 if ideal else 5.05))
     # the low row leaves room for titles

@@ -1,6 +1,6 @@
 """Where objects appear in random scenes, by ray traces, against the predictions and their warnings.
 
-`python tests/unit/test_prediction_errors.py 1000` measures 1000 scenes without a warning and 1000 with one.
+`python tests/unit/test_prediction_errors.py 1000` measures scenes until 1000 of them have no warning.
 """
 
 import re
