@@ -84,6 +84,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: setattr(live(Chess()), "fresnel", True), ["fresnel = true"]),
         (lambda: setattr(live(Chess()), "scene", 3), ["scene", "Chess(...)"]),
         (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
+        (lambda: live(np.zeros((2, 2))), ["scene = array([[0., 0.], [0., 0.]])"]),
         (lambda: Movie(3), ["path = 3: should be a path", ".mp4"]),
         (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
