@@ -1,6 +1,7 @@
 """The camera: for each pixel of a picture, the position that it shows, and the ray from the eye to this position.
 
-A position is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
+A position is a complex number x + iy in the plane z = 0, in tiles from the first window's centre: x points right and y
+up. z points away from the eye, which is at z = -z2.
 """
 
 from typing import Protocol
@@ -47,7 +48,7 @@ def through(scene: Scene, position: ArrayLike) -> Bundle:
 
 
 def along(scene: Scene, direction: ArrayLike) -> Bundle:
-    """Return rays from the eye with these directions (..., 3)."""
+    """Return rays from the eye with these directions (..., 3): x, y, z of any length, z > 0 away from the eye."""
     return Bundle(np.array([scene.E.real, scene.E.imag, -scene.z2]), np.asarray(direction))
 
 
@@ -64,7 +65,7 @@ def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float6
 
 
 def window(scene: Scene, size: Size) -> tuple[slice, slice]:
-    """Return the rows and the columns of the pixels that show the window."""
+    """Return the rows and the columns of the pixels that show the window. Raises IndexError if there are none."""
     inside, _ = rays(scene, size)
     y, x = np.argwhere(inside)[[0, -1]].T
     return slice(y[0], y[1] + 1), slice(x[0], x[1] + 1)

@@ -11,14 +11,17 @@ if TYPE_CHECKING:
     from povgen.optics.equations import Complexes, Floats
 
 _CELLS = 16  # across the window, for the first estimate of the error
-_SERIES_CELLS = 24  # the least number in series: with fewer, a single cell could contain a further window
+# The least number across the first of several windows with the template "law". With fewer, a whole further window could
+# appear inside a single cell.
+_SERIES_CELLS = 24
 
 
 def template(scene: Scene) -> str:
-    """Return the name of the template of the camera that simulates the ideal windows. "" is POV-Ray's own camera.
+    """Return the name of the template of the camera that simulates the ideal windows.
 
-    "ideal": one window that only rotates light. "series": several of these; the parts of the picture are exact
-    polygons. "law": all others; triangles at an edge are halved until small.
+    "": no ideal window has a sheet, and POV-Ray's own camera is used. "ideal": the only ideal window only rotates
+    light. "series": there are several ideal windows, and all only rotate light. "law": all other cases. "series"
+    divides the picture into exact polygons. "law" halves the triangles at an edge until they are small.
     """
     if {sheet.name for sheet in scene.ideal} <= {"none"}:
         return ""
@@ -30,9 +33,11 @@ def template(scene: Scene) -> str:
 def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheets' camera interpolates rays.
 
-    This is the least number that keeps the error below MAX_CAMERA_ERROR, and at most MAX_CELLS. A probe can set it with
-    `grid`. See camera/ideal.pov.j2. For an eye on the axis, the interpolation in the whole window is exact. But the
-    part of the first window that shows a second one is no rectangle, and needs cells.
+    The number is at most MAX_CELLS. Up to there it is the least one that keeps the error below MAX_CAMERA_ERROR, or for
+    the template "law" an estimate of it (`_cells_of_laws`). A probe (a scene for measuring) can set the number with
+    `grid`. See camera/ideal.pov.j2. If there is one window, which only rotates light, and the eye is on its axis, one
+    cell is exact. With several windows one cell is not: the part of the first window that shows the second one is no
+    rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
@@ -49,10 +54,11 @@ def camera_cells(scene: Scene) -> int:
 def grid_error(scene: Scene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
-    This is for an eye off the axis, or several windows; otherwise the interpolation is exact. POV-Ray interpolates
-    between unit vectors at the corners of triangles. A ray then has the direction that belongs to another point, up to
-    d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the longest side d (docs/sheets.md). An object appears
-    displaced by |P| times this distance, or for several windows |z1/Z| times.
+    The windows only rotate light. The error is that of an eye off the axis, or of several windows; otherwise the
+    interpolation is exact. POV-Ray interpolates between unit vectors at the corners of triangles. A ray then has the
+    direction that belongs to another point, up to d^2 sin(2 field angle)/(8 z2) tiles away, for a triangle with the
+    longest side d (docs/sheets.md). An object appears displaced by |z1/Z| times this distance, with Z of
+    `equations.depth`. For one window |z1/Z| is |P| of eq. 7.
     """
     half = scene.aperture / 2
     x, y = abs(scene.E.real), abs(scene.E.imag)
@@ -81,9 +87,10 @@ def is_dark(scene: Scene) -> bool:
 def _cells_of_laws(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
-    The error is computed in 16 cells across the window. With n cells the error falls as 1/n^2 if the law is smooth. If
-    a law depends on the place, n grows until the error, computed again, is small enough. If light passes only between
-    the corners of these cells, the number is MAX_CELLS.
+    The error is computed with 16 cells across the window. With n cells it falls as 1/n^2 if the law is smooth. If a law
+    depends on the place, n grows until the error, computed again, is small enough. If light passes the windows, but in
+    no one of the 16 x 16 cells both at the middle and at all corners, the number is MAX_CELLS. For several windows it
+    is at least _SERIES_CELLS.
     """
     if len(scene.ideal) > 1:
         return max(_SERIES_CELLS, _cells_of_smooth_laws(scene))
@@ -128,8 +135,8 @@ def _is_exact(scene: Scene) -> bool:
 def _law_error(scene: Scene, n: int) -> float:
     """Return the error of an object's position with n cells across the window, in pixels of 1280x960.
 
-    It is computed in the middle of the cells' diagonals. NaN if there is no cell with light at its middle and all of
-    its corners.
+    It is computed in the middle of the cells' diagonals. Of all cells, the worst 2 % are left out. Of all objects, the
+    one with the greatest error counts. NaN if there is no cell with light at its middle and at all of its corners.
     """
     import numpy as np
 
@@ -160,10 +167,10 @@ def _law_error(scene: Scene, n: int) -> float:
 
 
 def _behind(scene: Scene, n: int) -> "tuple[Complexes, Floats]":
-    """Follow lines of sight through the corners of n x n cells of the first window.
+    """Return where lines of sight through the corners of n x n cells of the first window go.
 
-    Return their places (n + 1, n + 1) at the last ideal window and unit directions (n + 1, n + 1, 3) behind it. NaN: no
-    light passes.
+    The results are the lines' places (n + 1, n + 1), x + iy in tiles, at the last ideal window, and their unit
+    directions (n + 1, n + 1, 3) behind it. NaN: no light passes.
     """
     import numpy as np
 
@@ -172,7 +179,7 @@ def _behind(scene: Scene, n: int) -> "tuple[Complexes, Floats]":
 
 
 def _behind_points(scene: Scene, P: "Complexes") -> "tuple[Complexes, Floats]":
-    """Return the same for lines of sight that cross the first window at these points."""
+    """Return places and directions as `_behind` does, for lines of sight through the points P of the first window."""
     import numpy as np
 
     view, z = P - scene.E, -scene.z2

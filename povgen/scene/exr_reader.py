@@ -1,8 +1,9 @@
 """Reads an EXR file in a process with limits of memory and time: `python -m povgen.scene.exr_reader FILE`.
 
-OpenEXR writes about damaged files to both outputs. Standard output gets a zero byte, and then the light,
-(height, width, 3), in numpy's format. The exit status is 0, NO_OPENEXR, NO_COLOURS for a file without the channels R, G
-and B, TOO_LARGE, or another one.
+OpenEXR can write messages to standard output, too. After them come a zero byte and the light, (height, width, 3), in
+numpy's format. The exit status is 0 for success, NO_OPENEXR if OpenEXR is not installed, NO_COLOURS for a file without
+the channels R, G and B, and TOO_LARGE for more than MAX_PIXELS pixels. Any other status means a damaged file, or one
+that needs too much time or memory.
 """
 
 import resource

@@ -26,7 +26,7 @@ MAX_HEAD = 1 << 16  # bytes
 PATIENCE = 120  # seconds
 EXR = b"v/1\x01"
 WHOLE = "should be a whole picture, Radiance (.hdr) or EXR"
-MOST = 65504.0  # the greatest number of 16 bits, as the graphics card stores light
+MOST = 65504.0  # the greatest 16-bit floating-point number: the graphics card stores light as such numbers
 
 
 def is_light(data: bytes) -> bool:
@@ -35,9 +35,10 @@ def is_light(data: bytes) -> bool:
 
 
 def read(data: bytes) -> "Light":
-    """Return the light in a Radiance or EXR file. Values below 0 become 0, those above MOST become MOST.
+    """Return the light in a Radiance or EXR file with this content.
 
-    Raises ValueError for another file, and for one of too many pixels.
+    Values below 0 and NaN become 0, values above MOST become MOST. Raises ValueError for any other file, for too many
+    pixels, and for an EXR file if OpenEXR is not installed.
     """
     import numpy as np
 
@@ -102,7 +103,7 @@ def _radiance(data: bytes) -> "NDArray[Any]":
         pixels = np.frombuffer(data, np.uint8, 4 * width * height, at).reshape(height, width, 4)
         if (pixels[..., :3] == 1).all(-1).any():
             raise ValueError("should be a Radiance file without the run lengths of before 1991")
-    # a number from m to m + 1 is stored as m, as Ward's own programs and POV-Ray have it
+    # m stands for numbers from m to m + 1, and is read as m + 0.5, as in the program Radiance and in POV-Ray
     light = np.ldexp(pixels[..., :3].astype(np.float32) + 0.5, pixels[..., 3:].astype(np.int32) - 136)
     return np.where(pixels[..., 3:] > 0, light, 0)
 

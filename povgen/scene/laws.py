@@ -26,14 +26,14 @@ class Functions(NamedTuple):
     number: int  # of the window, from 1
     sheet: Ideal
     parameters: list[Line]
-    expressions: list[str]  # of x, y and z
+    expressions: list[str]  # for the components x, y and z of the ray's direction behind the sheet
 
 
 def to_pov(scene: Scene) -> list[Functions]:
-    """Return the laws of a scene's ideal windows, as POV-Ray's functions of x, y, z, X and Y.
+    """Return the laws of a scene's ideal windows, as POV-Ray's functions of x, y, z, X and Y (see `sheets.law`).
 
-    Names have a capital letter for each word: Alpha, FocalLength, AxisX. For window 2 they end with _2. Numbers of a
-    user's own law are Own_NAME, and for window 2 Own2_NAME.
+    In the names of parameters, each word has a capital letter: Alpha, FocalLength, AxisX. For window 2 they end with
+    _2. The parameters of a user's own law are Own_NAME, and for window 2 Own2_NAME.
     """
     return [_functions(number, window) for number, window in enumerate(scene.windows[: len(scene.ideal)], 1)]
 
@@ -54,7 +54,8 @@ def _functions(number: int, window: Placed) -> Functions:
             lines.append(Line(written, part, f"{_about(each, name)}{where}{unit}"))
     for name, value in sheet.numbers.items():
         if name not in names:
-            names[name] = f"Own{number if number > 1 else ''}_{name}"  # Own_k_2 is a name of window 1
+            # not Own_k_2 for k of window 2: this is the name of a parameter k_2 of window 1
+            names[name] = f"Own{number if number > 1 else ''}_{name}"
             lines.append(Line(names[name], value, f"{name} in the law{where}"))
     return Functions(number, sheet, lines, sheet.law.expressions(lambda name: names.get(name, name)))
 
@@ -69,11 +70,13 @@ class Text(NamedTuple):
     """The law of a kind of ideal sheet in GLSL and JavaScript."""
 
     name: str
-    # for each name in the law: the parameter's name, its unit, and for a direction the number of the component
+    # for each name in the law: the parameter's name, the first word of its unit, and the number of the component, from
+    # 0, of a direction; None for other parameters
     numbers: dict[str, tuple[str, str, int | None]]
     constants: list[str]  # JavaScript: the parts that depend on parameters alone; a parameter is p.NAME
-    glsl: list[str]  # x, y and z; this law's constants begin at constants[at] in the shader
-    javascript: list[str]  # x, y and z; the constants are c[0], c[1], ...
+    # the components x, y and z of the ray's direction behind the sheet
+    glsl: list[str]  # this law's constants begin at constants[at] in the shader
+    javascript: list[str]  # the constants are c[0], c[1], ...
 
 
 def to_live(scenes: Iterable[Scene] = ()) -> list[Text]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from itertools import pairwise
 
-# Places, and the colours there. Between two places the colour is interpolated.
+# Values of a pattern, 0 to 1, and the colour at each. Between two values the colour is interpolated.
 COLOUR_MAPS = {
     "LightTile": {"0.00": "0.58, 0.50, 0.40", "0.06": "0.76, 0.71, 0.61", "1.00": "0.82, 0.78, 0.69"},
     "DarkTile": {"0.00": "0.20, 0.25, 0.23", "0.06": "0.085, 0.125, 0.115", "1.00": "0.055, 0.085, 0.078"},
@@ -77,11 +77,13 @@ FORMULAS = {
     "FoothillHaze(x, y, z)": "min(1, max(0, Rise(x, y, z)/0.03))",
 }
 
-# low, but so high that the frame's shadow does not fall on a piece at z1 = 2
+# The sun is low, but high enough that the frame's shadow does not fall on a piece at z1 = 2. It is a row of as many
+# point lights as `lights` says. `row` is the vector along the row, and `direction` points to the sun.
 SUN = {"direction": "-1000, 900, -500", "colour": "1.25, 1.06, 0.80", "row": "70, 50, 20", "lights": 7}
 SKY_LIGHT = {"direction": "900, 500, -1200", "colour": "0.11, 0.15, 0.22"}
-# The floor's pattern fades into haze, in this light of the colour of the foothills' lower ends: the distance, and the
-# nearness where the pattern is gone and where it is whole.
+# With distance, the floor's pattern fades into haze. `colour` is the haze's pigment: lit by SUN and SKY_LIGHT, it has
+# the colour of the foothills' lower ends. The nearness of a point is 1 - d/`distance`, with its distance d from the
+# point of the floor below the window's centre. The pattern is absent at the nearness `gone`, and full at `whole`.
 FADE = {"distance": "120", "colour": "0.957, 1.208, 1.565", "gone": "0.1", "whole": "0.9"}
 # The upper ends of the foothills and of the mountains: (1 + sine of the angle above the horizon)/2.
 LAND_TOP, MOUNTAIN_TOP = "0.517", "0.584"
@@ -98,12 +100,15 @@ def color_map(name: str) -> str:
 
 
 def floats(formula: str) -> str:
-    """Return a formula in GLSL, which has no whole numbers where it wants others."""
+    """Return a formula in GLSL: a whole number such as 2 becomes 2.0, because GLSL needs floating-point numbers."""
     return re.sub(r"(?<![\w.])(?<!e-)\d+(?![\w.])", r"\g<0>.0", formula)
 
 
 def interpolated(colours: Mapping[str, str], wanted: str = "vec3({})") -> str:
-    """Return a colour map's colour at `value`, as a GLSL expression. `wanted` is the expression for a colour."""
+    """Return the colour of a colour map as a GLSL expression of the variable `value`.
+
+    `wanted` is the GLSL expression for one colour, in which {} stands for the colour's numbers.
+    """
     found = wanted.format(next(iter(colours.values())))
     for before, place in pairwise(colours):
         share = floats(f"clamp((value - {before})/({place} - {before}), 0, 1)")

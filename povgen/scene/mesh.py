@@ -35,11 +35,13 @@ def split(value: str) -> tuple[str, str, str] | None:
 
 @lru_cache(maxsize=4)  # every frame of a movie may ask for the same
 def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[str, str]:
-    """Return a text that declares `Piece`, and a sentence about its size.
+    """Return a text that declares `Piece`, and a note on its size, which is empty if there is nothing to say.
 
-    The piece stands on y = 0. The middle of its box is on the y axis, from which it stays within `radius`, in tiles. It
+    `data` is the file's content. `kind` and `options` are results of `split`, such as "stl" and ",height=1.2,up=z". The
+    piece stands on y = 0. The middle of its box is on the y axis. It stays within `radius`, in tiles, of this axis. It
     is as high as the option `height` says, or else as large as it can be, up to MAX_HEIGHT. The option `up`, y or z, is
-    the file's axis that points up: by default z for stl and ply, y for obj and glb. Raises ValueError.
+    the file's axis that points up: by default z for stl and ply, y for obj and glb. Raises ValueError for a wrong
+    option, for a file that is no whole mesh, for a mesh without height, and for a height with which it is too wide.
     """
     height, up = _checked(kind, options)
     import numpy as np  # slow to load

@@ -1,9 +1,10 @@
 """Reads a mesh in a process of its own, whose memory and time are limited: `python -m povgen.scene.mesh_reader KIND`.
 
 KIND is stl, obj, ply or glb. The file's bytes come by standard input. Standard output gets three arrays in numpy's
-format: vertices (n, 3), triangles (m, 3), which are numbers of vertices, and (2): the number of triangles in the file,
-and by how much simplification moves a vertex at most. Lengths are the file's. A fault is a line on standard error, with
-the exit status 1; NO_TRIMESH: trimesh is not installed. Only this module uses trimesh.
+format. The first has the vertices, (n, 3). The second has the triangles, (m, 3): indices of vertices, from 0. The third
+has two numbers: the number of triangles in the file, and the greatest distance by which simplification moves a vertex.
+Lengths are in the file's unit. The exit status is 0 for success, NO_TRIMESH if trimesh is not installed, and 1 for a
+fault, which is described in a line on standard error. Only this module uses trimesh.
 """
 
 import json
@@ -18,7 +19,7 @@ NO_TRIMESH = 3
 MAX_MEMORY = 3 << 30  # bytes of address space
 MAX_TIME = 60  # seconds of CPU time
 MAX_TRIANGLES = 200_000  # of the result; a text for POV-Ray of about 8 MB
-FINEST = 2**20  # cells along the longest side, in which equal vertices are one vertex
+FINEST = 2**20  # cells along the longest side: all vertices in one of these cells become one vertex
 BOM = b"\xef\xbb\xbf"
 TRIANGLE_FAN = 6  # a primitive's mode in glTF
 COMPRESSIONS = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}  # extensions of glTF
@@ -88,7 +89,7 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
 
 
 def _plain_obj(data: bytes) -> bytes:
-    """Return an OBJ file with single spaces, no comments and no continued lines. trimesh leaves out other lines."""
+    """Return an OBJ file with single spaces, no comments and no continued lines: trimesh can skip lines with these."""
     data = data.removeprefix(BOM).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     data = re.sub(rb"#[^\n]*", b"", data).replace(b"\\\n", b" ")
     return b"\n".join(b" ".join(line.split()) for line in data.split(b"\n"))
@@ -113,7 +114,10 @@ def _checked_glb(data: bytes) -> bytes:
 
 
 def _clustered(vertices: Any, triangles: Any, size: float) -> tuple[Any, Any, float]:  # noqa: ANN401  (numpy's)
-    """Make one vertex, the mean, of all in a cubic cell. Return vertices, triangles and how far a vertex moves."""
+    """Return the mesh in which the mean of the vertices in each cubic cell with the side `size` replaces them.
+
+    The results are the vertices, the triangles that are left, and the greatest distance by which a vertex moves.
+    """
     import numpy as np
 
     cells = ((vertices - vertices.min(axis=0)) / size).astype(np.int64)

@@ -29,12 +29,13 @@ _content: dict[str, bytes] = {}  # of the new files, by their names: a scene's t
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture from a file. `name` is that of the new file, which `used` returns: it states the content."""
+    """A picture from a file. `name` is the name of the new file, with a hash of its content; `used` returns it."""
 
     path: str
     name: str = field(repr=False)
-    size: tuple[int, int] = field(repr=False)  # pixels
-    mean: tuple[float, float, float] = field(repr=False)  # the mean colour: linear light, 0 to 1
+    size: tuple[int, int] = field(repr=False)  # width and height, pixels
+    # the mean colour: red, green and blue of linear light; 1 is white, and a picture of light can have more
+    mean: tuple[float, float, float] = field(repr=False)
     options: str = ""  # as the user wrote them
     width: float = field(default=WIDTH, repr=False)  # of the floor's picture, tiles
 
@@ -61,7 +62,11 @@ class Picture:
 
 
 def sky(value: object, data: bytes | None = None) -> Picture | None:
-    """Return the picture of the surroundings in a file, or with this content. Raises ValueError for another file."""
+    """Return the picture of the surroundings in the file with the path `value`. None and a `Picture` stay as they are.
+
+    `data` is the file's content; if it is None, the file is read. Raises ValueError for a file that is no picture, and
+    for a picture that is not twice as wide as high.
+    """
     if value is None or isinstance(value, Picture):
         return value
     picture = _picture(_path(value), "", WIDTH, data)
@@ -72,9 +77,10 @@ def sky(value: object, data: bytes | None = None) -> Picture | None:
 
 
 def floor(value: object, data: bytes | None = None) -> Picture | str:
-    """Return the floor's picture in a file, such as wood.jpg or wood.jpg,width=4, or with this content.
+    """Return the floor's picture in a file that `value` names, such as wood.jpg or wood.jpg,width=4.
 
-    Raises ValueError for another file, or a width out of range.
+    The texts "tiles" and "none", and a `Picture`, stay as they are. `data` is the file's content; if it is None, the
+    file is read. Raises ValueError for a file that is no picture, for a picture of light, and for a width out of range.
     """
     if isinstance(value, Picture) or isinstance(value, str) and value in ("tiles", "none"):
         return value
@@ -114,7 +120,7 @@ def _picture(path: str, options: str, width: float, data: bytes | None) -> Pictu
 
 @lru_cache(maxsize=2)  # a movie's frames have the same sky and floor
 def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, float]]:
-    """Write the new file of a picture. Return its name, its size in pixels, and the mean colour."""
+    """Make the new file of a picture; keep it in memory. Return its name, its size in pixels, and the mean colour."""
     if hdr.is_light(data):
         file = hdr.written(hdr.read(data))
         stored = hdr.read(file)
@@ -157,7 +163,7 @@ def _named(file: bytes, ending: str, content: bytes = b"") -> str:
 
 
 def as_png(name: str) -> bytes:
-    """Return a new file as a PNG file. Light brighter than white becomes white."""
+    """Return the content of the new file with this name, as PNG. Light brighter than white becomes white."""
     if not name.endswith(".hdr"):
         return _content[name]
     import numpy as np

@@ -20,9 +20,10 @@ PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
 
-# The text of a piece becomes a part of the scene, inside braces. There POV-Ray itself refuses cameras, fog, global
-# settings and the like. `declared` refuses the rest: a text that closes these braces, lights, defaults, and files,
-# which a text could write and then include.
+# The text of a piece becomes a part of the scene, inside braces. Inside braces, POV-Ray itself refuses cameras, fog,
+# global settings and the like. `declared` refuses what else could change the rest of the scene: lights, defaults, and a
+# brace that closes povgen's. It also refuses to write and to read files, because a text could write a file and include
+# it.
 #
 # A token as POV-Ray's tokenizer reads it: a line comment, the start of a block comment, a string, a number, a
 # directive, a name, or any other character.
@@ -30,7 +31,7 @@ TOKEN = re.compile(
     r"""//[^\n]*|/\*|"(?:\\.|[^"\\\n])*"|(?:\d+(?:\.\d*)?|\.\d+)(?:[eE](?:[-+\d]\d*)?)?|(?:\#[ \t]*)?[A-Za-z_]\w*|\S""",
     re.ASCII,
 )
-CONTROL = re.compile("[\0-\x08\x0e-\x1f\x7f-\x9f]")  # a terminal would obey them
+CONTROL = re.compile("[\0-\x08\x0e-\x1f\x7f-\x9f]")  # control characters: in a message, they would act on a terminal
 # Each bracket, and each directive with a body, must be closed by its own end inside the one around it. In a macro,
 # `1) #end` would let POV-Ray go on after the macro; `#if (0) { #end }` would close povgen's brace.
 LOOPS, CONDITIONS = ("#while", "#for", "#switch", "#macro"), ("#if", "#ifdef", "#ifndef")
@@ -46,7 +47,10 @@ REFUSED = re.compile(r"light_source|light_group|HF\w*|Parse_String|OwnPiece\w*")
 
 @dataclass(frozen=True)
 class PieceFile:
-    """A file that declares `Piece` in POV-Ray's scene description language, and its text; or a mesh as such a text."""
+    """A user's file of a piece, and a text that declares `Piece` in POV-Ray's scene description language.
+
+    The text is that of the file. For a mesh file, povgen makes the text.
+    """
 
     path: str
     text: str = field(repr=False)
@@ -70,9 +74,10 @@ Piece = str | Path | PieceFile  # as a user gives it
 
 
 def as_piece(value: object) -> object:
-    """Read the file if the value is text but no name of a piece.
+    """Return the `PieceFile` of a path, which can have a mesh's options. Other values and names of pieces stay.
 
-    Raises ValueError if that file declares no `Piece`, and if it is no mesh though its name ends like a mesh's.
+    Raises ValueError for a file that cannot be read or is too long. Raises ValueError for a file with a name such as
+    model.stl that is no mesh, and for any other file that `checked` refuses.
     """
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
@@ -87,7 +92,10 @@ def as_piece(value: object) -> object:
 
 
 def from_folder(value: object, folder: str | Path, names: Collection[str] = PIECES) -> object:
-    """Return a piece, or a list of pieces, so that a file's relative path starts in the folder. Names stay."""
+    """Return a value, or a list of values, so that a file's relative path starts in the folder.
+
+    Text in `names`, and what is no text, stays as it is.
+    """
     if isinstance(value, list):
         return [from_folder(each, folder, names) for each in value]
     return str(Path(folder, os.path.expanduser(value))) if isinstance(value, str) and value not in names else value
@@ -104,7 +112,11 @@ def _text(path: str) -> str:
 
 
 def checked(text: str) -> str:
-    """Return a text that declares `Piece`, as `PieceFile` has it. Its lines end with a line feed. Raises ValueError."""
+    """Return a piece's text in the form for a `PieceFile`: all lines, also the last, end with one line feed.
+
+    Raises ValueError for a text that is too long, has control characters, declares no `Piece`, or could change the rest
+    of the scene.
+    """
     if len(text) > MAX_BYTES:
         raise ValueError(f"should be a file of at most {MAX_BYTES} bytes")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -120,7 +132,8 @@ class _Opened(NamedTuple):
 
     token: str
     at: int  # in the text
-    breaks: bool  # whether #break, which skips the rest of a loop, may stand there: it must not skip a bracket
+    # whether #break may stand directly inside; it skips the rest of a loop, and must not skip the end of a bracket
+    breaks: bool
 
 
 @lru_cache(maxsize=64)
@@ -153,7 +166,10 @@ def declared(text: str) -> Sequence[str]:
 
 
 def _fault(token: str, after: str, then: str, around: Sequence[_Opened]) -> str:
-    """Return what is wrong with a token, or no text. `after` and `then` are the next two tokens."""
+    """Return what is wrong with a token, or "" if nothing is. `after` and `then` are the next two tokens.
+
+    `around` has the innermost bracket or directive that is open, or nothing.
+    """
     end = ENDS[around[0].token] if around else ""
     if token in ENDS.values() and token != end or token in PARTS and end != "#end":
         return f"{token!r}, but {around[0].token!r} is open" if around else f"{token!r}, but nothing is open"
@@ -171,12 +187,15 @@ def _fault(token: str, after: str, then: str, around: Sequence[_Opened]) -> str:
 
 
 def words(text: str) -> set[str]:
-    """Return the words of a piece's text, without comments and strings."""
+    """Return the tokens of a piece's text, without comments. A string is one token, with its quotation marks."""
     return {token for _, token in _tokens(text)}
 
 
 def _tokens(text: str) -> Iterator[tuple[int, str]]:
-    """Yield each token and its place in the text, without comments, which can be nested."""
+    """Yield the place of each token in the text, from 0, and the token. Comments, also nested ones, are left out.
+
+    Raises ValueError for a comment or a string that does not end.
+    """
     at = 0
     while found := TOKEN.search(text, at):
         at = found.end()

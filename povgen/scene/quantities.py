@@ -1,6 +1,7 @@
-"""Numbers that a scene has without a picture: what the equations predict, and what the ray trace finds.
+"""Numbers of a scene that need no picture: what the equations predict, and what the ray trace finds.
 
-They are of the scene's first object, and of all windows. A quantity that does not exist is NaN, such as nu at the pole.
+They are for the scene's first object, seen through all windows. A quantity that does not exist, such as nu at the pole,
+is NaN.
 """
 
 from collections.abc import Callable
@@ -15,20 +16,20 @@ from povgen.scene import camera
 from povgen.scene.scenes import Scene
 from povgen.sheets.sheet import Said
 
-MIN_RAYS = 100  # on the designed path
-RAYS = 10_000  # with so many, a share is right to 0.005
+MIN_RAYS = 100  # with fewer rays on the designed path, the object counts as not seen
+RAYS = 10_000  # traced rays: the standard error of a share is then at most 0.005
 
 
-# How captions call the parameters that a scene has besides those of its sheets, and the units of these parameters. For
-# sheets' parameters, `Parameter.unit` and `Parameter.said` say it.
+# How captions write names of parameters and quantities, where they do not use a sheet's `Parameter.said`, and units,
+# where they do not use `Parameter.unit`. A name that is not in SYMBOLS is written as it is.
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
 UNITS = dict.fromkeys(("z", "z1", "z2", "x", "eye", "line", "aperture", "view", "pedestal"), " tiles") | {
     "base_angle": "°",
     "wavelength": " nm",
 }
-# of z1 behind a single window, and behind several
+# How captions state z1: behind a single window, and behind several.
 BEHIND, BEHIND_LAST = (Said(f"z₁ = {{}} behind the {window}", full="z₁ = {}") for window in ("window", "last window"))
-# of the place of a window behind the first one: if it is the only one, and otherwise with its number
+# How captions state the place of a window behind the first one: of two windows, and of more than two.
 SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 
 
@@ -42,7 +43,7 @@ class Quantity(NamedTuple):
 
 @lru_cache(1)  # one trace for all quantities
 def _shares(scene: Scene) -> Shares:
-    """Return what becomes of rays from the eye to random points of the opening in the first window's frame."""
+    """Return what becomes of rays from the eye to random points of the front opening of the first window's frame."""
     x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
     P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
     return shares(scene.trace(camera.through(scene, P)), "black" in _tops(scene))
@@ -61,8 +62,10 @@ class Seen(NamedTuple):
 
     position: complex  # in the plane z = 0, tiles
     nu: float  # the angle by which it appears turned, degrees; NaN if it appears mirrored
-    M: float  # its size in the plane z = 0, divided by its own: the mean of all directions, as `apparent.nu_and_M`
-    blur: float  # RMS distance, in the plane z = 0, of a point's images by the single prisms, tiles
+    # its size in the plane z = 0, divided by its true size: the mean of the greatest and the least magnification, as in
+    # `apparent.nu_and_M`
+    M: float
+    blur: float  # RMS distance of a point's images by the single prisms from their mean, in the plane z = 0, tiles
 
 
 NOT_SEEN = Seen(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
@@ -72,8 +75,9 @@ NOT_SEEN = Seen(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
 def seen(scene: Scene) -> Seen:
     """Return the first object as the eye sees it: NaN if too little light on the designed path shows it.
 
-    Rays from the eye pass random points of a disc around the object's predicted position. Where they cross the object's
-    plane is a linear function of these points, and a remainder that depends on where a ray meets its prisms: the blur.
+    If it appears at infinity, M is infinite. Rays from the eye pass random points of a disc around the object's
+    predicted position. The place where a ray crosses the object's plane is a linear function of the ray's point, plus a
+    remainder that depends on where the ray meets its prisms. The remainder is the blur.
     """
     L, z1 = scene.objects[0]
     centre = complex(scene.apparent_position(L, z1))
@@ -90,7 +94,8 @@ def seen(scene: Scene) -> Seen:
     (there, a, b), *_ = np.linalg.lstsq(basis, place, rcond=None)
     if abs(abs(a) - abs(b)) <= 1e-9 * (abs(a) + abs(b)):  # at the pole
         return NOT_SEEN._replace(M=np.inf)
-    size = abs(a) ** 2 - abs(b) ** 2  # the linear function is inverted: a step on the object is seen as this step
+    # the inverse of the linear function: a step d on the object is seen as right*d + other*conj(d)
+    size = abs(a) ** 2 - abs(b) ** 2
     right, other = a.conjugate() / size, -b / size
     off = place - basis @ (there, a, b)
     blur = np.sqrt(np.mean(abs(right * off + other * off.conj()) ** 2))
@@ -107,7 +112,7 @@ def _tops(scene: Scene) -> set[str]:
 
 
 def _stray(scene: Scene) -> float:
-    """Return the share of stray light: NaN if only some windows have black tops, which `shares` does not know."""
+    """Return the share of stray light. NaN if only some windows have black tops: `shares` cannot compute this case."""
     return _shares(scene).stray if len(_tops(scene)) < 2 else np.nan
 
 
@@ -150,7 +155,10 @@ QUANTITIES = {
 
 
 def parameters(scene: Scene) -> dict[str, object]:
-    """Return a scene's parameters, numbers and texts, by names such as alpha, eye_x, window2_z and z1_2."""
+    """Return a scene's parameters by names such as alpha, eye_x, window2_z and z1_2, which is z1 of the second object.
+
+    The values are numbers, texts, True and False. Parameters that are None are left out.
+    """
     found: dict[str, object] = {"scene": scene.name}
 
     def add(name: str, value: object) -> None:

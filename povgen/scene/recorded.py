@@ -60,7 +60,10 @@ def _piece(name: object, texts: Mapping[str, str]) -> str | PieceFile:
 
 
 def _window(values: object, texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return the values of a scene or of a window, with the text of its profile. A named glass has its own index."""
+    """Return the values of a scene or of a window, with the text of its profile.
+
+    The index is left out if a glass is named: it follows from the glass.
+    """
     if not isinstance(values, Mapping):
         raise InputError(f"window = {shown(values)}: should be a table")
     found = dict(values)

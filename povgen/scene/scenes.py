@@ -1,7 +1,9 @@
 """Scenes: their parameters, with units and ranges. A scene never changes. Variants are copies.
 
-Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets. Points
-in it are complex numbers x + iy, from the window's centre: x points right and y up, as the eye sees them.
+Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets of the
+first window. Points in it are complex numbers x + iy, from this window's centre: x points right and y up, as the eye
+sees them. z points away from the eye, which is at z = -z2. z1 is the distance of an object from the middle plane of the
+last window.
 """
 
 from cmath import isfinite
@@ -66,7 +68,7 @@ Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
 
 
 def _listed(value: object) -> object:
-    """Accept an array or another collection as a list, and a collection of a single value in place of this value."""
+    """Return an array or another collection as a list, but one of a single value as this value. Other values stay."""
     value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
     if isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
         value = list(value)
@@ -83,7 +85,7 @@ def _tuple(value: T | tuple[T, ...]) -> tuple[T, ...]:
 
 
 def _piece(value: object) -> str | PieceFile:
-    """Return a piece's name, or its file's text."""
+    """Return a piece's name, or the `PieceFile` of its file. Raises ValueError for other values."""
     piece = as_piece(value)
     if not isinstance(piece, (str, PieceFile)):
         raise ValueError("should be a name or a file")
@@ -228,18 +230,21 @@ class Scene(ParametersOfSheets):
 
     @classmethod
     def list_from_file(cls, path: object) -> list[Self]:
-        """Return the scene of every frame of a movie's file, as `from_file` does."""
+        """Return the scene of every frame of a movie's file, or the one of a picture's file, with every parameter.
+
+        Raises InputError for a file that povgen did not write, and for scenes of another class.
+        """
         _, scenes = recorded(path, cls)
         return scenes
 
     @property
     def distances(self) -> tuple[float, ...]:
-        """z1 of every object, tiles."""
+        """z1 of every object: its distance from the middle plane of the last window, tiles."""
         return tuple(z1 for _, z1 in self.objects)
 
     @property
     def radii(self) -> tuple[float, ...]:
-        """The radius of every object, tiles: of a piece that of its foot."""
+        """The radius of every object, tiles. The radius of a piece is that of its foot."""
         return (0.0,) * len(self.objects)
 
     @property
@@ -302,7 +307,10 @@ class Scene(ParametersOfSheets):
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
-        """The windows behind the first one, as in `equations.depth`: (distance from the one before, alpha, radians)."""
+        """The windows behind the first one, as for `equations.depth`.
+
+        Each is a pair: its distance from the window before it, tiles, and its alpha, radians.
+        """
         turns = [radians(alpha) for alpha in self.alphas[1:]]
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
@@ -346,7 +354,10 @@ class Scene(ParametersOfSheets):
 
     @property
     def sheets_depth(self) -> float:
-        """Extent along z of the sheets in a window of prisms, tiles; 0 without prisms. Its middle is the window's z."""
+        """The greatest extent along z of a window's sheets, tiles; 0 if all sheets are ideal.
+
+        The middle of the sheets is at the window's z.
+        """
         return max(sheet.depth for sheet in self.sheets)
 
     @property
@@ -356,9 +367,9 @@ class Scene(ParametersOfSheets):
 
     @property
     def default_view(self) -> float:
-        """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles; at least VIEW.
+        """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles.
 
-        This holds for pictures of 4:3 or wider.
+        It is at least VIEW, and at most MAX_VIEW even if the frame needs more. Pictures are 4:3 or wider.
         """
         front, slant = -self.depth / 2, min(self.rim, self.depth)
         reach = 0.0
@@ -375,8 +386,10 @@ class Scene(ParametersOfSheets):
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `apparent.position` finds.
 
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
-        light. `near` is for sheets without a ray-transfer matrix: the distance, in tiles, at which light may pass the
-        point. Arrays broadcast. NaN and an infinite L give NaN. Raises InputError for a z1 that is infinite or below 0.
+        light. `near` is for sheets without a ray-transfer matrix: light that passes the point at up to this distance,
+        in tiles, also counts. Arrays broadcast. The result is the complex infinity if the point appears at infinity. It
+        is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN or L is
+        infinite. Raises InputError for a z1 that is infinite or below 0.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
@@ -408,7 +421,7 @@ class Scene(ParametersOfSheets):
     def seen(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> tuple["Complexes", "Booleans"]:
-        """Return both: the apparent position of a point, and whether it is visible."""
+        """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
         import numpy
 
         from povgen.optics import apparent
@@ -428,10 +441,10 @@ class Scene(ParametersOfSheets):
     def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
-        L and z1 are in tiles. `least` is the least share, 0 to 1, of the light at its position that belongs to the
-        ghost. Weaker ghosts are left out, and those that the window's frame hides. Windows in series are not followed:
-        then the list is empty, as for an L that is NaN or infinite. Raises InputError for a z1 that is infinite or
-        below 0.
+        L (complex) and z1 are in tiles. Ghosts with a share (`Ghost.share`, 0 to 1) below `least` are left out. So are
+        ghosts whose position is outside the opening of the window's frame. The list is empty for several windows, for
+        ideal sheets and Dove prisms, and for an L that is NaN or infinite. Raises InputError for a z1 that is infinite
+        or below 0.
         """
         from povgen.optics.ghosts import ghosts
 
@@ -447,11 +460,12 @@ class Scene(ParametersOfSheets):
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
-        They are eqs. 8 and 9, corrected, or for prisms of finite size or several windows those of `apparent.nu_and_M`.
-        Let s be the sum of all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within
-        180 degrees of s/2. nu is NaN at the pole, and for a mirrored object. Both are NaN if a sheet does not rotate
-        light: then it can distort an object. z1 is in tiles; arrays broadcast. Raises InputError for a z1
-        that is infinite or below 0.
+        For a single window with the sheet "ideal" they are eqs. 8 and 9, corrected (docs/errata.md). Otherwise they are
+        those of `apparent.nu_and_M`. nu is positive if the object appears turned counter-clockwise. Let s be the sum of
+        all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within 180 degrees of s/2.
+        At the pole nu is NaN and M is infinite. For a mirrored object nu is NaN. nu and M are NaN if a sheet does more
+        than to rotate light about its normal, because it can distort an object. z1 is in tiles; arrays broadcast.
+        Raises InputError for a z1 that is infinite or below 0.
         """
         import numpy
 
@@ -472,7 +486,8 @@ class Scene(ParametersOfSheets):
     def rays(self, size: tuple[int, int]) -> "Bundle":
         """Return a ray from the eye for each pixel of a picture: `size` is its width and height in pixels.
 
-        Positions are in tiles, (height, width, 3). The first row is the top one. Raises InputError for other sizes.
+        The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
+        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE.
         """
         from povgen.optics.rays import checked_count
         from povgen.scene import camera
@@ -487,12 +502,13 @@ class Scene(ParametersOfSheets):
     def pencil(
         self, point: "ArrayLike", count: int = 1000, middle: complex = 0, radius: float | None = None, seed: int = 1
     ) -> "Bundle":
-        """Return `count` rays from a point (x, y, z), in tiles, to random points of a disc in the nearest window.
+        """Return `count` rays from a point (x, y, z), in tiles, to random points of a disc in a window.
 
-        z > 0 is a point behind the last window, whose rays run as light does. z < 0 is one before the first window.
-        `middle` is the disc's centre, x + iy, and `radius` its radius, both in tiles; by default the disc is the
-        largest that the window contains. The rays are those of a random generator with this seed.
-        Raises InputError for a point between the windows, and for numbers outside their ranges.
+        The window is the one nearest to the point. Rays from a point behind the last window run towards the eye, as
+        light does. A point before the first window has z < 0, and its rays run away from the eye. `middle` is the
+        disc's centre, x + iy, and `radius` its radius, both in tiles. By default the disc is the largest that the
+        window contains. The same `seed` gives the same rays. Raises InputError for a point between the windows, and for
+        numbers outside their ranges.
         """
         from povgen.optics.rays import joined, pencil
 
@@ -502,9 +518,10 @@ class Scene(ParametersOfSheets):
     def trace(self, rays: "Bundle", max_faces: int = 60, partial: "Generator | None" = None) -> "Traced":
         """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
 
-        Positions are in tiles. A ray ends after `max_faces` faces of prisms. With `partial`, a generator of random
-        numbers, faces also reflect a part of the light (`optics.trace`); without, only light that is totally reflected.
-        Raises InputError for a ray that does not start outside the windows, or does not run towards them.
+        Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
+        generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
+        Otherwise reflection is only total. Raises InputError for a ray that does not start outside the windows, or does
+        not run towards them, and for a `max_faces` that is not a whole number from 1 to 100,000.
         """
         from povgen.optics.rays import trace_windows
 
@@ -523,9 +540,10 @@ class Scene(ParametersOfSheets):
     ) -> "Spot":
         """Return the spot diagram of light from a point: where a `pencil` crosses the plane z, in tiles.
 
-        The rays are extended both ways, so that the plane can be that of a virtual image. Rays that do not leave on
-        the designed path are left out, or with `stray` those that do not leave. Rays are traced a part at a time, so
-        memory is needed for the points of the diagram only. Other arguments and errors are those of `pencil`.
+        The rays are extended both ways, so that the plane can be that of a virtual image. Only rays that leave on the
+        designed path count. With `stray`, all rays that leave the last window on the far side count. Rays are traced a
+        part at a time, so memory is needed for the points of the diagram only. Other arguments and errors are those of
+        `pencil`. Raises InputError for a z that is not finite, too.
         """
         from povgen.optics.rays import pencil, spot
 
@@ -555,7 +573,10 @@ class Scene(ParametersOfSheets):
         return MAX_DISTANCE / self.tile - self.places[-1]
 
     def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed; a glass replaces the index. Raises InputError."""
+        """Return a copy with these values changed. A new glass also replaces an index that was given.
+
+        Raises InputError for a name or a value that is not allowed.
+        """
         replaced = {"index"} if changes.get("glass", "none") != "none" else set()
         given = {name: getattr(self, name) for name in self.model_fields_set - replaced}
         return type(self)(*unnamed, **{**given, **changes})
@@ -568,7 +589,7 @@ class Scene(ParametersOfSheets):
         found: list[Window] = []
         for number, window in enumerate(self.window, 2):
             own = window.model_copy()
-            if own.glass is None and own.index is not None:  # the first window's glass has another index
+            if own.glass is None and own.index is not None:  # else it would get the first window's glass, and its index
                 object.__setattr__(own, "glass", "none")
             object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
             if has_glass(own):  # the index is found, not given
@@ -821,7 +842,10 @@ class Spheres(Scene):
         return tuple(self.radius(z1) for z1 in self.distances)
 
     def radius(self, z1: float) -> float:
-        """Return the radius of the sphere at z1, tiles. At alpha = 0 farther spheres look larger: none is hidden."""
+        """Return the radius of the sphere at z1, tiles.
+
+        At alpha = 0, a farther sphere appears larger than a nearer one, so that no sphere is hidden completely.
+        """
         growth: float = (z1 / self.z2) ** 0.1
         return min(0.085 * growth * (1 + z1 / self.z2), z1 / 6)
 

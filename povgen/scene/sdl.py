@@ -42,7 +42,7 @@ class _Compiled(FileSystemBytecodeCache):
     """Compiled templates, stored beside their source, if this process may write there."""
 
     def get_source_checksum(self, source: str) -> str:
-        # the time of this module belongs to it: the module's options and filters are part of the compiled template
+        # The checksum depends on when this module was changed: its options and filters are part of a compiled template.
         return super().get_source_checksum(f"{Path(__file__).stat().st_mtime_ns} {source}")
 
     def dump_bytecode(self, bucket: Bucket) -> None:
@@ -104,7 +104,8 @@ class Mosaic(NamedTuple):
 
     size: tuple[int, int]  # width and height of the whole picture, pixels
     side: int  # width and height of a block, pixels
-    blocks: Sequence[Sequence[tuple[int, int]]]  # rows of blocks: column and row of each block's upper left pixel
+    # rows of blocks: column and row of each block's upper left pixel, counted from 0
+    blocks: Sequence[Sequence[tuple[int, int]]]
 
 
 def to_pov(
@@ -122,7 +123,7 @@ def to_pov(
 
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
     replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
-    is the result of `scene.survey`, if it is known already. Without it, rays are traced here.
+    is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If it is None, rays are traced.
 
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes such a
     picture from two scenes.
@@ -200,7 +201,7 @@ def _shapes(scene: Scene) -> list[Prisms]:
 
 
 class ProfileWindow(NamedTuple):
-    """A window with sheets of lenses, or of another cross-section (`Profile`) that is no Dove prism."""
+    """A window whose sheets have a `Profile` as their cross-section: lenses, and all other shapes but Dove prisms."""
 
     window: int  # counted from 0
     sheet: Layered
@@ -228,10 +229,10 @@ def _profiles(scene: Scene) -> list[ProfileWindow]:
 
 
 def to_crossings(piece: str | PieceFile, grid: tuple[int, int, int], limit: float, crossings: str) -> str:
-    """Return a scene with which POV-Ray finds where grid lines cross a piece's surface, and writes this to `crossings`.
+    """Return a scene with which POV-Ray finds the points where grid lines cross a piece's surface.
 
-    `grid`: the number of points along x, y and z. What is farther than `limit` (tiles) from the piece's axis is left
-    out.
+    POV-Ray writes the points to the file `crossings`. `grid` is the number of grid points along x, y and z. What is
+    farther than `limit`, in tiles, from the piece's axis is left out.
     """
     template = _environment().get_template("probes/crossings.pov.j2")
     return template.render(piece=piece, grid=grid, limit=limit, crossings=crossings)
@@ -295,8 +296,9 @@ def to_report(
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:
     """Return the origin of a line of a text for POV-Ray: a user's file and the line in it, or a template and None.
 
-    `source` is the result of `to_pov` or `to_crossings` for these pieces. A user's file is one that a
-    `PieceFile` was read from. Lines are counted from 1. The text of each template begins with a comment that names it.
+    `source` is the result of `to_pov` or `to_crossings` for these pieces. The path of a user's file is returned as
+    `repr` shows it. The line is that in `PieceFile.text`, which for a mesh is not the file's own text. Lines are
+    counted from 1. The text of each template begins with a comment that names it.
     """
     for piece in pieces:
         if isinstance(piece, PieceFile):

@@ -1,5 +1,6 @@
-"""What the live view's shaders are given for a scene: constants for the compiler, and uniforms. No file, no browser.
+"""What the live view's shaders are given for a scene: constants for the compiler, and uniforms.
 
+This module needs no file and no browser.
 templates/live/values.js does the same in a page. Lengths are in tiles, angles of the result in radians.
 """
 
@@ -22,11 +23,16 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.profile import Profile
 
 BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
-MOST_SPHERES = 11  # a scene with fewer has as many in the shader, so that it need not be compiled anew
+# The shader is compiled for at least this number of spheres, so that scenes with fewer can use the same shader.
+MOST_SPHERES = 11
 
 
 def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str, int | str]:
-    """Return what the shaders are compiled for. `names` are the pieces', `grid` the size of their distance fields."""
+    """Return the constants for which the shaders are compiled, by their names.
+
+    `names` are the names of the scene's different pieces (`scenes.pieces`). `grid` is the number of points of their
+    distance fields along x, y and z.
+    """
     found: dict[str, int | str] = {
         "WINDOWS": len(scene.windows),
         "CONSTANTS": _constants(to_live([scene])),
@@ -51,9 +57,11 @@ def surroundings(scene: Scene) -> dict[str, Picture]:
 def uniforms(
     scene: Scene, names: Sequence[str], places: Sequence[Sequence[float]], found: Survey | None = None
 ) -> dict[str, Any]:
-    """Return the shaders' uniforms, for a scene with these pieces and the places of their distance fields.
+    """Return the shaders' uniforms for a scene, by their names.
 
-    `found` is the scene's survey; without it, rays are traced.
+    `names` are as for `defines`. `places` has four numbers for the distance field of each piece, in tiles: x, y and z
+    of its first point, from the centre of the foot, and the side of a voxel. `found` is the scene's survey; without it,
+    rays are traced.
     """
     laws = to_live([scene])
     last = scene.places[-1]
@@ -65,7 +73,7 @@ def uniforms(
     prisms = [_prism(scene, window) for window in (scene, *scene.window)]
     profiles = _profiles(scene)
     shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
-    # of each sheet: sheets that are not built exactly differ
+    # two shapes for each window, one for each sheet: with errors of building they differ
     own = [([layer.shape for layer in several] + [plan] * 2)[:2] for several, plan in zip(layers, shapes, strict=True)]
     pieces = scene.pieces if isinstance(scene, Chess) else ()
     spheres = scene.objects if isinstance(scene, Spheres) else ()
@@ -160,7 +168,7 @@ def _constants(laws: Sequence[Text]) -> int:
 
 
 def _kind(sheet: Sheet, laws: Sequence[Text]) -> int:
-    """Return the number of a sheet's law in laws.glsl. Prisms have none."""
+    """Return the number of a sheet's law in laws.glsl, from 0. It is -1 for prisms and lenses, which have no law."""
     if sheet.layers:
         return -1
     name = f"law {sheet.values['law']}" if isinstance(sheet, OwnLaw) else sheet.name

@@ -106,7 +106,10 @@ class Sweep(Model):
         return self.values or tuple(value for value in (self.start, self.via, self.stop) if value is not None)
 
     def in_frames(self, count: int, ease: bool = False) -> list[Value]:
-        """Return the parameter's value in each of `count` frames. With `ease` it is slow at the ends and at `via`."""
+        """Return the parameter's value in each of `count` frames. `values`, if given, are returned as they are.
+
+        With `ease` the value changes slowly at the ends and at `via`.
+        """
         if self.values:
             return list(self.values)
         if self.via is not None:
@@ -189,8 +192,9 @@ class MovieSpec(Model):
     def load(cls, path: str | Path, fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
-        The path of a piece's file is relative to the TOML file's folder. The values in `fixed` replace the file's.
-        Raises InputError, which names the file, the key, the value and what is allowed.
+        The paths of the scene's files (pieces, profiles, sky and floor) are relative to the TOML file's folder. The
+        values in `fixed` replace the file's. Raises InputError, which names the file, the key, the value and what is
+        allowed.
         """
         if not isinstance(path, (str, Path)):
             raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
@@ -211,9 +215,10 @@ class MovieSpec(Model):
 
     @classmethod
     def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, object] = {}) -> Self:
-        """Read a movie spec from TOML text. Raises InputError, whose message begins with the name.
+        """Read a movie spec from TOML text. Raises InputError, whose message begins with `name`.
 
-        The path of a piece's file is relative to the folder. The values in `fixed` replace those of the text.
+        The paths of the scene's files (pieces, profiles, sky and floor) are relative to `folder`. The values in `fixed`
+        replace those of the text.
         """
         if not isinstance(text, str):
             raise InputError(f"{name}: not TOML: {shown(text)}; allowed: text")
@@ -240,14 +245,17 @@ class MovieSpec(Model):
 
     @classmethod
     def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, object]) -> Self:
-        """Return the movie of a scene with sweeps such as alpha=0:180. The values may be text. Raises InputError."""
+        """Return the movie of the scene with this name, with sweeps such as alpha=0:180. Raises InputError.
+
+        `values` are other fields of `MovieSpec`, such as frames, by their names. They may be text.
+        """
         sweeps = [Sweep.parse(text) for text in texts]
         parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
         title = f"{scene}, {', '.join(parts)}"[:200]
         return cls(title=title, scene=scene, sweep=sweeps, **values)
 
     def with_fixed(self, values: Mapping[str, object]) -> Self:
-        """Return the movie with other fixed parameters. The values may be text. Raises InputError."""
+        """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError."""
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
         spec = self.replace(fixed={**self.fixed, **values})
@@ -331,20 +339,20 @@ class MovieSpec(Model):
         return max(round(steps * more), 1) + 1
 
     def count(self, quality: str) -> int:
-        """Return the number of frames."""
+        """Return the number of frames of the whole movie, with those for `hold` and `loop`."""
         held = round(self.hold * self.rate(quality))
         there = self._frames_there(quality) + held * self._stays_halfway
         return (2 * there - 2 if self.loop else there) + 2 * held
 
     @property
     def _stays_halfway(self) -> bool:
-        """Whether the middle picture stays, too."""
+        """Whether `hold` also applies to the middle picture, because a sweep has `via`."""
         return any(sweep.via is not None for sweep in self.sweep)
 
     def rate(self, quality: str) -> float:
-        """Return the number of frames a second. Without `hold`, a movie takes as long at each quality.
+        """Return the number of frames a second. From start to stop, a movie takes nearly the same time at each quality.
 
-        Raises InputError if it is not from 0.1 to 120, as `frame_rate` has to be.
+        Raises InputError if the number is not from 0.1 to 120, as `frame_rate` has to be.
         """
         rate = preset_of(quality).frame_rate
         if self.exact_frames or any(sweep.values for sweep in self.sweep):
@@ -389,7 +397,10 @@ def spec_file(path: str | Path) -> Path | int:
 
 
 def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
-    """Return the scene's parameters that can be swept, and how many numbers a value of each has."""
+    """Return the parameters of a class of scenes, or of `Window`, that can be swept.
+
+    For each name, the result has how many numbers a value has: 1, or 2 for a point.
+    """
     counts = {name: _numbers(field.annotation) for name, field in scene.model_fields.items()}
     return {name: count for name, count in counts.items() if count in (1, 2)}
 

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through the windows of prisms."""
 
-    # the least max_trace_level with which, for each window of prisms, at most MAX_LOST_FRACTION of the rays are lost
+    # a max_trace_level with which, for each window of prisms, at most MAX_LOST_FRACTION of the rays are lost: the least
+    # one with a margin, but at least 5, and enough for the designed path
     trace_level: int
     designed: float  # the fraction of the rays into the last window's frame that are on the designed path
 
@@ -72,7 +73,7 @@ def of_inputs(given: SurveyInputs) -> Survey:
     level, designed = max(5, faces + 1), 0.0
     first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
     start_z = windows[first - 1].z if first else -z2
-    # rays to the middle of each window, and then all that enter its frame: in a deep frame they are others
+    # First rays to each window's middle plane, then rays into its frame. In a deep frame, these are different rays.
     for number, at in product(range(first, len(windows)), (0.0, depth)):
         P = _crossings_up_to(number, given._replace(depth=at))
         count = P.shape[1]
@@ -115,7 +116,8 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
         return np.stack([*(each for each, *_ in followed), place - depth / 2 * slope])  # the last: where it enters
 
     bounds = [*range(number), number + 1]  # the crossings that have to be within the window's square
-    most = half if number else np.inf  # the bounds of the front are farther apart than those of the middle
+    # rays through the front of the first window's frame can cross the plane z = 0 outside the window
+    most = half if number else np.inf
     low, high = np.full(2, -most), np.full(2, most)
     if apparent.matrix(elements[:-1]) is not None:  # the crossings are linear functions of P
         origin = crossings(np.array([E]))[:, 0]

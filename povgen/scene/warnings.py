@@ -27,7 +27,8 @@ def warnings(
 ) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence.
 
-    `found` is the result of `survey`, if it is known already. Without it, rays are traced here.
+    Without `rendering`, limits that depend on it, such as on the size of the picture, are not checked. `found` is the
+    result of `survey`, if it is known already. If it is None, rays are traced.
     """
     glass = scene.has_prisms
     yield from _of_pieces(scene, rendering)
@@ -83,7 +84,7 @@ def _things(scene: Scene) -> str:
 
 
 def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
-    """Yield a warning if no light passes through the ideal windows, and if the overlay cannot mark an object."""
+    """Yield a warning if no light passes the ideal windows, and one for each object that the overlay cannot mark."""
     if scene.is_empty:
         return
     import numpy as np
@@ -102,7 +103,7 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
 def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
     """Return by how many pixels of 1280x960 the prediction for an object behind prisms can be wrong.
 
-    L and z1 are the object's; its radius is in tiles. Infinite if the object appears at infinity.
+    L (complex), z1 and `radius` are those of the object, in tiles. The result is infinite if it appears at infinity.
     """
     from povgen.optics import uncertainty
 
@@ -111,7 +112,10 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
 
 
 def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
-    """Yield a warning for the worst object if the predicted image, overlay or caption is wrong by several pixels."""
+    """Yield a warning for the worst object if the predicted image, overlay or caption can be wrong by too much.
+
+    The limit is MAX_ERROR for prisms and lenses, and 1 pixel for ideal sheets, both in pixels of 1280x960.
+    """
     shows = {
         "predicted_image": "predicted_image" in scene.outlines,
         "overlay": rendering and rendering.overlay,

@@ -135,15 +135,16 @@ class Window(_OfWindow):
 class Placed(NamedTuple):
     """A window: where it is, and the sheet in it."""
 
-    z: float  # of the middle plane, tiles behind that of the first window; a pair of sheets stands on both its sides
+    z: float  # of its middle plane, tiles behind that of the first window; of a pair, a sheet is on each side of it
     sheet: Sheet
 
 
 def window_table(value: object) -> object:
-    """Return a window's text, such as 'alpha=120,z=2', as a table. Commas also separate the components of a direction.
+    """Return a window's text, such as 'alpha=120,z=2', as a table.
 
-    Its values are texts, or a list of texts for a parameter that may occur several times. A value that is no text is
-    returned as it is. Raises ValueError for text of another form.
+    A part between commas that has no = belongs to the part before it, such as a component of a direction. The table's
+    values are texts. For a parameter that occurs several times, which only a table may, the value is a list of texts.
+    If `value` is no text, it is returned as it is. Raises ValueError for text of another form.
     """
     if isinstance(value, str):
         parts: list[str] = []
