@@ -7,8 +7,8 @@ distance z2 from the eye, at P = E + z2 s. A point L behind the last window appe
 A window has a ray-transfer matrix (5, 5) if place and slope behind it are linear functions of those before it, plus
 constants. The matrix maps (X, Y, sx, sy, 1), a ray's place and slope before the window, to those behind the window. The
 windows' matrices and those of the distances between them are multiplied. The matrices of prisms and lenses are in
-`paraxial`. For other windows only `Element.slope` is known: the slope behind the window, for each ray. The ray to L is
-then found by Levenberg's and Marquardt's method, from many starts.
+`paraxial`. For other windows only `Element.slope` is known: the slope behind the window, for each ray. If there is such
+a window, the ray to L is found by the Levenberg-Marquardt method, from many starts.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -88,7 +88,7 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
 def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
-    L is complex. L, z1 and `near` broadcast. NaN if there is no path, or if every ray is one.
+    L is complex. L, z1 and `near` broadcast. The result is NaN if there is no path, or if every ray leads to L.
 
     If all windows have a matrix, there is at most one path. The result is the complex infinity (inf + 0j) if L appears
     at infinity: the determinant of the equations for P is then at most 1e-14 of its terms.
@@ -96,8 +96,8 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     If a window has no matrix, paths are searched for. There can be several. The result is the position with the least
     max(|x|, |y|), so if any position is visible in a square window with its centre at 0, the result is. The search can
     miss paths that leave the eye at more than 87 degrees to the normal. At a caustic two paths merge, and on one side
-    of it there are none. There a large object can be seen in part, although its middle cannot. So a path also counts if
-    it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
+    of it there are none. On that side a large object can be seen in part, although its middle cannot. So a path also
+    counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
     distance, total = windows[0][0], matrix(windows)
@@ -114,10 +114,11 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
     """Return the image plane's z, measured from the first window, and the image points in this plane.
 
-    L (n,) are points a distance z1 behind the last window. Their light runs as if it came from the places (n,) in this
-    plane, whatever its slope: an image, virtual behind the first window (z > 0), real before it. z is infinite if the
-    light of each point is parallel. The result is NaN if light of a point does not come together, or if a window has no
-    matrix.
+    L (n,) are points a distance z1 behind the last window. To the eye, their light runs as if it came from the image
+    points (n,), whatever its slope. The image is virtual behind the first window (z > 0), and real before it. If the
+    light of each point is parallel, z is infinite and the image points are NaN. If the light of a point does not come
+    together, or if a window has no matrix, z and the image points are NaN. The distance of the first window from the
+    eye does not matter.
     """
     points = np.asarray(L, complex)
     nowhere = np.full(points.shape, complex(np.nan, np.nan))
@@ -142,9 +143,9 @@ def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
     """Return A and B: if a ray's slope at the eye changes by a small ds, its end moves by A ds + B conj(ds).
 
     The end is in the plane of L, a distance z1 behind the last window. For windows that rotate light, L - E = A s + B
-    conj(s) for a ray that reaches the eye E with the slope s. Without thickness B = 0, and A is the complex depth Z of
-    `equations.depth`. At |A| = |B| the light of a point meets the eye's plane only along a line, or in one point if A =
-    B = 0. NaN if a window has no matrix.
+    conj(s) for a ray that reaches the eye E with the slope s. If these windows have no thickness, B = 0, and A is the
+    complex depth Z of `equations.depth`. If |A| = |B|, the light of a point meets the eye's plane only along a line. If
+    A = B = 0, it does so in only one point. A and B are NaN if a window has no matrix.
     """
     z1, total = np.asarray(z1, float), matrix(windows)
     if total is None:
@@ -158,8 +159,8 @@ def depths(z1: ArrayLike, windows: Windows) -> tuple[Complexes, Complexes]:
 def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
     """Return the angle nu, radians, through which an object appears turned, and its magnification M.
 
-    nu is positive if the object appears turned counter-clockwise. M compares its size in the plane of the first window
-    with its true size.
+    nu is positive if the object appears turned counter-clockwise. M is the object's apparent size, in the plane of the
+    first window, divided by its true size.
 
     With A and B of `depths`, a short step d on the object appears as p d + q conj(d) in the plane of the first window:
     p = z2 conj(A)/(|A|^2 - |B|^2) and q = -z2 B/(|A|^2 - |B|^2). Then nu = arg(p). The magnification depends on the
@@ -175,10 +176,11 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
 
 
 def infinite_z1(windows: Windows) -> Floats:
-    """Return the z1 > 0 at which objects appear at infinity, or come closest to it; none if a window has no matrix.
+    """Return the values of z1 > 0, (n,), at which objects appear at infinity, or come closest to it.
 
-    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. If its solutions are complex, no object
-    appears at infinity. The result is then their real part, where |A|^2 - |B|^2 is closest to 0.
+    z1 solves a quadratic equation, |A|^2 - |B|^2 = 0 with A and B of `depths`. So n is at most 2. If the solutions are
+    complex, no object appears at infinity. The result is then their real part, twice: there |A|^2 - |B|^2 is closest to
+    0. The result is empty if no value is above 0, or if a window has no matrix.
     """
     total = matrix(windows)
     if total is None or not np.isfinite(total).all():  # NaN: no light takes a profile's designed path
@@ -190,10 +192,11 @@ def infinite_z1(windows: Windows) -> Floats:
 
 
 def infinite_alpha(z1: ArrayLike, z2: ArrayLike, shape: Prism | Profile) -> Complexes:
-    """Return the alpha from 0 to pi, radians, at which two sheets that mirror show an object at infinity (|A| = |B|).
+    """Return the alpha from 0 to pi, radians, at which a pair of sheets shows an object at infinity (|A| = |B|).
 
-    z1 and z2 are measured from the middle of the pair. The result is complex if there is no real alpha. At -alpha, the
-    object is at infinity too.
+    The pair is that of `trace.pair`. Both sheets have the given shape, and mirror the slope of light about their
+    ridges. z1 and z2 are measured from the middle of the pair. The result is complex if there is no real alpha. At
+    -alpha, the object is at infinity too.
     """
     g, apart = small_angles(shape).slab_shift, shape.separation
     near, far = np.subtract(z2, (apart + g) / 2), np.subtract(z1, (apart + g) / 2)
@@ -278,8 +281,9 @@ def nearest_rays(
     s (n,) are the first slopes, and `target` (n,) the index of each ray's target. `miss(s, target)` returns the vectors
     from the targets to the rays, as complex numbers. `enough` (n,) are the distances that are small enough.
 
-    Levenberg's and Marquardt's method: if no ray near the first one meets the target, the result is the ray that misses
-    it least. A ray is given up if its distance is more than `enough`, and twenty steps have not halved it.
+    The method is Levenberg-Marquardt. If no ray near the first one meets the target, the result is the ray that misses
+    it least. The search for a ray ends early if its distance is more than `enough`, and twenty steps have not halved
+    it. The distance is infinite if `miss` is NaN for the first slope.
     """
     s, f = s.copy(), miss(s, target)
     damping, earlier = np.full(len(s), 1e-3), abs(f)

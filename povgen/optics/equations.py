@@ -11,7 +11,7 @@ At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P an
 digits are lost by cancellation. `condition` returns the factor by which errors of r and alpha grow there.
 
 alpha, r and distances are real. Complex numbers raise TypeError. Negative r or distances raise ValueError, unless the
-docstring allows them. So do angles beyond 10 pi, which are probably in degrees. NaN gives NaN.
+docstring allows them. Angles beyond 10 pi raise ValueError, because they are probably in degrees. NaN gives NaN.
 """
 
 from collections.abc import Iterable
@@ -91,8 +91,8 @@ def one_minus_P(r: ArrayLike, alpha: ArrayLike) -> Complexes:
 def nu(r: ArrayLike, alpha: ArrayLike) -> Floats:
     """Return eq. 8, corrected: arg(1 - P), the angle through which an object appears turned about E. NaN at the pole.
 
-    Erratum: the paper prints arg(P), the angle at L. The text next to eq. 8, and the paper's pictures, show the angle
-    at E.
+    At r = 0, where 1 - P = 0, the result is the limit, alpha. Erratum: the paper prints arg(P), the angle at L. The
+    text next to eq. 8, and the paper's pictures, show the angle at E.
     """
     r, alpha, touching = _checked(r, alpha)
     inverse = _sum(np.where(touching, 1, r), np.where(touching, 0, 1.0), -alpha)  # a positive multiple of 1/(1 - P)
@@ -109,10 +109,10 @@ def M(r: ArrayLike, alpha: ArrayLike) -> Floats:
 
 
 def condition(r: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Return the condition number of P with respect to r exp(i alpha): |1 - P|. (For 1 - P it is |P|.)
+    """Return the condition number of P with respect to r exp(i alpha): |1 - P|.
 
-    A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, changes P. The relative error of P is 1e-16
-    times the condition number.
+    A relative error of 1e-16 in r, or an error of 1e-16 radians in alpha, causes a relative error of P. This is 1e-16
+    times the condition number. The condition number of 1 - P is |P|.
     """
     return M(r, alpha)
 
@@ -122,8 +122,9 @@ def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) 
 
     The slope is s = (dx + i dy)/dz.
     z2 is the distance from the eye to the first window, alpha the angle of this window, and z1 the distance from the
-    last window to the object. `behind` are the windows between the first one and the object: pairs (d, alpha). For
-    windows of alpha_1 ... alpha_n, the nearest to the eye first,
+    last window to the object. `behind` are the windows between the first one and the object, the nearest to the eye
+    first: pairs (d, alpha), where d is the distance from the window before. For windows of alpha_1 ... alpha_n, d_k
+    apart,
     Z = z2 + d_1 exp(-i alpha_1) + d_2 exp(-i (alpha_1 + alpha_2)) + ... + z1 exp(-i (alpha_1 + ... + alpha_n)).
     For one window Z = z2 + z1 exp(-i alpha), without cancellation. For several windows a Z as small as the rounding
     errors, ROUNDING times the sum of the distances, is given as 0. Distances of either sign are allowed.
@@ -139,9 +140,10 @@ def depth(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) 
 def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, behind: Windows = ()) -> Floats:
     """Return the curl of the directions of light from a point L, on the eye's side of the windows.
 
-    The unit vectors along this light, at every place, are a field. The curl is that of this field, at a distance z2
-    from the first window, where theta is the angle between the light and the normal. The curl is parallel to the light.
-    The result is its component along the light, per unit of length: -(1 + cos^2 theta) Im Z/|Z|^2, with Z of `depth`.
+    The unit vectors along this light form a vector field. The result is for a place at a distance z2 from the first
+    window, at which theta is the angle between the light and the normal. There the curl is parallel to the light. The
+    result is its component along the light, in 1/length: -(1 + cos^2 theta) Im Z/|Z|^2, with Z of `depth`. Its sign
+    follows the right-hand rule, although the axes x, y, z are left-handed.
     For one window that is (1 + cos^2 theta) z1 sin(alpha)/|Z|^2. Where the curl is not 0, no surface is perpendicular
     to the light: it has no wave fronts (docs/beyond.md). NaN if Z = 0.
     """
@@ -214,7 +216,7 @@ def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.flo
 
 
 def radians(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return the values of an angle as floats. Raises as `real`, and ValueError for what is probably in degrees."""
+    """Return the values of an angle as floats. Raises what `real` raises, and ValueError for angles beyond 10 pi."""
     values = real(name, values)
     if (np.abs(values) > LARGEST_ANGLE).any():
         raise ValueError(f"{name} = {values[np.abs(values) > LARGEST_ANGLE][0]:g}; allowed: -10 pi to 10 pi, radians")

@@ -21,9 +21,9 @@ Booleans = NDArray[np.bool_]
 
 
 class Face(IntEnum):
-    """Faces of a prism. NEAR is the slanted facet towards negative z, where the eye is. `profile.dove` has their order.
+    """Faces of a prism. NEAR is the slanted facet towards negative z, where the eye is.
 
-    The faces of another profile have the numbers of its edges.
+    `profile.dove` numbers its edges in the same way. The faces of any other profile have the numbers of its edges.
     """
 
     NONE = 0
@@ -41,8 +41,9 @@ ROUNDING = 1e-12  # periods, or radii of arcs: by how much a ray may miss the en
 class Sheet:
     """A sheet of equal prisms or lenses, turned by `angle` (radians) about z. Its middle plane is z = `centre`.
 
-    A sheet that is not built exactly can also be tilted about its middle, by `tilt` (radians): about x, and then about
-    y. Its frame is tilted with it.
+    `angle` is from the x axis to the ridges, and positive from x towards y. A sheet that is not built exactly can also
+    be tilted about its middle, by `tilt` (radians): about x, and then about y. Positive tilts turn y towards z, and z
+    towards x. The sheet's frame is tilted with it.
     """
 
     angle: float
@@ -50,7 +51,7 @@ class Sheet:
     shape: Prism | Profile
     window: int = 0  # the window that the sheet is in; a window's sheets follow one another
     tilt: tuple[float, float] = (0.0, 0.0)
-    # standard deviations, and what draws them: `single_prisms`
+    # standard deviations, and the seed of the random numbers: `single_prisms`
     facets: float = 0.0  # of the angle between base and each single facet, radians
     pitches: float = 0.0  # of the height of each single prism, divided by the height
     seed: tuple[int, int] = (0, 0)
@@ -68,7 +69,7 @@ class Sheet:
 
 
 class _Cells:
-    """Cells of equal height in sheets. The first arguments are arrays with one for each ray."""
+    """Cells of equal height in sheets. Arguments and results of the methods are arrays with a value for each ray."""
 
     pitch: Any
     first: Any
@@ -79,13 +80,17 @@ class _Cells:
         return cell, v - self.first - cell * self.pitch
 
     def bottom(self, cell: Floats) -> Floats:
-        """Return where cells begin: the height in the sheet."""
+        """Return the heights in the sheet at which these cells begin."""
         return np.asarray(cell * self.pitch + self.first)
 
 
 @dataclass(frozen=True)
 class Prisms(_Cells):
-    """The shapes of the prisms: numbers if all sheets have the same, otherwise arrays with one of each sheet or ray."""
+    """The shapes of the prisms in sheets.
+
+    If all sheets have the same shape, each field but the normals is a number. Otherwise it is an array with a value for
+    each sheet, or, in a result of `at`, for each ray.
+    """
 
     pitch: Floats
     height: Floats
@@ -101,7 +106,7 @@ class Prisms(_Cells):
 
     @classmethod
     def of(cls, shapes: list[Prism], window: float) -> "Prisms":
-        """Return these shapes of the prisms in sheets, in windows with this side."""
+        """Return the prisms of sheets with these shapes, one for each sheet, in windows with this side."""
         if len(set(shapes)) == 1:
             shapes = shapes[:1]
         base = np.radians([prism.base_angle for prism in shapes])
@@ -117,7 +122,7 @@ class Prisms(_Cells):
         return cls(*numbers, *normals)  # type: ignore[call-arg]
 
     def at(self, sheet: Indices, cell: Floats | None = None) -> Self:
-        """Return the shapes of the prisms in the sheets with these numbers, or those of the prisms `cell` there."""
+        """Return the shape of the prisms for each ray. `sheet` is the number of its sheet, from 0, `cell` its prism."""
         if not np.ndim(self.pitch):
             return self
         own = [field.name for field in fields(Prisms) if not field.name.startswith("normal")]
@@ -133,7 +138,10 @@ class Prisms(_Cells):
         return (self.cosine, self.sine), (self.cosine, self.sine)
 
     def _facets(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> list[tuple[Face, Floats, Floats]]:
-        """For each slanted facet: how fast a ray approaches its plane from inside, and when the ray meets it."""
+        """Return for each slanted facet: the `Face`, the component of the direction along its outward normal, and t.
+
+        A ray meets the facet's plane at its place plus t times its direction.
+        """
         found = []
         for face, side, (cosine, sine) in zip((Face.NEAR, Face.FAR), (-1, 1), self.slants, strict=True):
             along = cosine * dy + side * sine * dz
@@ -215,7 +223,7 @@ class UnequalPrisms(Prisms):
         return np.asarray(self.bottoms[self.sheet, self._row(cell)])
 
     def _row(self, cell: Floats) -> Indices:
-        """Return where the arrays have the prisms of rays. Beyond the last prism no ray is followed."""
+        """Return the indices of the rays' prisms in the arrays. No ray is followed beyond the last prism."""
         return np.clip(cell.astype(int) - self.lowest[self.sheet], 0, self.angles.shape[1] - 1)
 
     @property
@@ -230,7 +238,7 @@ class UnequalPrisms(Prisms):
 
 @dataclass(frozen=True)
 class Profiles(_Cells):
-    """Profiles, with the methods of `Prisms`. Numbers are as there: one, or an array with one of each sheet or ray."""
+    """Profiles of sheets, with the methods of `Prisms`. The fields of type Any are numbers or arrays as there."""
 
     shapes: list[Profile]
     which: Any  # the number of the shape: None if all sheets have the same, or an array
@@ -238,11 +246,11 @@ class Profiles(_Cells):
     half: Any
     index: Any
     first: float  # the lower border of cell 0
-    cell: Any = None  # of edges with another period, the cells in which rays are, counted from the window's middle
+    cell: Any = None  # if `is_mismatched`: each ray's cell; the number is its lower border, in periods from the middle
 
     @classmethod
     def of(cls, shapes: list[Prism | Profile], window: float) -> "Profiles":
-        """Return these shapes of sheets, in windows with this side."""
+        """Return the profiles of sheets with these shapes, one for each sheet, in windows with this side."""
         profiles = [dove(shape) if isinstance(shape, Prism) else shape for shape in shapes]
         one, many = profiles[0], [*dict.fromkeys(profiles)]
         if len(many) == 1:
@@ -252,7 +260,7 @@ class Profiles(_Cells):
         return cls(many, which, pitch, half, index, -window / 2)
 
     def at(self, sheet: Indices, cell: Floats | None = None) -> "Profiles":
-        """Return the shapes of the sheets with these numbers, or those in the cells `cell` there."""
+        """Return the shape for each ray. `sheet` is the number of its sheet, from 0, and `cell` that of its cell."""
         own = () if self.which is None else ("which", "pitch", "half", "index")
         found = replace(self, **{name: getattr(self, name)[sheet] for name in own}) if own else self
         if cell is None or not self.is_mismatched:
@@ -265,7 +273,10 @@ class Profiles(_Cells):
         return any(shape.is_mismatched for shape in self.shapes)
 
     def copy(self, face: Indices, u: Floats) -> Floats:
-        """Return by how many copies of an edge the one at a ray's place is above the one that its cell is of."""
+        """Return the number of the edge's copy at each ray's place, minus the number of the ray's cell.
+
+        Both are counted from the window's middle. The result is 0 for edges whose period is that of the cells.
+        """
         found = np.zeros(len(u))
         for k, shape in enumerate(self.shapes if self.is_mismatched else ()):
             for number, edge in enumerate(shape.edges, 1):
@@ -278,7 +289,7 @@ class Profiles(_Cells):
         return self._way(u, z, dy, dz, 1)
 
     def way_in(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> tuple[Floats, Indices]:
-        """Return the same for rays in the air. `Face.NONE` means that the ray leaves the sheet."""
+        """Return what `way_out` does, for rays in the air. `Face.NONE` means that the ray leaves the sheet."""
         t, face = self._way(u, z, dy, dz, -1)
         side = np.maximum(np.where(dz == 0, np.inf, (np.copysign(self.half, dz) - z) / dz), 0)
         leaves = (side < t) | (side == t) & (face == BORDER)
@@ -312,14 +323,17 @@ class Profiles(_Cells):
 
 
 def _copy(edge: Edge, cell: Floats, u: Floats | float) -> Floats:
-    """Return the number of the edge's copy at the place u, in periods, of a cell. Both count from the middle."""
-    # of an even or of an odd number of cells, a copy begins as far from the middle as a cell does
+    """Return the number of the edge's copy at the height u in a cell, in periods.
+
+    Cells and copies are counted from the window's middle: number k begins k of its own periods above the middle.
+    """
+    # the fractional part of the numbers of all cells and copies: 0 for an even number of cells, 0.5 for an odd one
     begin = cell % 1
     return np.asarray(np.floor((cell + u) / edge.period - begin) + begin)
 
 
 def _shift(edge: Edge, cell: Floats, copy: Floats) -> Floats:
-    """Return where a copy of an edge is in a cell: how much farther, in periods, than in its own."""
+    """Return the place at which a copy of an edge's period begins, in periods above the bottom of a cell."""
     return copy * edge.period - cell
 
 
@@ -329,8 +343,7 @@ def _met(
     """Return where rays in a cell first meet an edge or a border, as a multiple of their direction, and which.
 
     Only edges count that rays cross from glass to air (`outwards` 1), or from air to glass (-1). So a ray that has just
-    met an edge does not meet it again at the same place. It meets a circle where it enters it, or where it leaves it,
-    but not in both points.
+    met an edge does not meet it again at the same place. Of the two points in which a ray crosses a circle, one counts.
     """
     pitch = shape.pitch
     t = np.where(dy == 0, np.inf, (np.where(dy > 0, pitch, 0) - u) / dy)
@@ -340,7 +353,7 @@ def _met(
     for number, edge in enumerate(shape.edges, 1):
         if edge.period == 1 or cell is None:
             copies.append((number, edge, u))
-        else:  # a cell meets up to three copies
+        else:  # up to three copies overlap with a cell, if their period is at least 0.5
             lowest = _copy(edge, cell, 0.0)
             copies += [(number, edge, u - pitch * _shift(edge, cell, lowest + k)) for k in range(3)]
     for number, edge, own_u in copies:
@@ -359,7 +372,7 @@ def _met(
 def _reach(
     edge: Edge, pitch: float, u: Floats, z: Floats, dy: Floats, dz: Floats, square: Floats, outwards: int
 ) -> tuple[Floats, Booleans]:
-    """Return where rays cross the line or the circle of an edge in the right direction, and whether they do."""
+    """Return where rays cross an edge's line or circle in the direction `outwards`, and whether they do: see `_met`."""
     if not edge.radius:
         nu, nz = edge.normal
         along = nu * dy + nz * dz
@@ -375,16 +388,18 @@ def _reach(
 def single_prisms(sheet: Sheet, window: float) -> tuple[int, Floats, Floats]:
     """Return the prisms of a sheet, in a window with this side, one by one: they differ at random.
 
-    The result is the number of the lowest prism, where each prism's base is and the next one's would be (the height in
-    the sheet before it is turned, (prisms + 1,)), and the angles of each prism's near and far facet to its base
-    (radians, (prisms, 2)). The prisms are stacked with the planned gaps between them. The base of prism count // 2, of
-    `count` prisms in the window, is where it is planned. Heights and angles are normally distributed. None differs by
-    more than MOST_DEVIATION times its standard deviation. `sheet.shape` is a `Prism`.
+    The result is the number of the lowest prism, the heights of the bases, and the angles of the facets. The heights
+    (prisms + 1,) are those in the sheet before it is turned. The last one is for a prism above the last prism. The
+    angles (prisms, 2), radians, are those of each prism's near and far facet to its base. The prisms are stacked with
+    the planned gaps between them. `count` prisms fit in the window, and prism 0 is the lowest of them. Prism count // 2
+    has its base where it is planned. Heights and angles are normally distributed. None differs from the plan by more
+    than MOST_DEVIATION times its standard deviation. `sheet.shape` is a `Prism`, and `sheet.pitches` is below
+    1/MOST_DEVIATION.
     """
     shape = sheet.shape
     assert isinstance(shape, Prism)
     count = round(window / shape.pitch)
-    # of a turned sheet, on either side; even if all prisms are as low as they can be
+    # prisms outside the window, on either side: enough for a turned sheet, even if all prisms have the least height
     beyond = ceil((sqrt(2) / (1 - MOST_DEVIATION * sheet.pitches) - 1) / 2 * count) + 2
 
     def drawn(seed: tuple[int, ...], *shape: int) -> Floats:

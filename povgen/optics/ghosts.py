@@ -1,6 +1,7 @@
 """The ghosts of lenses: images formed by light that leaves the glass through a lens not opposite the one it enters.
 
-Points, slopes and lengths are as in `apparent`. Matrices, `order` and `middle` are those of `paraxial.small_angles`.
+Points, slopes and lengths are as in `apparent`. Matrices are as in `paraxial`. `order` and `middle` are as for
+`paraxial.small_angles`.
 """
 
 from collections.abc import Sequence
@@ -22,8 +23,8 @@ _ROUNDS = 3  # iterations: a ghost's matrix depends on its slopes, and the slope
 def shares(profile: Profile, slope: float) -> dict[int, float]:
     """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
 
-    The keys are the orders, as for `small_angles`. The light fills a period. It has this slope across the ridges, and
-    none along them. Light on other paths is left out.
+    The keys are the orders, as for `small_angles`. Orders without light are left out. The light fills a period. Before
+    the sheet it has the given slope across the ridges, and none along them. Light on other paths is not counted.
     """
     count = 200
     rays, taken = over_a_period(profile, 1j * slope, count)
@@ -32,10 +33,11 @@ def shares(profile: Profile, slope: float) -> dict[int, float]:
 
 
 def field(profile: Profile) -> float:
-    """Return the slope up to which more light takes the designed path than the path of any ghost; at most 1.
+    """Return the slope at which a ghost begins to take more light than the designed path.
 
-    For confocal lenses of equal focal lengths f in glass it is about n p/(4 f), with the pitch p and the index n, if
-    f is 3 p or more. Only positive slopes are tried.
+    The slope is that across the ridges before the sheet. Multiples of 0.002 are tried, from 0 to 0.998. The result is
+    0.998 if no ghost takes more light. For confocal lenses of equal focal lengths f in glass it is about n p/(4 f),
+    with the pitch p and the index n, if f is 3 p or more.
     """
     for slope in np.arange(0, 1, 0.002):
         found = shares(profile.scaled(1.0), float(slope))
@@ -56,10 +58,10 @@ class Ghost(NamedTuple):
 
 
 def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
-    """Return the ghosts of a point behind one window with these sheets, the brightest first.
+    """Return the ghosts of a point L behind one window with these sheets, the brightest first.
 
-    L, E and the distances z1 and z2 are as for `apparent.position`. The orders are from -most to most.
-    Sheets of prisms have no ghosts.
+    L and the eye E are x + iy. z1 and z2 are the distances of L and of E from the plane z = 0 of the sheets. The order
+    of each sheet is from -most to most. The list is empty if a sheet consists of prisms.
     """
     found: list[Ghost] = []
     profiles = [sheet.shape.scaled(1.0) for sheet in sheets if isinstance(sheet.shape, Profile)]

@@ -1,6 +1,6 @@
 """Refractive indices of glasses, plastics and water, at 20 degrees C (CaF2 24) in air, from dispersion formulas.
 
-All are Sellmeier's: n^2 - 1 = sum of B w^2/(w^2 - C), where w is the wavelength in micrometres. The glasses are
+All formulas are Sellmeier's: n^2 - 1 = sum of B w^2/(w^2 - C), with the wavelength w in micrometres. The glasses are
 Schott's (catalogue of 2017-01-20); BK7 is its N-BK7. fused-silica: Malitson, J. Opt. Soc. Am. 55, 1205 (1965). CaF2:
 Malitson, Appl. Opt. 2, 1103 (1963). PMMA and polycarbonate: measured by Sultanova, Kasarova and Nikolov, Acta Phys.
 Pol. A 116, 585 (2009), formula fitted by the refractiveindex.info database. water: Daimon and Masumura, Appl. Opt. 46,
@@ -55,7 +55,8 @@ GLASSES = {
 def index(glass: str, wavelength: float) -> float:
     """Return the refractive index n of a glass at a wavelength in metres, as all wavelengths in this package.
 
-    Raises ValueError for another name, and outside the wavelengths for which the glass's formula holds.
+    Raises ValueError for a name that is not in `GLASSES`, and for a wavelength at which the glass's formula does not
+    hold.
     """
     if glass not in GLASSES:
         raise ValueError(f"glass = {glass!r}: unknown; allowed: {', '.join(GLASSES)}")

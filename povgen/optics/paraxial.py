@@ -4,7 +4,7 @@ Points are complex numbers x + iy, and a ray's slope is (dx + i dy)/dz, as in `a
 unit. A ray-transfer matrix maps (X, Y, sx, sy, 1), a ray's place and slope before a sheet, to its place and slope
 behind the sheet.
 
-Prisms of finite size have a matrix for small angles. Across the ridges (the edges that run across the window) a sheet
+Prisms of finite size have a matrix for small angles. The ridges are the long edges of the prisms. Across them a sheet
 reverses the slope of light. The place of this reversal is the sheet's middle plane. Along the ridges the sheet acts as
 a slab of glass: it shifts light sideways by -g times the component of the slope along the ridges (`Prism.slab_shift`).
 Other shifts depend on the point at which a ray enters a prism, and are zero on average. docs/sheets.md has the
@@ -69,15 +69,16 @@ def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) ->
 
     For a profile, rays whose slopes across the ridges differ from `middle` by at most FAN are traced, and straight
     lines are fitted to their slopes and places behind the sheet. So the fit includes the spherical aberration of these
-    rays. With an `order` other than 0, the result is for a *ghost*: for rays that leave the glass `order` cells farther
-    across the ridges than the cell in which they enter it. It is NaN if there are no such rays.
+    rays. `middle` is rounded to 0.01. With an `order` other than 0, the result is for a *ghost*: for rays that leave
+    the glass `order` cells farther across the ridges than the cell in which they enter it. If there are no such rays,
+    all numbers but `bend` are NaN.
     """
     if isinstance(shape, Prism):
         return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
     found = _fitted(shape.scaled(1.0), order, round(middle, 2))
     if shape.is_mismatched:
-        # that of the designed path also for a ghost: a lens bends light in proportion to its displacement, whichever
-        # path the light takes, and the few rays of a ghost are others in each cell
+        # A ghost has the `bend` of the designed path: a lens bends light in proportion to the lens's displacement,
+        # whichever path the light takes. A fit to a ghost would use different rays in each cell, and few.
         left, right = (_fitted(shape.scaled(1.0), 0, 0.0, cell).deviation for cell in (-2, 2))
         found = found._replace(bend=(right - left) / 4)
     return found.scaled(shape.pitch)
@@ -105,7 +106,8 @@ def slope_error(shape: Prism | Profile, slope: complex) -> float:
 def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
     """Return the matrix of a sheet in paraxial approximation. Prisms mirror the slope about the ridges.
 
-    `order` and `middle` are those of `small_angles`: they select a ghost of lenses.
+    The places before and behind the sheet are those of `SmallAngles`, in its middle plane. `order` and `middle` are
+    those of `small_angles`: they select a ghost of lenses.
     """
     does = small_angles(sheet.shape, order, middle)
     ridges, g = np.exp(2j * np.asarray(sheet.angle)), does.slab_shift
@@ -129,7 +131,8 @@ def transfer(sheets: Iterable[Sheet], orders: Sequence[int] = (0, 0), middles: S
 
     It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
     crosses the plane z = 0. `orders` and `middles` have, for each sheet, the `order` and `middle` of
-    `small_angles`: they select a ghost of lenses.
+    `small_angles`: they select a ghost of lenses. Sheets beyond the length of `orders` or `middles` are left out, so
+    the defaults are for up to two sheets.
     """
     total, z = np.eye(5), 0.0
     for sheet, order, middle in zip(sheets, orders, middles, strict=False):
@@ -160,10 +163,10 @@ def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> Small
 
 
 def over_a_period(profile: Profile, slope: complex, count: int) -> tuple[Rays, Booleans]:
-    """Trace parallel rays that fill a period of a profile. Return them, and whether each takes the profile's path.
+    """Trace `count` parallel rays that fill a period of a profile. Return them, and whether each takes its path.
 
     A ray takes the path if it meets the edges `profile.path`, in this order, and no others. The edges may be in several
-    cells. `slope` is the rays' slope, along the ridges + i across.
+    cells. `slope` is the rays' slope, along the ridges + i across. The positions of the result are in periods.
     """
     return _traced(profile.scaled(1.0), _places(count), np.full(count, slope))
 
@@ -197,9 +200,9 @@ def _real(a: ArrayLike, b: ArrayLike) -> Matrix:
 def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     """Return the slopes s (...) with (first + second) s = `to` (...), for maps (..., 2, 2).
 
-    A map of rank 1 gives infinity for a `to` outside its range. A map that is 0 gives NaN for `to` = 0, and otherwise
-    infinity. The two parts of the map are given separately, because their sizes tell which entries of the sum are only
-    rounding errors. These count as 0.
+    A map of rank 1 gives infinity for a `to` outside its range, and otherwise the solution with the least |s|. A map
+    that is 0 gives NaN for `to` = 0, and otherwise infinity. The two parts of the map are given separately, because
+    their sizes tell which entries of the sum are only rounding errors. These count as 0.
     """
     size = abs(first) + abs(second)
     maps = np.where(abs(first + second) <= 1e-14 * size.max((-2, -1), keepdims=True), 0, first + second)

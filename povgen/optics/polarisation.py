@@ -1,10 +1,10 @@
 """Reflection losses and polarisation of light on the designed path, on numpy arrays.
 
-The ray trace and the pictures leave both out: there, a surface refracts all light or reflects all light. Here every
-face follows the Fresnel equations (Born and Wolf, Principles of Optics, section 1.5). Light that is reflected at a
-slanted facet is lost. So the results are for light that has met no face but the designed three of each sheet.
+By default, the ray trace and the pictures leave both out: a surface refracts all light or reflects all light. Here
+every face follows the Fresnel equations (Born and Wolf, Principles of Optics, section 1.5). Light that is reflected at
+a slanted facet is lost. So the results are for light that has met no face but the designed three of each sheet.
 
-Directions (..., 3) are as in `ideal`: x right, y up, z away from the eye. s is the polarisation perpendicular to the
+Directions (..., 3) are (dx, dy, dz): x right, y up, z away from the eye. s is the polarisation perpendicular to the
 plane of incidence, p the one within it. Phases are those of waves exp(-i omega t). Jones vectors are amplitudes along
 two axes: the first is the x axis, projected onto the plane of the wave, and the second is perpendicular to it, upwards.
 For light along z they are x and y as the eye sees them. The square of an amplitude is a power.
@@ -25,8 +25,9 @@ Vectors = NDArray[np.float64]
 def reflection(n1: ArrayLike, n2: ArrayLike, cosine: ArrayLike) -> tuple[Complexes, Complexes]:
     """Return the amplitudes r_s and r_p that are reflected on the way from the index n1 to n2: the Fresnel equations.
 
-    `cosine` is that of the angle of incidence. The share 1 - |r|^2 of the power passes. In total internal reflection
-    |r| = 1, and p is ahead of s by the retardance d = arg(r_s/r_p). It obeys
+    `cosine` is that of the angle of incidence. At normal incidence r_p = -r_s. The share 1 - |r|^2 of the power passes.
+    In total internal reflection |r| = 1, and p is ahead of s by the retardance d = arg(r_s/r_p). With the angle of
+    incidence i, it obeys
     tan(d/2) = cos(i) sqrt(sin(i)^2 - (n2/n1)^2)/sin(i)^2.
     """
     cosine = np.asarray(cosine, complex)
@@ -104,8 +105,8 @@ def _face(
 ) -> tuple[Vectors, Complexes]:
     """Return unit directions and fields behind a face that refracts, or that reflects totally.
 
-    The normal points the way that light crosses the face. The result is NaN for light that runs the other way, and for
-    the wrong one of refraction and reflection.
+    The normal is on the side of the face to which light runs before it is bent. The result is NaN for light that runs
+    to the other side. With `total` it is also NaN for light that is not reflected totally, otherwise for light that is.
     """
     cosine = (k * normal).sum(-1, keepdims=True)
     s = np.cross(k, normal)

@@ -6,7 +6,7 @@ The paper states neither the base angle nor the refractive index. povgen's defau
 from dataclasses import dataclass
 from math import asin, cos, inf, radians, tan
 
-MOST_DEVIATION = 4  # standard deviations: no single facet's angle differs by more
+MOST_DEVIATION = 4  # standard deviations: no single facet's angle and no single prism's height differs by more
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Prism:
 
     @property
     def full_aperture(self) -> float:
-        """Length divided by height at full aperture, cot(base angle) + cot(slope): 4.30 for the defaults."""
+        """Length divided by height at full aperture, cot(base angle) + cot(`_slope`): 4.30 for the defaults."""
         return 1 / tan(radians(self.base_angle)) + 1 / tan(self._slope)
 
     @property
@@ -66,7 +66,7 @@ class Prism:
         """How much nearer a sheet makes objects appear, for the component of light's slope along the ridges.
 
         For this component a prism acts as a slab of glass. The shift is the path's extent along z in the glass, times
-        1 - 1/(n cos(slope)). This product depends on the base angle, but not on the index (docs/sheets.md).
+        1 - 1/(n cos(`_slope`)). This product depends on the base angle, but not on the index (docs/sheets.md).
         """
         return self.height * self.aspect * tan(radians(self.base_angle))
 
@@ -88,8 +88,8 @@ class Prism:
     def _slope(self) -> float:
         """Angle, radians, between the base and a ray in the glass that runs along z outside the prism.
 
-        The ray meets the slanted facet at 90 degrees - base angle from its normal, and refraction turns it away from z
-        by the difference to the refraction angle.
+        The ray's angle of incidence on the slanted facet is 90 degrees - base angle. Refraction turns the ray away from
+        z by the angle of incidence minus the angle of refraction.
         """
         incidence = radians(90 - self.base_angle)
         return incidence - asin(cos(radians(self.base_angle)) / self.index)

@@ -22,7 +22,7 @@ CHORDS = 64  # into which an arc is divided to find out whether outlines cross; 
 TOLERANCE = 1e-9  # of a corner's place
 LARGEST = 1e100  # numbers in a TOML file are less: whole numbers there can be too large for a float
 LARGEST_RADIUS = 1e4  # periods: POV-Ray draws cylinders of 1e6 wrongly, and the ray trace those of 1e12
-ASIDE = 1e-5  # from an outline: there must be glass on one side, and air on the other
+ASIDE = 1e-5  # periods: at this distance from an outline, there must be glass on one side, and air on the other
 
 Point = tuple[float, float]
 Polyline = NDArray[np.float64]  # (points, 2)
@@ -36,9 +36,10 @@ class Outline(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """An edge of an outline: straight, or an arc of up to a semicircle. Glass is on its left if u is right and z up.
+    """An edge of an outline: straight, or an arc of up to a semicircle.
 
-    So the normal that points out of the glass is the direction from start to end, turned by 90 degrees clockwise.
+    If u points right and z up, glass is on the left of the way from start to end. So the normal that points out of the
+    glass is the direction from start to end, turned by 90 degrees clockwise.
     """
 
     start: Point
@@ -112,8 +113,10 @@ class Profile:
         """Return the profile with these outlines, in units of the period.
 
         The glass lies within closed outlines. Of outlines that continue in the next period it lies between the first
-        and the second along z, the third and the fourth, and so on. Raises ValueError for outlines that do not close,
-        that cross or leave the period, and for numbers outside their ranges. NaN is outside.
+        and the second along z, the third and the fourth, and so on. Edges are numbered from 1, through all outlines in
+        order. `path` has the numbers of the edges on the designed path. The result has the pitch 1. Raises ValueError
+        for outlines that do not close, that cross or leave the period, or that do not have glass on one side and air on
+        the other, and for numbers outside their ranges. NaN is outside.
         """
         for name, value, allowed, inside in (
             ("index", index, "above 1, up to 4", 1 < index <= 4),
@@ -151,8 +154,8 @@ class Profile:
     def of_table(cls, table: Mapping[str, object]) -> "Profile":
         """Return the profile that a table of a TOML file states. Raises ValueError, with the key and what is allowed.
 
-        Its keys are `index`, `gap`, `period`, `path`, and a table `[[outline]]` with `corners` and `radii` for each
-        outline. Lengths are in the unit of the period.
+        The table's keys are `index`, `gap`, `period`, `path`, and a table `[[outline]]` with `corners` and `radii` for
+        each outline. Its lengths are in the unit of `period`. The result has the pitch 1, whatever the period.
         """
         allowed = {"index", "gap", "period", "path", "outline"}
         for key in table.keys() - allowed:
@@ -199,7 +202,11 @@ class Profile:
 
 
 def dove(prism: Prism) -> Profile:
-    """Return the profile of Dove prisms. The edges are the base, the slanted facet near the eye, the top, the other."""
+    """Return the profile of Dove prisms.
+
+    The edges are the base, the slanted facet near the eye, the top, and the other slanted facet, in this order. Raises
+    ValueError for prisms without a top, and for an index above 4. The pitch is above 0.
+    """
     low, high = prism.gap / 2, 1 - prism.gap / 2
     base, top = prism.length / prism.pitch / 2, prism.top_length / prism.pitch / 2
     corners = ((low, base), (low, -base), (high, -top), (high, top), (low, base))
@@ -211,10 +218,10 @@ def confocal(
 ) -> Profile:
     """Return the profile of a block of glass with an array of lenses on both faces, whose focal planes coincide.
 
-    f_number is the focal length in the glass of the lenses on the eye's side, in periods; ratio is the focal length on
-    the object's side over it. The block is as thick as both focal lengths together. The period of the lenses on the
-    object's side is greater by the fraction `mismatch`. Raises ValueError for a mismatch of -1 or less, and for a focal
-    length whose lens would be more than a semicircle.
+    f_number is the focal length, in the glass, of the lenses on the eye's side, in periods. ratio is the focal length
+    on the object's side divided by f_number. The block is as thick as both focal lengths together. The period of the
+    lenses on the object's side is greater by the fraction `mismatch`. Raises ValueError for a mismatch of -1 or less,
+    for a focal length whose lens would be more than a semicircle, and for what `Profile.of_outlines` does not allow.
     """
     if not -1 < mismatch < LARGEST:
         raise ValueError(f"mismatch = {mismatch:g}; allowed: above -1")
@@ -223,7 +230,7 @@ def confocal(
     made = Profile.of_outlines([_lenses(0.0, near, -1), _lenses(thickness, far, 1)], (1, 2), index, gap)
     if not mismatch:
         return made
-    edge, wide = made.edges[1], 1 + mismatch  # of the same radius, and as far from the other lenses
+    edge, wide = made.edges[1], 1 + mismatch  # the edge keeps its radius, and its distance from the other lenses
     z = edge.depths[1] - (far - sqrt(far**2 - wide**2 / 4))
     start, end = ((u * wide, z) for u in (edge.start[0], edge.end[0]))
     return replace(made, edges=(made.edges[0], Edge(start, end, far, wide)))
@@ -234,8 +241,10 @@ def lenticulars(
 ) -> Profile:
     """Return the profile of two thin sheets of lenses, with air between them, whose focal planes coincide.
 
-    The lenses are on the outer faces. f_number is the focal length in air on the eye's side, in periods; ratio is as
-    for `confocal`. A sheet has the thickness `sheet`, in periods. Raises ValueError for lenses that do not fit.
+    The lenses are on the outer faces. f_number is the focal length in air on the eye's side, in periods. ratio is as
+    for `confocal`. Each thin sheet has the thickness `sheet`, in periods, at the middle of its lenses. Raises
+    ValueError for a sheet that is thinner than its lenses or that leaves no air, for a focal length whose lens would be
+    more than a semicircle, and for what `Profile.of_outlines` does not allow.
     """
     near, far = _lens_radius(f_number * index, index), _lens_radius(ratio * f_number * index, index)
     air = (1 + ratio) * f_number - 2 * sheet / index
@@ -250,9 +259,11 @@ def lenticulars(
 
 
 def wedges(angle: float = 15.0, index: float = 1.5, gap: float = 0.01, draft: float = 0.02) -> Profile:
-    """Return the profile of an array of wedges: a flat face to the eye, slanted facets by `angle` degrees behind it.
+    """Return the profile of an array of wedges: a flat face to the eye, and facets at `angle` degrees behind it.
 
-    Each steep side between two facets takes `draft` periods. Raises ValueError for an angle that is not from 1 to 60.
+    Along a facet, the glass gets thicker with increasing u. The steep side between two facets extends over `draft`
+    periods along u. Raises ValueError for an angle that is not from 1 to 60, and for what `Profile.of_outlines` does
+    not allow.
     """
     if not 1 <= angle <= 60:
         raise ValueError(f"angle = {angle:g}; allowed: 1 to 60 degrees")
@@ -304,7 +315,7 @@ def _outline(table: Mapping[str, object], number: int, period: float) -> Outline
 
 
 def _is_numbers(value: object, count: int | None = None) -> bool:
-    """Whether a value is a list of numbers, of so many."""
+    """Return whether a value is a list of numbers, and has the length `count` unless that is None."""
     return isinstance(value, list) and (count is None or len(value) == count) and all(map(_is_number, value))
 
 
@@ -329,7 +340,7 @@ def _edges(outline: Outline, number: int) -> list[Edge]:
 
 
 def _check_edge(edge: Edge, number: int) -> None:
-    """Raise ValueError for an arc whose radius is too small or too large, and for an edge that leaves the period."""
+    """Raise ValueError for a radius out of range, and for an edge that leaves the period or lies on its border."""
     if edge.radius and not (1 - TOLERANCE) * edge.chord / 2 <= abs(edge.radius) <= LARGEST_RADIUS:
         raise ValueError(
             f"edge {number}: radius = {edge.radius:g}; "
@@ -366,7 +377,7 @@ def _side(a: Polyline, b: Polyline, point: Polyline) -> NDArray[np.float64]:
 def _with_glass(outlines: Sequence[Sequence[Edge]]) -> list[Edge]:
     """Return the edges of outlines, turned where needed so that glass is on the side that `Edge` says.
 
-    Straight lines take the place of arcs: on which side of an arc it bulges is known only then.
+    Straight lines take the place of arcs, because the side to which an arc bulges is known only after the turning.
     Raises ValueError if there is not glass on one side of an outline and air on the other.
     """
     chords = np.array([(edge.start, edge.end) for outline in outlines for edge in outline])
@@ -384,9 +395,10 @@ def _with_glass(outlines: Sequence[Sequence[Edge]]) -> list[Edge]:
 
 
 def _check_glass(edges: Sequence[Edge], counts: Sequence[int]) -> None:
-    """Raise ValueError if an outline has glass on another side than its edges say. An outline has `counts` edges.
+    """Raise ValueError if an outline has glass on another side than its edges say.
 
-    This can be if it is between an arc and the straight line that `_with_glass` puts in the arc's place.
+    `counts` are the numbers of edges of the outlines. The side can be wrong for an outline between an arc and the
+    straight line that `_with_glass` puts in the arc's place.
     """
     lines = np.concatenate([np.stack((points[:-1], points[1:]), axis=1) for points in map(Edge.points, edges)])
     for number, end in enumerate(accumulate(counts), 1):

@@ -32,7 +32,7 @@ _PRECISION = 1e-11  # the greatest error of the transverse part of a unit direct
 class Convergence(NamedTuple):
     """Where rays are closest together, in a plane parallel to the sheets. Lengths are in the unit of the rays."""
 
-    x: float  # middle of the rays in this plane
+    x: float  # middle of the rays in this plane; x and y are NaN for parallel rays
     y: float
     z: float  # of the plane; infinite for parallel rays
     rms: float  # distance of the rays from the middle, in this plane
@@ -113,8 +113,9 @@ class Traced(_Lines, Rays):
     direction, a unit vector; `end` says how it ends. A ray is `designed` if it leaves on the path for which the sheets
     are made: through all ideal sheets and, in each sheet of prisms, through one slanted facet, to the base, and through
     the other slanted facet. `faces` (..., most) are the prisms' faces that the ray has met, in their order, and `count`
-    is their number. A ray enters a sheet of lenses by one lens and leaves it by another. `orders` (..., sheets) is the
-    number of lenses from the one opposite the first to the last: 0 on the designed path.
+    is their number. A ray enters a sheet of lenses by one lens and leaves it by another. `orders` (..., sheets) says by
+    how many cells the second lens is above the one opposite the first: 0 on the designed path. `light` and `reflected`
+    are as in `trace.Rays`.
     """
 
 
@@ -143,7 +144,8 @@ def pencil(
     """Yield `count` rays from a point (x, y, z) to random points of a disc, CHUNK at a time.
 
     Regular points would make moire with prisms. The disc's centre is `middle`, x + iy, in the plane of the window that
-    is nearest to the point. Raises ValueError for a point between the windows, and for numbers outside their ranges.
+    is nearest to the point. `seed`, a whole number, is that of the random numbers. When the first bundle is taken,
+    raises ValueError for a point between the windows, and for numbers outside their ranges.
     """
     try:
         start = np.asarray(point, float)
@@ -182,9 +184,9 @@ def checked_count(name: str, value: object, most: int, least: int = 1) -> int:
 
 
 def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
-    """Return the spot diagram in the plane z of all these rays that are designed, or with `stray` of all that leave.
+    """Return the spot diagram in the plane z of the designed rays, or with `stray` of all rays that end as THROUGH.
 
-    Raises ValueError if z is not a finite number, and without rays.
+    Raises ValueError if z is not a finite number, and if there are no rays.
     """
     number = isinstance(z, (int, float, np.number)) and not isinstance(z, bool)
     if not (number and abs(z) <= float(np.finfo(float).max)):
@@ -209,11 +211,11 @@ def trace_windows(
 ) -> Traced:
     """Follow a bundle through windows: ideal sheets, or prisms, or ideal sheets before prisms.
 
-    `aperture` is the side of the square windows, and `frame` the extent of each window's frame along z: at
-    least that of the sheets of prisms. A ray ends after `most` faces of prisms. `partial` is as for `trace.trace`.
-    Prisms can send stray light back to the ideal sheets before them, which bend it too. Raises ValueError if a ray does
-    not start outside the windows and towards them, if an ideal sheet stands behind prisms, and what `trace.trace`
-    raises.
+    Here, prisms stand for lenses too. `aperture` is the side of the square windows, and `frame` the extent of each
+    window's frame along z: at least that of the sheets of prisms. A ray ends after `most` faces of prisms, from 1 to
+    MOST_FACES. `partial` is as for `trace.trace`. Prisms can send stray light back to the ideal sheets before them,
+    which bend it too. Raises ValueError for arguments of other types, for a ray that starts between the windows or runs
+    away from them, and if an ideal sheet stands behind prisms. Also raises what `trace.trace` raises.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
@@ -266,13 +268,13 @@ def _check_start(rays: Rays, first: float, last: float) -> None:
 
 
 class _Way:
-    """Rays on their way through frames and ideal sheets. The methods return the indices of the rays that go on."""
+    """Rays on their way through frames and ideal sheets. Methods that can end rays return the indices of the others."""
 
     def __init__(self, rays: Rays, half_window: float, half_frame: float) -> None:
         self.rays, self.half, self.frame = rays, half_window, half_frame
 
     def through(self, i: Indices, windows: Placed, missed: End) -> Indices:
-        """Take rays through ideal sheets, which are in the rays' order.
+        """Take rays through ideal sheets, given in the order in which the rays meet them.
 
         `missed` is the end of rays that pass beside the first sheet.
         """
@@ -313,7 +315,7 @@ class _Way:
         return self.without(i, ~within, missed)
 
     def bend(self, i: Indices, window: Element) -> Indices:
-        """Give rays the direction behind an ideal sheet. End those that it lets not pass."""
+        """Give rays the direction with which they leave an ideal sheet. End those that it does not let pass."""
         d = self.rays.direction[i]
         before, place = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], self.rays.position[i] @ (1, 1j, 0)
         after, from_eye = np.empty_like(before), d[:, 2] > 0

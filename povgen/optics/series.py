@@ -28,12 +28,13 @@ def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Comple
 def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats]:
     """Return z1 of the plane that has an image, and the distance of the image behind the first window.
 
-    Let phi be the sum of all angles, and c the depth of the last window (`image_depth` at z1 = 0 without its alpha).
-    Then W = c + z1 exp(-i phi), and Im W = 0 at z1 = Im(c)/sin(phi). For two windows, d apart, this is the law of
+    Let phi be the sum of all angles, and c the depth of the last window: `image_depth` at z1 = 0. Then
+    W = c + z1 exp(-i phi), and Im W = 0 at z1 = Im(c)/sin(phi). For two windows, d apart, this is the law of
     sines: z1 = -d sin(alpha_1)/sin(alpha_1 + alpha_2), and W = d sin(alpha_2)/sin(alpha_1 + alpha_2).
 
     z1 < 0 is a plane before the last window: no object can stand there, but an image made by other optics can. If
-    sin(phi) = 0, both results are NaN. Then either every plane has an image (if Im c = 0), or none: `apparent.image`.
+    sin(phi) = 0, both results are NaN. Then every plane has an image if Im c = 0, and otherwise no plane has one.
+    `apparent.image` finds the image of a given plane.
     """
     behind = tuple(behind)
     c = image_depth(0, alpha, behind)

@@ -23,15 +23,15 @@ class Shares:
 
 
 def shares(rays: Rays, black_tops: bool = False) -> Shares:
-    """Return what becomes of rays, a result of `trace.trace`. Raises ValueError without rays.
+    """Return what becomes of rays, a result of `trace.trace`. Raises ValueError if there are no rays.
 
-    With `black_tops`, the tops of the prisms absorb light: rays that meet a top from inside the prism, and rays that
-    run through the gap between two prisms to the top of the lower one. No ray on the designed path meets a top. Behind
-    a top nothing else changes, so that the trace is the same.
+    With `black_tops`, which is for prisms only, the tops of the prisms absorb light: rays that meet a top from inside
+    the prism, and rays that run through the gap between two prisms to the top of the lower one. No ray on the designed
+    path meets a top. The paths of rays are traced as if tops did not absorb.
     """
     if not rays.end.size:
         raise ValueError("0 rays; allowed: one or more")
-    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops & ~rays.designed  # edges of profiles have numbers, too
+    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops & ~rays.designed  # TOP is also edge 3 of a profile
     through = rays.end == End.THROUGH
     kinds = {
         "designed": rays.designed,

@@ -3,9 +3,9 @@
 Each ray is followed until it leaves the sheets.
 
 The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
-in the unit of the window's side. Rays may run either way. Glass absorbs no light, and reflects a part of it only if
-`trace` is asked for that. A ray that meets the frame of a window from inside ends there, and so does a ray that misses
-the first window on its way. A ray also ends where it misses a later window.
+in the unit of the window's side. Rays may run either way. Glass absorbs no light. Its faces refract all light or
+reflect all light, unless `trace` has the argument `partial`. A ray that meets the frame of a window from inside ends
+there, and so does a ray that misses the first window on its way. A ray also ends where it misses a later window.
 
 Each sheet has its own coordinate system, in which its ridges lie along x. It is divided into cells, one pitch high, and
 u is the height in a cell. A cell of prisms begins at a prism's base: it is the prism and the air above it. The cells of
@@ -46,7 +46,7 @@ class End(IntEnum):
 class Rays:
     """Where and how n rays end."""
 
-    position: Floats  # where the ray leaves the sheets, or meets the window frame, (n, 3)
+    position: Floats  # where the ray leaves the last sheet, or ends, (n, 3)
     direction: Floats  # unit vector, (n, 3)
     end: NDArray[np.uint8]  # `End`, (n,)
     faces: NDArray[np.uint8]  # the faces that the ray has met, in order: `Face`, or edges of profiles, (n, most)
@@ -81,11 +81,12 @@ def trace(
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z,
-    if it is greater than that of the sheets: light from the sheets can meet it. A ray ends after `most` faces.
-    With `partial`, which makes random numbers, a face that refracts light also reflects a part of it: the ray is
-    reflected with a probability that is this part, by the Fresnel equations for unpolarised light. So each ray stands
-    for an equal share of the light, and light is unpolarised again after every face.
+    eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z.
+    It matters only if it is greater than that of the sheets: then light from the sheets can meet the frame. A ray ends
+    after `most` faces.
+    With `partial`, a generator of random numbers, a face that refracts light also reflects a part of it. The part
+    follows from the Fresnel equations for unpolarised light. The ray is reflected with this part as its probability. So
+    each ray stands for an equal share of the light, and light is unpolarised again after every face.
     Raises ValueError if a ray does not start outside the sheets, or does not run towards them. Raises ValueError for a
     window or prisms without extent, for prisms without a top (`Prism.least_aspect`), for sheets that overlap, and for
     `most` < 1.
@@ -166,9 +167,9 @@ def _check_approach(origin: Floats, direction: Floats, sheets: tuple[Sheet, ...]
 class _Trace:
     """Rays under way. `run` takes them through the sheets and writes how they end.
 
-    The methods take and return the indices of rays. x, u, z and dx, dy, dz, each (n,), are position and direction in
-    the coordinate system of the sheet that the ray is at, u above the base of prism `cell`. c and s are the cosine and
-    the sine of that sheet's angle.
+    The methods take the indices of rays, and most return those of some of these rays. x, u, z and dx, dy, dz, each
+    (n,), are position and direction in the coordinate system of the sheet that the ray is at. u is measured from the
+    bottom of the ray's cell, whose number is `cell`. c and s are the cosine and the sine of that sheet's angle.
     """
 
     def __init__(
@@ -325,7 +326,7 @@ class _Trace:
         return self.without_unfinished(i[~reflected]), staying
 
     def cross_borders(self, i: Indices, face: Indices) -> tuple[Indices, Indices, Indices]:
-        """Take rays at the border of a profile's cell into the next one. Return the others, their faces, and these."""
+        """Take rays at a border into the next cell. Return the rays at faces, these faces, and the rays at borders."""
         if not self.borders:
             return i, face, i[:0]
         border = face == BORDER

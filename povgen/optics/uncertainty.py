@@ -13,7 +13,7 @@ RADII = (0.05, 0.25)
 OWN = 1.0  # of the prisms in one sheet
 BANDS = 0.6  # of the dark bands (moire) that two sheets make together
 FALL = 0.15  # radians: at a field angle greater by this, much less light takes the designed path
-OTHER_RAY = 1.2  # errors of slopes are computed for the predicted ray, but the ray to the object has other slopes
+OTHER_RAY = 1.2  # factor for errors of slopes: they are computed for the predicted ray, not for the ray to the object
 _STEP = 1e-6  # of the slopes of neighbouring rays
 
 
@@ -24,13 +24,16 @@ class Layer(NamedTuple):
     # So 1/|k| is the apparent pitch. The step i conj(k) leads straight across the prisms.
     k: complex
     n: float  # refractive index of its glass
-    does: paraxial.SmallAngles  # to light at small angles
+    does: paraxial.SmallAngles  # what the sheet does to light at small angles
     tangent: float  # of the angle between the ray and the normal, in front of the sheet's window
-    slope_error: float  # RMS, of this for the ray's slope
+    slope_error: float  # RMS error of the slope that `does` predicts: for this ray, but at least `does.blur`
 
 
 def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
-    """Return every sheet of prisms that the ray from the eye through P crosses. P lies in the first window's plane."""
+    """Return every sheet of prisms or lenses that the ray from the eye E through P crosses.
+
+    P lies in the first window's plane.
+    """
     found = []
     z2 = windows[0][0]
     for (place, slope, *_), (_, window) in zip(_neighbours(P, E, windows), windows, strict=True):
@@ -53,19 +56,22 @@ def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
 def possible_error(P: complex, E: complex, z1: float, radius: float, windows: apparent.Windows) -> float:
     """Return how far, at most, an object at z1 appears from P, its predicted position.
 
-    `radius` is the object's. The result is infinite if the object appears at infinity. The error has four parts:
+    `radius` is the object's, and z1 its distance behind the last window. At least one window consists of prisms or
+    lenses. The result is a distance in the plane of the first window. It is infinite if the object appears at infinity,
+    or if the ray through P does not reach it. The error has four parts:
 
     - A prism displaces light across its ridges, for an aspect of 1 by up to its height. The prediction uses the mean
       displacement over a prism, which is zero. An object that covers only a part of a prism does not show this mean.
       Sheets whose prisms look nearly parallel to the eye make dark bands (moire). In a band their displacements can add
       up. So an object that covers only a part of a band does not show the mean either. This part of the error is
-      greatest up to an apparent radius of OWN prisms or BANDS bands. Beyond, it falls as 1/radius^4.
+      greatest, and constant, up to an apparent radius of OWN prisms or BANDS bands. For a greater radius it decreases
+      as 1/radius^4.
     - Light is shifted along the ridges. The prediction is a shift proportional to the slope. The shift by a slab of
       glass is greater by the fraction (n + 1)/(2 n^2) slope^2.
     - At greater field angles, less light takes the designed path. So if displacements spread the light of an object,
       the centre of this light is nearer to E.
     - Lenses with spherical aberration, and oblique facets, turn light on the designed path by other angles than the
-      prediction's, which hold for small slopes. The error is the displacement at the object that follows.
+      predicted ones, which hold for small slopes. The error is the displacement that this causes at the object.
 
     OWN, BANDS and FALL are fitted to ray traces: docs/accuracy.md.
     """
