@@ -304,9 +304,12 @@ def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
     text = _text(file)
     try:
         rows = list(csv.reader(StringIO(text)))[1:]
-        return [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
+        table = [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
     except ValueError:
-        raise InputError(f"table = {str(file)!r}: allowed: a table that povgen chart wrote") from None
+        table = []
+    if not table:
+        raise InputError(f"table = {str(file)!r}: allowed: a table that povgen chart wrote")
+    return table
 
 
 ERROR_WORDS = {

@@ -33,6 +33,6 @@ def rms(values: ArrayLike) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def px(tiles: float) -> float:
-    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 with the probes' view."""
-    return float(tiles * HD[1] / probes.VIEW)
+def px(tiles: float, view: float = probes.VIEW) -> float:
+    """Convert a length in the plane z = 0 from tiles to pixels of a picture of 1280x960 that is `view` tiles high."""
+    return float(tiles * HD[1] / view)

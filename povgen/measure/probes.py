@@ -151,9 +151,9 @@ def _read(path: Path) -> Floats:
     """Return the colours, 0 to 1, of a 16-bit PPM file. Raises PovrayError if the file is not complete."""
     data = path.read_bytes()
     header = re.match(rb"P6\s(?:#.*\n)*(\d+) (\d+)\s(?:#.*\n)*65535\n", data)
-    if header is None:
+    width, height = (int(header[1]), int(header[2])) if header else (0, 0)
+    if header is None or len(data) != header.end() + 6 * width * height:
         raise PovrayError("POV-Ray's picture is not whole (is the disk full?)")
-    width, height = int(header[1]), int(header[2])
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 

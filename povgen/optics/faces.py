@@ -353,9 +353,9 @@ def _met(
     for number, edge in enumerate(shape.edges, 1):
         if edge.period == 1 or cell is None:
             copies.append((number, edge, u))
-        else:  # up to three copies overlap with a cell, if their period is at least 0.5
-            lowest = _copy(edge, cell, 0.0)
-            copies += [(number, edge, u - pitch * _shift(edge, cell, lowest + k)) for k in range(3)]
+        else:  # all copies that overlap with the cell
+            lowest, most = _copy(edge, cell, 0.0), ceil(1 / np.min(edge.period)) + 1
+            copies += [(number, edge, u - pitch * _shift(edge, cell, lowest + k)) for k in range(most)]
     for number, edge, own_u in copies:
         reach, meets = _reach(edge, pitch, own_u, z, dy, dz, square, outwards)
         least = ROUNDING * pitch * max(1, abs(edge.radius))

@@ -14,7 +14,7 @@ Other sheets, such as arrays of lenses, have a `Profile`, their cross-section. I
 designed path: `small_angles`.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -126,16 +126,15 @@ def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
     return found
 
 
-def transfer(sheets: Iterable[Sheet], orders: Sequence[int] = (0, 0), middles: Sequence[float] = (0.0, 0.0)) -> Matrix:
+def transfer(sheets: Sequence[Sheet], orders: Sequence[int] = (), middles: Sequence[float] = ()) -> Matrix:
     """Return the matrix of sheets, the nearest to the eye first.
 
     It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
     crosses the plane z = 0. `orders` and `middles` have, for each sheet, the `order` and `middle` of
-    `small_angles`: they select a ghost of lenses. Sheets beyond the length of `orders` or `middles` are left out, so
-    the defaults are for up to two sheets.
+    `small_angles`: they select a ghost of lenses. By default they are 0.
     """
     total, z = np.eye(5), 0.0
-    for sheet, order, middle in zip(sheets, orders, middles, strict=False):
+    for sheet, order, middle in zip(sheets, orders or [0] * len(sheets), middles or [0.0] * len(sheets), strict=True):
         total, z = layer(sheet, order, middle) @ free(sheet.centre - z) @ total, sheet.centre
     return free(-z) @ total
 

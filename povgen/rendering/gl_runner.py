@@ -76,9 +76,9 @@ class Runner:
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Draw a scene from a text of `gl_scene.to_text`, in a work folder, and return the picture's path.
 
-        If the process crashes or hangs while it draws, another process tries once more. Raises InputError if this
-        system cannot draw. Raises PovrayError if the process was stopped or refuses the scene. Raises OSError if the
-        disk is full. Raises TransientError if both tries fail, or if a process crashes or hangs while it starts.
+        If the process crashes or hangs, another process tries once more. Raises InputError if this system cannot draw.
+        Raises PovrayError if the process was stopped or refuses the scene. Raises OSError if the disk is full. Raises
+        TransientError if both tries fail.
         """
         (folder / SCENE).write_text(source, "utf-8")
         for name, png in pictures.used(source).items():
@@ -93,8 +93,8 @@ class Runner:
             "is_light": rendering.is_light,
         }
         for attempt in range(1, TRIES + 1):
-            process = self._taken()
             try:
+                process = self._taken()
                 answer = self._answer(process, rendering.timeout, asked)
             except TransientError as fault:
                 if attempt == TRIES:
@@ -173,7 +173,8 @@ class Runner:
         self._end(process)
         self._check()
         if not ready:
-            raise TransientError(f"the drawing process took longer than {timeout:g} s (--timeout) and was stopped")
+            limit = "(--timeout)" if asked else "to start"
+            raise TransientError(f"the drawing process took longer than {timeout:g} s {limit} and was stopped")
         raise TransientError(f"the drawing process ended with status {process.returncode}: the graphics driver crashed")
 
     def _end(self, process: "subprocess.Popen[bytes]") -> None:

@@ -191,6 +191,7 @@ class SpheresAgreement:
 
 def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
     """Locate a coded square that replaces each sphere. Scenes with alpha = 0 are left out, because of moire."""
+    view = scenes[0].view  # the same in all
     targets = [
         Positions(
             sheet="detailed",
@@ -199,7 +200,7 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
             L=scene.L,
             extent=0.15 * (1 + z1 / scene.z2),
             aperture=scene.aperture,
-            view=scene.view,
+            view=view,
         )
         for scene in scenes
         for z1 in scene.distances
@@ -211,4 +212,4 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
             L, E, z1, z2 = target.L, target.E, target.z1, target.z2
             paraxial.append(abs(seen.position - target.apparent_position(L, z1)))
             fine.append(abs(seen.position - equations.apparent_position(L, E, z1, z2, radians(target.alpha))))
-    return SpheresAgreement(len(targets), len(fine), px(rms(paraxial)), px(rms(fine)))
+    return SpheresAgreement(len(targets), len(fine), px(rms(paraxial), view), px(rms(fine), view))

@@ -10,7 +10,7 @@ async function inflated(text) {
 }
 
 // The distances to the surface, in voxels, below 0 inside. The bytes hold distances up to `most`, each as the difference
-// to the one before along z. Farther away the field is extended: it may be less than the distance, not more.
+// to the one before along z. Farther away the field is extended: there it is about 0.9 to 1.05 times the distance.
 export async function field({ data, most }, [nx, ny, nz]) {
   const bytes = await inflated(data);
   const distances = Float32Array.from({ length: 256 }, (_, byte) => (byte === 255 ? Infinity : ((byte - 128) / 127) * most));
@@ -23,7 +23,8 @@ export async function field({ data, most }, [nx, ny, nz]) {
   return distance;
 }
 
-// Two sweeps, each from the neighbours before. 0.9: steps along the diagonals are up to a tenth too long.
+// Two sweeps. An unknown distance is found from those of the neighbours that the sweep has passed, each plus a step. The
+// sum of the steps can exceed the distance by 13 %, so each step is multiplied by 0.9.
 function extend(distance, nx, ny, nz, most) {
   // Inside a border of voxels that are infinitely far away, each voxel has all neighbours.
   const width = nx + 2, layer = width * (ny + 2);

@@ -1,10 +1,12 @@
 """The paper's figures: nothing is cut off, and the measured data of their captions agree with the equations."""
 
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from povgen import Spheres
 from povgen.optics import equations
 from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
@@ -15,6 +17,18 @@ pytestmark = pytest.mark.xdist_group("figures")  # one process makes the figures
 LINE_DRAWINGS = {1, 2, 5}
 # The smallest pictures at which the coded piece is still measured to 2 degrees.
 FRAME, MEASURED = (96, 72), (160, 120)
+
+
+def test_errors_of_spheres_are_in_pixels_of_their_view(monkeypatch):
+    def located(targets, size):
+        for scene in targets:
+            place = equations.apparent_position(scene.L, scene.E, scene.z1, scene.z2, np.radians(scene.alpha))
+            yield scene, SimpleNamespace(position=place + 0.01)
+
+    monkeypatch.setattr(agreement, "located", located)
+    for view in (3.7, 7.4):
+        found = agreement.spheres([Spheres(alpha=90, view=view)])
+        assert found.fine_error == pytest.approx(0.01 * 960 / view)
 
 
 @pytest.fixture(scope="module")

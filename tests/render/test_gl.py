@@ -300,6 +300,28 @@ def test_a_crash_of_the_driver_costs_one_try(text, runner, tmp_path, monkeypatch
     assert crashed and crashed[0] not in runner._idle
 
 
+def test_a_process_that_does_not_start_is_tried_again(text, tmp_path, monkeypatch):
+    answer, started = gl_runner.Runner._answer, []
+
+    def slow(runner, process, timeout, asked=None):
+        if asked is None:
+            started.append(process)
+        return answer(runner, process, timeout if asked or len(started) > 1 else 0.001, asked)
+
+    monkeypatch.setattr(gl_runner.Runner, "_answer", slow)
+    first = gl_runner.Runner()
+    try:
+        assert first.run(text, SMALL, tmp_path).is_file() and len(started) == 2
+    finally:
+        first.stop()
+    monkeypatch.setattr(gl_runner, "START", 0.001)
+    monkeypatch.setattr(gl_runner.Runner, "_answer", answer)
+    with pytest.raises(
+        TransientError, match=r"longer than 0.001 s to start and was stopped, 2 times; allowed: renderer"
+    ):
+        gl_runner.Runner().run(text, SMALL, tmp_path)
+
+
 def test_processes_that_were_killed_while_idle_cost_no_try(text, runner, tmp_path):
     killed = [runner._started()[0] for _ in range(gl_runner.TRIES)]
     for process in killed:

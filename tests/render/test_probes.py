@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from povgen import Rendering, to_pov
+from povgen import PovrayError, Rendering, to_pov
 from povgen.measure import probes
 from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions, locate
 from povgen.optics import equations
@@ -70,6 +70,17 @@ def test_a_failing_povray_is_reported(monkeypatch):
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
     with pytest.raises(povray.PovrayError):
         next(probes.decoded([Directions(sheet="none")], SIZE))
+
+
+def test_a_picture_that_is_cut_off_is_refused(tmp_path):
+    picture = tmp_path / "probe.ppm"
+    whole = b"P6\n2 1\n65535\n" + bytes(12)
+    picture.write_bytes(whole)
+    assert probes._read(picture).shape == (1, 2, 3)
+    for length in (len(whole) - 1, len(whole) - 6, 5, 0):
+        picture.write_bytes(whole[:length])
+        with pytest.raises(PovrayError, match="not whole"):
+            probes._read(picture)
 
 
 @pytest.mark.parametrize("sheet", ["detailed", "single"])

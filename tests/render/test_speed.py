@@ -104,11 +104,12 @@ def test_charts_are_drawn_again_from_their_tables(tmp_path):
     for table in ("frames.csv", "flicker.csv", "prisms.csv", "beyond.csv", "workers.csv"):
         assert (tmp_path / "again" / table).read_text() == (tables / table).read_text()
         assert table == "flicker.csv" or any((tmp_path / "again").glob(table.replace(".csv", "*.png")))
-    (tmp_path / "prisms.csv").write_text("sheet,prisms\nideal,many\n")
     for table in ("frames.csv", "flicker.csv"):
         shutil.copy(tables / table, tmp_path)
-    with pytest.raises(InputError, match=r"prisms.csv': allowed: a table that povgen chart wrote"):
-        charts.read_tables(tmp_path)
+    for wrong in ("sheet,prisms\nideal,many\n", "sheet,prisms,fine,prediction\n", ""):
+        (tmp_path / "prisms.csv").write_text(wrong)
+        with pytest.raises(InputError, match=r"prisms.csv': allowed: a table that povgen chart wrote"):
+            charts.read_tables(tmp_path)
     with pytest.raises(InputError, match=r"none/frames.csv': No such file or directory; allowed: a table"):
         charts.read_tables(tmp_path / "none")
     page = (tmp_path / "again" / "charts.html").read_text()

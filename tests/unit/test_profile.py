@@ -120,6 +120,15 @@ def test_the_constructors_refuse_what_does_not_fit():
             make()
 
 
+@pytest.mark.parametrize("mismatch", [-0.45, -0.6, -0.8])
+def test_light_meets_every_lens_of_a_small_pitch(mismatch):
+    """Light that passed between two of the lenses would be in air inside the block, and end at the window's frame."""
+    shape, y = confocal(mismatch=mismatch), np.linspace(-5, 5, 2001)
+    origin = np.column_stack((0 * y, y, np.full(len(y), -shape.half - 0.1)))
+    rays = trace(origin, [[0, 0.02, 1]], (Sheet(0, 0, shape),), 61.0)
+    assert not (rays.end == End.FRAME).any()
+
+
 @pytest.mark.parametrize("prism", [Prism(0.03), Prism(0.05, 1.7, 40, 0.05, 0.9), Prism(0.1)])
 def test_the_general_trace_agrees_with_that_of_prisms(prism):
     origin, direction = fan(4000)

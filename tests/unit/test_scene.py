@@ -103,6 +103,12 @@ def test_the_window_frame_holds_the_sheets():
             Chess(**{"z1": scene.depth / 2, "z2": 50, **values})
 
 
+def test_a_complex_distance_is_refused():
+    for function in (lambda: Chess().apparent_position(1, 2j), lambda: Chess().nu_and_M(2j)):
+        with pytest.raises(InputError, match="^z1 is complex"):
+            function()
+
+
 def test_sheets_are_up_to_100_tiles_deep():
     thick = {"prisms": 1, "aperture": 10, "z1": 150, "z2": 150}
     assert 99.9 < Chess(aspect=1.174, **thick).sheets_depth < 100
