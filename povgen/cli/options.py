@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from povgen.scene.scenes import Scene
 
 OTHERS = "Parameters of other sheets, which povgen list explains"
-INDENT = 20  # of what an option does, in a help
+INDENT = 20  # characters before the text that says what an option does, in a help
 Command = Callable[..., None]
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, lists of texts, and Booleans of switches
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
@@ -67,7 +67,7 @@ def output_to(metavar: str, about: str) -> Any:  # noqa: ANN401  (as typer decla
 def takes(*models: str) -> Callable[[Command], Command]:
     """Mark a command that has an option for every field of these models: 'scenes' (all scenes) or 'rendering'.
 
-    'sampling' is the part of 'rendering' that POV-Ray does without povgen: quality, size and antialias.
+    'sampling' is the part of 'rendering' that also has an effect if a user starts POV-Ray: quality, size and antialias.
 
     The command gets the values that the user gives as text, in its **values.
     """
@@ -216,10 +216,11 @@ def scene_of(name: str, values: Values) -> "Scene":
 
 
 def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
-    """Return the record in a file, its scenes, and the values of its rendering, replaced by those that the user gave.
+    """Return the record in a file, its scenes, and the values of its rendering.
 
-    An output that ends in .exr has 32 bits, whatever the record says. Print a warning if another version of povgen or
-    of the renderer made the file. Raises InputError if the file has no valid record.
+    A value that the user gave replaces the record's. An output that ends in .exr has 32 bits, whatever the record says.
+    Print a warning if another version of povgen or of the renderer made the file. Raises InputError if the file has no
+    valid record.
     """
     from povgen.scene.scenes import recorded
     from povgen.version import __version__
@@ -227,7 +228,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
 
     record, scenes = recorded(source)
     options = record.rendering.model_dump()
-    if options["bits"] == 32 or str(output).lower().endswith(".exr"):  # the output's ending says whether it is 8 or 32
+    if options["bits"] == 32 or str(output).lower().endswith(".exr"):  # the bits then follow from the output's ending
         del options["bits"]
     if values.get("stereo", options["stereo"]) == "none":
         del options["eye_distance"]
@@ -266,7 +267,7 @@ def made_folder(output: Path) -> AbstractContextManager[Path]:
 
 
 def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "tuple[AutoTolerance | None, list[str]]":
-    """Return the tolerance of --sheet auto, or None for another sheet, and the renderers that it may choose.
+    """Return the tolerance of --sheet auto, and the renderers among which it may choose. For another sheet: None, [].
 
     Remove --renderer auto from the options. Raises InputError if the tolerance is not valid, if only one of --sheet
     auto and --tolerance is given, or if --renderer auto is given without them.

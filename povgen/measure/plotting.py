@@ -49,7 +49,7 @@ STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists e
     "legend.frameon": False,
     "legend.fontsize": 9,
     "axes.prop_cycle": cycler(color=COLOURS),
-    "mathtext.fontset": "stix",  # its italic nu is no v
+    "mathtext.fontset": "stix",  # in it an italic nu does not look like a v
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "povgen",  # the same figure always gives the same file
 }

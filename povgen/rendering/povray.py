@@ -30,7 +30,7 @@ from povgen.settings import Rendering
 
 SCENE = "scene.pov"
 FATAL = "fatal.log"
-DATA = "data.txt"  # for what a scene writes; in the sandbox it can write no other file but those of its own render
+DATA = "data.txt"  # for what a scene writes; besides, the sandbox allows only the files of its render
 # If the system's configuration is stricter than this one, POV-Ray obeys the system's. Release 3.7.0.10 obeys the ban on
 # shell commands, but not always the restrictions on files. Therefore POV-Ray also runs in a sandbox.
 CONFIG = """\
@@ -114,7 +114,7 @@ def has_util_linux() -> bool:
 
 
 def missing_protection() -> list[str]:
-    """Return a phrase for each missing protection: POV-Ray's end if povgen is killed, and its limit of memory."""
+    """Return a phrase for each protection that is missing: that POV-Ray ends with povgen, that memory is limited."""
     if has_util_linux():
         return []
     missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout on each core"]
@@ -134,7 +134,8 @@ def _starter(timeout: float, threads: int) -> tuple[list[str], list[str]]:
         programs = [binary("setpriv"), binary("prlimit")]
         limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
         return [programs[0], "--pdeathsig", "KILL", programs[1], *limits, "--"], programs
-    # in KiB, blocks of 512 bytes and seconds of CPU time, the sum of all threads
+    # memory in KiB, the size of a file in blocks of 512 bytes, the CPU time of all threads together in seconds, and no
+    # core dump
     values = {"v": max_memory() >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout * threads), "c": 0}
     script = "".join(f"ulimit -{name} {value} 2>/dev/null; " for name, value in values.items())
     return [binary("sh"), "-c", f'{script}exec "$@"', "sh"], [binary("sh")]
@@ -184,9 +185,10 @@ class Runner:
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Render a scene's text in a work folder and return the picture's path. The picture has `rendering.size`.
 
-        If POV-Ray is killed, hangs or is short of time, it is tried once more, because the scene is not always the
-        reason. Raises TransientError, a kind of PovrayError, if both tries fail. Raises another PovrayError if POV-Ray
-        is missing, refuses the scene or was stopped. Raises OSError if the disk is full or the folder has been removed.
+        If POV-Ray is killed, takes too long or reports a timeout of its own, it is tried once more, because the scene
+        is not always the cause. Raises TransientError, a kind of PovrayError, if both tries fail. Raises another
+        PovrayError if POV-Ray is missing, refuses the scene or was stopped. Raises OSError if the disk is full or the
+        folder has been removed.
         """
         for attempt in count(1):
             try:
@@ -321,8 +323,8 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         perhaps = f", perhaps {out_of_memory}" if -status in CRASHES else ""
         return TransientError(f"POV-Ray was killed by signal {-status}{perhaps}")
     width, height = rendering.size
-    # POV-Ray does not report a full disk. Another frame that failed may meanwhile have freed the space of one picture.
-    # So the disk also counts as full if no more than that is free.
+    # POV-Ray does not report a full disk. Another frame may have failed too, and the removal of its picture freed some
+    # space. So the disk also counts as full if the free space is at most that of one picture.
     if files.is_full(folder, 2**16 + round(3 * rendering.supersampling**2 * width * height)):
         return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
     if place is not None:

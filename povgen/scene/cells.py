@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from povgen.optics.equations import Complexes, Floats
 
 _CELLS = 16  # across the window, for the first estimate of the error
-# The least number across the first of several windows with the template "law". With fewer, a whole further window could
-# appear inside a single cell.
+# With the template "law" and several windows: the least number of cells across the first window. With fewer, a whole
+# further window could appear inside a single cell.
 _SERIES_CELLS = 24
 
 
@@ -21,7 +21,8 @@ def template(scene: Scene) -> str:
 
     "": no ideal window has a sheet, and POV-Ray's own camera is used. "ideal": the only ideal window only rotates
     light. "series": there are several ideal windows, and all only rotate light. "law": all other cases. "series"
-    divides the picture into exact polygons. "law" halves the triangles at an edge until they are small.
+    divides the picture into exact polygons. "law" halves a triangle whose rays do not all pass the same windows, again
+    and again, until the parts are small.
     """
     if {sheet.name for sheet in scene.ideal} <= {"none"}:
         return ""
@@ -33,8 +34,8 @@ def template(scene: Scene) -> str:
 def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheets' camera interpolates rays.
 
-    The number is at most MAX_CELLS. Up to there it is the least one that keeps the error below MAX_CAMERA_ERROR, or for
-    the template "law" an estimate of it (`_cells_of_laws`). A probe (a scene for measuring) can set the number with
+    It is the least number that keeps the error below MAX_CAMERA_ERROR, but at most MAX_CELLS. For the template "law"
+    the least number is only estimated (`_cells_of_laws`). A probe (a scene for measuring) can set the number with
     `grid`. See camera/ideal.pov.j2. If there is one window, which only rotates light, and the eye is on its axis, one
     cell is exact. With several windows one cell is not: the part of the first window that shows the second one is no
     rectangle.
@@ -88,9 +89,9 @@ def _cells_of_laws(scene: Scene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
     The error is computed with 16 cells across the window. With n cells it falls as 1/n^2 if the law is smooth. If a law
-    depends on the place, n grows until the error, computed again, is small enough. If light passes the windows, but in
-    no one of the 16 x 16 cells both at the middle and at all corners, the number is MAX_CELLS. For several windows it
-    is at least _SERIES_CELLS.
+    depends on the place, n grows until the error, computed again, is small enough. The error of a cell can be computed
+    only if light passes at its middle and at all its corners. If there is no such cell, although light passes the
+    windows somewhere, the result is MAX_CELLS. For several windows it is at least _SERIES_CELLS.
     """
     if len(scene.ideal) > 1:
         return max(_SERIES_CELLS, _cells_of_smooth_laws(scene))

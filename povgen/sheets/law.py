@@ -103,8 +103,8 @@ class Law:
     def check_divisions(self, values: Mapping[str, float]) -> None:
         """Raise ValueError if a divisor is 0 for every ray, because POV-Ray refuses such a law.
 
-        `values` has the parameters' values by name. Divisions within the `constants` are allowed: with k = 0, 1/k is
-        infinite, and x/(1/k) is 0.
+        `values` has the parameters' values by name. A part of the law without x, y, z, X and Y (see `constants`) may
+        contain a division by 0, also in POV-Ray: with k = 0, 1/k is infinite, and x/(1/k) is 0.
         """
         constants, parts = self._extracted
         divisions = (node for part in parts for node in ast.walk(part) if isinstance(node, ast.BinOp))
@@ -147,9 +147,9 @@ class Law:
         return [_written(part, name) for part in self._parts]
 
     def constants(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the longest parts of the law that contain a parameter and none of x, y, z, X and Y, each part once.
+        """Return the parts of the law that contain a parameter and none of x, y, z, X and Y.
 
-        Names in them are replaced as in `expressions`.
+        Each part is as large as possible, and is returned once. Names in them are replaced as in `expressions`.
         """
         return [_written(part, name) for part in self._extracted[0]]
 
@@ -226,7 +226,7 @@ class _Reader:
 
 
 def _depth(tree: ast.AST) -> int:
-    """Return how many levels a tree has. Recursion into a deep tree would exceed Python's limit, so a loop counts."""
+    """Return how many levels a tree has. A loop counts them, because recursion could exceed Python's limit."""
     depth, level = 0, [tree]
     while level:
         depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]

@@ -45,7 +45,7 @@ class Parameter:
     unit: str = ""  # such as "tiles"; for an angle "degrees" or "degrees a tile"
     kind: Kind = "number"
     choices: tuple[str, ...] = ()
-    size: float = 0.0  # a number, or the largest component of a direction, has at least this absolute value
+    size: float = 0.0  # the least absolute value of a number, or of a direction's largest component
     symbol: str = ""  # shown on the teaching page; if empty, the name is shown
     said: Said | None = None  # how captions state it; None: as `NAME = value`
 
