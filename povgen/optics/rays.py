@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.apparent import Element, nearest_rays
-from povgen.optics.equations import Complexes
+from povgen.optics.equations import Complexes, real
 from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
@@ -90,7 +90,10 @@ class Bundle(_Lines):
     """
 
     def __init__(self, position: ArrayLike, direction: ArrayLike) -> None:
-        start, along = np.asarray(position, float), np.asarray(direction, float)
+        try:
+            start, along = real("position", position), real("direction", direction)
+        except (TypeError, ValueError):
+            raise ValueError("position and direction: allowed: arrays of real numbers") from None
         for name, values in (("position", start), ("direction", along)):
             if not values.ndim or values.shape[-1] != 3:
                 raise ValueError(f"{name}: an array of the shape {values.shape}; allowed: (..., 3), x, y and z")
@@ -99,7 +102,10 @@ class Bundle(_Lines):
         if not along[..., 2].all():
             raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
         # copies: the caller may change the given arrays
-        self.position, along = map(np.array, np.broadcast_arrays(start, along))
+        try:
+            self.position, along = map(np.array, np.broadcast_arrays(start, along))
+        except ValueError:
+            raise ValueError(f"position and direction: the shapes {start.shape} and {along.shape} do not fit") from None
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
         if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite

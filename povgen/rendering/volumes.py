@@ -115,7 +115,7 @@ def _measured(
 ) -> tuple[Sequence[float], NDArray[np.uint8]]:
     """Return the place of a piece's distance field, and its bytes (z, y, x).
 
-    Raises PovrayError, and InputError for a piece that is empty or has too many surfaces.
+    Raises PovrayError, and InputError for a piece that has no inside (it is empty, flat or open) or too many surfaces.
     """
     with temporary_folder() as folder:
         try:
@@ -131,9 +131,9 @@ def _measured(
         raise InputError(f"{name}: too many surfaces for the live view; allowed: a simpler piece")
     numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
     place, met = numbers[:4], numbers[4:].reshape(-1, 4)
-    if not len(met):
-        raise InputError(f"{name}: empty within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece")
-    distance = distances(met)
+    distance = distances(met) if len(met) else np.empty(0)
+    if not (distance < 0).any():
+        raise InputError(f"{name}: nothing solid within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece")
     return place.tolist(), np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
 
 
@@ -211,7 +211,7 @@ def volumes(
     """Return the pieces' distance fields, by the same names: shipped, from the cache or new. Then trim the cache.
 
     `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for a piece
-    that is empty or has too many surfaces, and what `cache.check` raises.
+    without an inside or with too many surfaces, and what `cache.check` raises.
     """
     cache.check()
     kept = {name: _kept(piece) for name, piece in pieces.items()}

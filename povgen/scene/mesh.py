@@ -35,7 +35,7 @@ def split(value: str) -> tuple[str, str, str] | None:
 
 @lru_cache(maxsize=4)  # every frame of a movie may ask for the same
 def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[str, str]:
-    """Return a text that declares `Piece`, and a note on its size, which is empty if there is nothing to say.
+    """Return a text that declares `Piece`, and a note for the user, which is empty if there is nothing to say.
 
     `data` is the file's content. `kind` and `options` are results of `split`, such as "stl" and ",height=1.2,up=z". The
     piece stands on y = 0. The middle of its box is on the y axis. It stays within `radius`, in tiles, of this axis. It
@@ -46,7 +46,7 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     height, up = _checked(kind, options)
     import numpy as np  # slow to load
 
-    vertices, triangles, (count, moved) = _read(data, kind)
+    vertices, triangles, (count, moved, is_open) = _read(data, kind)
     x, y, z = vertices.T
     points = np.column_stack((x, y, -z) if up == "y" else (x, z, y))  # POV-Ray is left-handed: z points away
     low, high = points.min(axis=0), points.max(axis=0)
@@ -67,6 +67,8 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (height= states another)"]
     if len(triangles) < count and moved * scale > 1e-5:
         note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
+    if is_open:
+        note.append("its surface is not closed: outlines and the renderer gl can lack parts of it")
     return _sdl(points, triangles), "; ".join(note)
 
 
@@ -90,7 +92,7 @@ def _checked(kind: str, text: str) -> tuple[float | None, str]:
 
 
 def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], ...]":
-    """Return vertices, triangles, and the file's number of triangles with the error of simplification."""
+    """Return the three arrays of `mesh_reader`."""
     import numpy as np
 
     path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]

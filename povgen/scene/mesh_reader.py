@@ -2,9 +2,10 @@
 
 KIND is stl, obj, ply or glb. The file's bytes come by standard input. Standard output gets three arrays in numpy's
 format. The first has the vertices, (n, 3). The second has the triangles, (m, 3): indices of vertices, from 0. The third
-has two numbers: the number of triangles in the file, and the greatest distance by which simplification moves a vertex.
-Lengths are in the file's unit. The exit status is 0 for success, NO_TRIMESH if trimesh is not installed, and 1 for a
-fault, which is described in a line on standard error. Only this module uses trimesh.
+has three numbers: the number of triangles in the file, the greatest distance by which simplification moves a vertex,
+and 1 if the surface is not closed (otherwise 0). Lengths are in the file's unit. The exit status is 0 for success,
+NO_TRIMESH if trimesh is not installed, and 1 for a fault, which is described in a line on standard error. Only this
+module uses trimesh.
 """
 
 import json
@@ -85,7 +86,8 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
         size *= 1.25
     if not len(left):
         raise ValueError("should be a mesh with triangles that have an area")
-    return kept, left, np.array([count, moved])
+    _, triangles_at = np.unique(np.sort(left[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    return kept, left, np.array([count, moved, (triangles_at == 1).any()])
 
 
 def _plain_obj(data: bytes) -> bytes:

@@ -11,13 +11,16 @@ from dataclasses import field
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_bytes
 from povgen.scene import hdr
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
 MAX_BYTES = 10**8  # of a file
@@ -132,7 +135,12 @@ def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, flo
     try:
         with Image.open(BytesIO(data), formats=FORMATS) as opened:
             _check_size(opened.size)
-            image = opened.convert("RGB")
+            if opened.mode == "F":
+                raise ValueError("should be a picture of whole numbers; for light: .hdr or .exr")
+            image: Image.Image = opened
+            if opened.mode.startswith("I"):  # 16 bits; convert() would cut these numbers at 255
+                image = opened.convert("I").point(lambda grey: grey * (1 / 257) + 0.5)
+            image = _upright(image).convert("RGB")
     except ValueError as error:
         if str(error).startswith("should "):
             raise
@@ -146,6 +154,16 @@ def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, flo
     image.save(png, "png", compress_level=3)
     name = _named(png.getvalue(), "png", image.tobytes() + repr(image.size).encode())
     return name, image.size, (red / pixels, green / pixels, blue / pixels)
+
+
+def _upright(image: "Image.Image") -> "Image.Image":
+    """Return a picture turned as its Exif data say."""
+    from PIL import ImageOps
+
+    try:
+        return ImageOps.exif_transpose(image)
+    except Exception:  # of any kind, for damaged Exif data
+        return image
 
 
 def _check_size(size: tuple[int, ...]) -> None:

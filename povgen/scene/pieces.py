@@ -55,7 +55,7 @@ class PieceFile:
     path: str
     text: str = field(repr=False)
     options: str = ""  # of a mesh: its size and placing, as the user wrote them
-    note: str = field(default="", repr=False)  # what a user should know of a mesh's size
+    note: str = field(default="", repr=False)  # what a user should know of a mesh
     is_mesh: bool = False
 
     @property

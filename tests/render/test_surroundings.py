@@ -99,6 +99,29 @@ def test_the_picture_and_not_its_name_decides_what_is_shown(tmp_path):
     assert tuple(then[5, 5]) == (255, 0, 0) != tuple(first[5, 5])
 
 
+@pytest.mark.parametrize(("name", "mode"), [("grey.png", "I;16"), ("grey.tif", "I;16"), ("grey.tif", "I")])
+def test_grey_of_16_bits_is_that_of_8(name, mode, tmp_path):
+    grey = np.tile(np.arange(0, 256, 2, np.uint8), (64, 1))
+    Image.fromarray(grey).save(tmp_path / "eight.png")
+    Image.fromarray(grey.astype({"I": np.int32}.get(mode, np.uint16)) * 257).save(tmp_path / name)
+    assert Image.open(tmp_path / name).mode[0] == "I"
+    assert pictures.sky(tmp_path / name).name == pictures.sky(tmp_path / "eight.png").name
+    Image.fromarray(grey.astype(np.float32) / 255).save(tmp_path / "float.tif")
+    with pytest.raises(ValueError, match="^should be a picture of whole numbers; for light: .hdr or .exr$"):
+        pictures.sky(tmp_path / "float.tif")
+
+
+def test_a_photo_is_turned_as_its_exif_data_say(tmp_path):
+    upright = Image.open(picture(tmp_path)).convert("RGB")
+    exif = Image.Exif()
+    for orientation, stored in ((3, Image.Transpose.ROTATE_180), (6, Image.Transpose.ROTATE_90)):
+        exif[0x112] = orientation
+        upright.transpose(stored).save(tmp_path / "photo.png", exif=exif)
+        assert pictures.sky(tmp_path / "photo.png").name == pictures.sky(picture(tmp_path)).name
+    upright.save(tmp_path / "damaged.png", exif=b"Exif\0\0MM damaged")
+    assert pictures.sky(tmp_path / "damaged.png").name == pictures.sky(picture(tmp_path)).name
+
+
 def test_the_source_names_a_new_file_beside_it(tmp_path):
     """povgen writes this file. Nothing of the user's file but its colours gets there."""
     path = picture(tmp_path)

@@ -133,8 +133,9 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
 
 
 def test_an_empty_piece_is_refused():
-    with pytest.raises(InputError, match="'own.inc': empty within 0.5 tiles"):
-        own("sphere { 3*x, 0 }")
+    for nothing_solid in ("sphere { 3*x, 0 }", "disc { 0.5*y, <0.3, 0.2, 1>, 0.4 }", "triangle { x/3, y, -x/3 }"):
+        with pytest.raises(InputError, match="'own.inc': nothing solid within 0.5 tiles"):
+            own(nothing_solid)
 
 
 def test_a_piece_with_too_many_surfaces_is_refused(monkeypatch):
@@ -169,6 +170,7 @@ def test_an_error_names_the_piece_and_its_line(text, timeout, said):
 def test_as_many_pieces_are_measured_at_once_as_there_are_workers(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
     two, more, running = threading.Barrier(2), threading.Event(), []
+    around_a_point = "".join(f"{axis},30,30,{place}\n" for axis in range(3) for place in (29.5, 30.5))
 
     def run(runner, source, rendering, folder):
         running.append(folder)
@@ -177,7 +179,7 @@ def test_as_many_pieces_are_measured_at_once_as_there_are_workers(monkeypatch, t
         more.wait(0.2)
         two.wait(100)
         running.remove(folder)
-        (folder / povray.DATA).write_text("0,0,0,1\n0,30,30,30\n0,30,30,40\n")
+        (folder / povray.DATA).write_text(f"0,0,0,1\n{around_a_point}")
         return folder / "frame.png"
 
     monkeypatch.setattr(povray.Runner, "run", run)

@@ -142,6 +142,14 @@ def write(folder, kind, data):
     return path
 
 
+def test_a_surface_that_is_not_closed_is_said(tmp_path):
+    """Of such a mesh, the renderer gl and outlines can lack parts."""
+    for name, faces in (("open", FACES[:3]), ("closed", FACES), ("inside out", [face[::-1] for face in FACES])):
+        path = tmp_path / f"{name}.stl"
+        path.write_bytes(stl(faces=faces))
+        assert ("not closed" in Chess(piece=path).piece.note) == (name == "open")
+
+
 def test_the_reader_simplifies(monkeypatch):
     """A bowl of 20 000 triangles: near each of its points is one of the result, and the other way round."""
     pytest.importorskip("trimesh")
@@ -150,8 +158,8 @@ def test_the_reader_simplifies(monkeypatch):
     corners = np.column_stack((x.ravel(), y.ravel(), (x * x + y * y).ravel()))
     n = (np.arange(100)[:, None] * 101 + np.arange(100)).ravel()
     faces = np.concatenate([np.column_stack((n, n + 1, n + 102)), np.column_stack((n, n + 102, n + 101))])
-    vertices, triangles, (count, moved) = mesh_reader._mesh(stl(corners, faces), "stl")
-    assert count == 20000 and 1000 < len(triangles) <= 3000
+    vertices, triangles, (count, moved, is_open) = mesh_reader._mesh(stl(corners, faces), "stl")
+    assert is_open and count == 20000 and 1000 < len(triangles) <= 3000
     gaps = np.linalg.norm(np.float32(corners)[:, None] - vertices, axis=2)
     assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) <= moved + 1e-6 and 0.02 < moved < 0.1
 
