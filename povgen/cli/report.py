@@ -26,7 +26,7 @@ def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" 
     """Print a warning for each option of `values` that changes nothing, and for each limit that scenes exceed."""
     from povgen.scene.warnings import warnings
 
-    _warn_unused(values, scenes)
+    warn_unused(values, scenes)
     if rendering:
         from povgen.rendering import surveys
         from povgen.rendering.views import views
@@ -42,7 +42,7 @@ def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" 
         say(f"povgen: warning: {texts[0]}{also}")
 
 
-def _warn_unused(values: "Values", scenes: list["Scene"]) -> None:
+def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
     from povgen.sheets import SHEETS, USED_BY
     from povgen.sheets.layered import Layered

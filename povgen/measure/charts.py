@@ -33,7 +33,12 @@ from povgen.sheets.prisms import ERRORS
 
 Floats = NDArray[np.float64]
 
+# the heads of the tables
 COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
+FLICKER = ("antialias", "flicker")
+PRISMS_TABLE = ("sheet", "prisms", "CPU s", "position error (px)")
+BEYOND = ("kind", "windows or sheet", "CPU s", "position error (px)")
+WORKERS = ("workers", "wall s", "fraction of cores busy", "cores")
 
 
 def save_frames(points: list[Point], folder: Path) -> None:
@@ -90,6 +95,8 @@ def read_frames(file: Path) -> list[Point]:
             size = int(row["width"]), int(row["height"])
             seconds, *errors = (float(row[name]) for name in COLUMNS[4:])
             points.append(Point(row["method"], row["antialias"], size, None, [seconds], *errors))
+        if not points:
+            raise ValueError
     except (KeyError, TypeError, ValueError):
         raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
     return points
@@ -157,7 +164,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
 
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
-    save_table(folder / "prisms.csv", ("sheet", "prisms", "CPU s", "position error (px)"), rows)
+    save_table(folder / "prisms.csv", PRISMS_TABLE, rows)
     counts, seconds, errors = np.transpose(sorted(row[1:] for row in rows if row[0] == "detailed"))
     several = len(counts) > 1
     halved = several and (errors > 0).all() and (abs(np.diff(np.log(errors)) / np.diff(np.log(counts)) + 1) < 0.3).all()
@@ -198,7 +205,7 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
 
 def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
     """Write beyond.csv and a chart of CPU seconds and error, for windows in series and other ideal sheets."""
-    save_table(folder / "beyond.csv", ("kind", "windows or sheet", "CPU s", "position error (px)"), rows)
+    save_table(folder / "beyond.csv", BEYOND, rows)
     with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
         axes = figure.subplots(1, 2, sharey=True)
         names, places, top = [], [], 0.0
@@ -245,13 +252,13 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
     """Write flicker.csv."""
-    save_table(folder / "flicker.csv", ("antialias", "flicker"), [(name, f"{value:.3g}") for name, value in rows])
+    save_table(folder / "flicker.csv", FLICKER, [(name, f"{value:.3g}") for name, value in rows])
 
 
 def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds against workers."""
     _, _, _, cores = rows[0]
-    save_table(folder / "workers.csv", ("workers", "wall s", "fraction of cores busy", "cores"), rows)
+    save_table(folder / "workers.csv", WORKERS, rows)
     with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
         workers, wall, busy = np.transpose([row[:3] for row in rows])
         ax = figure.subplots()
@@ -283,27 +290,39 @@ def read_tables(folder: Path) -> Tables:
     """Return the tables of an earlier measurement in a folder. Raises InputError if one is missing or malformed."""
     return Tables(
         read_frames(folder / "frames.csv"),
-        _read(folder / "flicker.csv", str, float),
-        _read(folder / "prisms.csv", str, int, float, float),
-        _read(folder / "beyond.csv", str, str, float, float),
-        _read(folder / "workers.csv", int, float, float, int),
+        _read(folder / "flicker.csv", FLICKER, str, _size),
+        _read(folder / "prisms.csv", PRISMS_TABLE, str, int, _size, _size),
+        _read(folder / "beyond.csv", BEYOND, str, str, _size, _size),
+        _read(folder / "workers.csv", WORKERS, int, _size, _size, int),
     )
 
 
 def redraw(tables: Tables, folder: Path) -> None:
-    """Draw the charts again, from the tables of an earlier measurement."""
-    save_frames(tables.frames, folder)
-    save_flicker(tables.flicker, folder)
-    save_prism_counts(tables.prism_counts, folder)
-    save_beyond(tables.beyond, folder)
-    save_workers(tables.workers, folder)
+    """Draw the charts again, from the tables of an earlier measurement. Raises InputError if a row is missing."""
+    try:
+        save_frames(tables.frames, folder)
+        save_flicker(tables.flicker, folder)
+        save_prism_counts(tables.prism_counts, folder)
+        save_beyond(tables.beyond, folder)
+        save_workers(tables.workers, folder)
+    except (KeyError, IndexError, ValueError):
+        raise InputError("tables: rows are missing; allowed: tables that povgen chart wrote") from None
 
 
-def _read(file: Path, *types: Callable[[str], object]) -> list[Any]:
-    """Return the rows of a table, with columns of these types. Raises InputError if it has no such columns."""
+def _size(text: str) -> float:
+    """Return a number that is finite and 0 or more. Raises ValueError for other text."""
+    if not 0 <= (value := float(text)) < np.inf:
+        raise ValueError
+    return value
+
+
+def _read(file: Path, head: tuple[str, ...], *types: Callable[[str], object]) -> list[Any]:
+    """Return the rows of a table, with columns of these types. Raises InputError if it has another head, or no rows."""
     text = _text(file)
     try:
-        rows = list(csv.reader(StringIO(text)))[1:]
+        first, *rows = csv.reader(StringIO(text))
+        if tuple(first) != head:
+            raise ValueError
         table = [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
     except ValueError:
         table = []

@@ -43,7 +43,7 @@ class Spread(Model):
     """
 
     deviation: Annotated[
-        dict[Literal[DEVIATIONS], Annotated[float, Field(ge=0)]],  # type: ignore[valid-type]
+        dict[Literal[DEVIATIONS], Annotated[float, Field(gt=0)]],  # type: ignore[valid-type]
         BeforeValidator(as_table),
     ] = Field(
         default={},
@@ -60,7 +60,7 @@ class Spread(Model):
             # few builds have an error of more than four standard deviations
             most = min(1.0, ERRORS[name].most / (1 if name in RANDOM else 4))
             if value > most:
-                raise ValueError(f"deviation: {name} = {value:g}; allowed: 0 to {most:g}")
+                raise ValueError(f"deviation: {name} = {value:g}; allowed: greater than 0, up to {most:g}")
         return self
 
 
@@ -184,7 +184,10 @@ def _check(scene: Scene) -> None:
 
 def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:
     table = results(scenes, *QUANTITIES, workers=workers, scheduler=scheduler)
-    return _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
+    found = _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
+    if np.isnan(found.position[0]):
+        raise InputError("the object is at infinity, or not seen on the designed path; allowed: another place or alpha")
+    return found
 
 
 def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:

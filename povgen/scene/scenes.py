@@ -573,11 +573,11 @@ class Scene(ParametersOfSheets):
         return MAX_DISTANCE / self.tile - self.places[-1]
 
     def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed. A new glass also replaces an index that was given.
+        """Return a copy with these values changed. A glass replaces the index of this scene, and an index its glass.
 
         Raises InputError for a name or a value that is not allowed.
         """
-        replaced = {"index"} if changes.get("glass", "none") != "none" else set()
+        replaced = {"index"} if changes.get("glass", "none") != "none" else {"glass"} if changes.get("index") else set()
         given = {name: getattr(self, name) for name in self.model_fields_set - replaced}
         return type(self)(*unnamed, **{**given, **changes})
 

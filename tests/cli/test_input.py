@@ -570,6 +570,16 @@ def test_a_chart_does_not_replace_a_picture_that_the_scene_shows(tmp_path):
     assert said.startswith(f"povgen: output = {path!r}: povgen reads this file")
 
 
+def test_what_tolerance_cannot_do_is_said_before_it_traces(tmp_path, monkeypatch):
+    from povgen.measure import tolerance
+
+    monkeypatch.setattr(tolerance, "sensitivities", lambda *_: pytest.fail("it traced"))
+    (tmp_path / "errors.csv").mkdir()  # where the chart's table would be
+    assert "errors.csv" in refused(["tolerance", "chess", "-o", "errors.png"], tmp_path)
+    said = refused(["tolerance", "chess", "--focal-length", "4", "--deviation", "turn=2"], tmp_path)
+    assert "focal_length = 4: no effect" in said and "turn = 2; allowed" in said
+
+
 def test_a_file_whose_name_has_a_space(tmp_path):
     """It is one value."""
     (tmp_path / "a b").write_text("sphere { 0, 1 }")

@@ -106,10 +106,24 @@ def test_charts_are_drawn_again_from_their_tables(tmp_path):
         assert table == "flicker.csv" or any((tmp_path / "again").glob(table.replace(".csv", "*.png")))
     for table in ("frames.csv", "flicker.csv"):
         shutil.copy(tables / table, tmp_path)
-    for wrong in ("sheet,prisms\nideal,many\n", "sheet,prisms,fine,prediction\n", ""):
-        (tmp_path / "prisms.csv").write_text(wrong)
+    head, *rows = (tables / "prisms.csv").read_text().splitlines()
+    for wrong in (
+        (head,),
+        (),
+        rows,
+        (head, "ideal,many,1,1"),
+        *((head, f"ideal,9,{x},1") for x in ("nan", "1e400", "-1")),
+    ):
+        (tmp_path / "prisms.csv").write_text("\n".join(wrong))
         with pytest.raises(InputError, match=r"prisms.csv': allowed: a table that povgen chart wrote"):
             charts.read_tables(tmp_path)
+    for name, missing in (("prisms.csv", "detailed,"), ("beyond.csv", "ideal,1,")):
+        folder = tmp_path / name.replace(".", "-")
+        shutil.copytree(tables, folder, ignore=shutil.ignore_patterns("*.png", "*.svg"))
+        lines = (tables / name).read_text().splitlines()
+        (folder / name).write_text("\n".join(line for line in lines if not line.startswith(missing)))
+        with pytest.raises(InputError, match=r"^tables: rows are missing; allowed: tables that povgen chart wrote$"):
+            charts.redraw(charts.read_tables(folder), folder)
     with pytest.raises(InputError, match=r"none/frames.csv': No such file or directory; allowed: a table"):
         charts.read_tables(tmp_path / "none")
     page = (tmp_path / "again" / "charts.html").read_text()

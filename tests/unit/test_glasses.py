@@ -47,6 +47,7 @@ def test_a_glass_is_an_index():
     assert scene.index == index("BK7", 587.6e-9)
     assert uniforms(scene, ["knight"], [(0, 0, 0, 1)])["glassIndices"] == [scene.index] * 2
     assert scene.replace(wavelength=450).index > scene.index and scene.replace(glass="none").index == 1.5
+    assert scene.replace(index=1.7) == Chess(index=1.7) and Chess(index=1.7).replace(glass="BK7") == scene
     for copy in (
         Chess(**scene.model_dump()),
         Chess(**scene.model_dump()).replace(alpha=66),

@@ -354,11 +354,20 @@ def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
             lambda: tolerance.sensitivities(Chess(sheet="ideal")),
             "windows: 1, sheet = 'ideal'; allowed: one window, sheet = 'detailed'",
         ),
-        (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation: turn = 2; allowed: 0 to 1"),
-        (lambda: tolerance.Spread(deviation="pitches=0.5"), "deviation: pitches = 0.5; allowed: 0 to 0.05"),
+        (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation: turn = 2; allowed: greater than 0, up to 1"),
+        (
+            lambda: tolerance.Spread(deviation="pitches=0.5"),
+            "deviation: pitches = 0.5; allowed: greater than 0, up to 0.05",
+        ),
         (lambda: tolerance.Spread(deviation={"turn": -1}), "deviation = {'turn': -1}: should be greater than"),
+        (lambda: tolerance.Spread(deviation={"turn": 0}), "deviation = {'turn': 0}: should be greater than 0"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
-        (lambda: tolerance.Spread(deviation="index=0.03"), "deviation: index = 0.03; allowed: 0 to 0.025"),
+        (lambda: tolerance.sensitivities(Chess(alpha=180, z1=6, z2=6)), "the object is at infinity, or not seen"),
+        (lambda: tolerance.builds(Chess(x=10), [Chess(x=10)]), "the object is at infinity, or not seen"),
+        (
+            lambda: tolerance.Spread(deviation="index=0.03"),
+            "deviation: index = 0.03; allowed: greater than 0, up to 0.025",
+        ),
         (
             lambda: tolerance.drawn(FINE.replace(error="index=0.09"), tolerance.Spread(deviation={"index": 0.02})),
             "random build 2: error: index = ",

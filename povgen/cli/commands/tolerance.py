@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import SceneName, Scheduler, Workers, output_to, scene_of, takes
+from povgen.cli.report import warn_unused
 from povgen.errors import InputError
 from povgen.progress import tell
 
@@ -29,7 +30,9 @@ def command(
     output: Annotated[
         Path | None,
         output_to(
-            "FILE", "also draw a chart into this .png file: of random builds, or without --deviation of each error"
+            "FILE",
+            "also draw a chart into this .png file, and write its numbers beside it, as .csv: of random builds, or "
+            "without --deviation of each error",
         ),
     ] = None,
     **values: object,
@@ -45,12 +48,14 @@ def command(
     from povgen.sheets.prisms import ERRORS
 
     made, count = scene_of(scene, values), worker_count(workers)
+    warn_unused(values, [made])
     spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
     if builds and not deviation:
         raise InputError(f"builds = {builds}: no build has an error; allowed with --deviation")
     random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
+        table_file = checked_output(output.with_suffix(".csv"), [".csv"], inputs=input_files([made]))
         from povgen.measure import charts  # says what is missing before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
     console = Console(width=None if sys.stdout.isatty() else 120)
@@ -65,7 +70,11 @@ def command(
     if random:
         differing = tolerance.builds(made, random, count, scheduler)
         given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
-        table = Table("of the builds", *columns, title=f"{spread.builds} builds with the standard deviations {given}")
+        table = Table(
+            "of the builds",
+            *columns,
+            title=f"{spread.builds} build{'s' * (spread.builds > 1)} with the standard deviations {given}",
+        )
         for percentile in tolerance.PERCENTILES:
             row = (f"{tolerance.percentile(change, percentile):.3g}" for change in differing)
             table.add_row(f"{percentile} %: at most", *row)
@@ -73,4 +82,4 @@ def command(
         if output:
             charts.save_builds(differing, spread.deviation, output)
     if output:
-        tell(f"wrote {output}")
+        tell(f"wrote {output} and {table_file.name}")
