@@ -7,7 +7,7 @@ from typing import NamedTuple
 from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
 from povgen.sheets import IDEAL
-from povgen.sheets.law import FUNCTIONS, Law
+from povgen.sheets.law_grammar import FUNCTIONS, Law
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal, Parameter
 
@@ -30,7 +30,7 @@ class Functions(NamedTuple):
 
 
 def to_pov(scene: Scene) -> list[Functions]:
-    """Return the laws of a scene's ideal windows, as POV-Ray's functions of x, y, z, X and Y (see `sheets.law`).
+    """Return the laws of a scene's ideal windows, as functions of POV-Ray of x, y, z, X and Y (`sheets.law_grammar`).
 
     In the names of parameters, each word has a capital letter: Alpha, FocalLength, AxisX. For window 2 they end with
     _2. The parameters of a user's own law are Own_NAME, and for window 2 Own2_NAME.

@@ -33,7 +33,7 @@ from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.scene.recorded import scenes
 from povgen.scene.windows import WINDOW, ParametersOfSheets, Placed, SheetName, Window, Windows
 from povgen.sheets import SHEETS
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.prisms import PrismPair, Prisms

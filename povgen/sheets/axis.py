@@ -1,6 +1,6 @@
 """A sheet that rotates light about any axis."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA, of
 from povgen.sheets.sheet import Ideal, Parameter, Said
 

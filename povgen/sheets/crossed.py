@@ -1,6 +1,6 @@
 """Laws of infinitely fine sheets that scale the slope of light across their ridges. They are no kinds of their own."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.sheet import Ideal, Parameter
 
 # No user states these: they follow from a sheet's shape. So they have no ranges. `deviation` is a change of slope.

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import FOCAL_LENGTH, of
 from povgen.sheets.sheet import Ideal
 

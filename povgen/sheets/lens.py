@@ -1,6 +1,6 @@
 """A thin lens that fills the window."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import FOCAL_LENGTH
 from povgen.sheets.sheet import Ideal
 

@@ -1,6 +1,6 @@
 """Confocal lenslet arrays."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA, FOCAL_LENGTHS, RATIO, of
 from povgen.sheets.sheet import Ideal
 

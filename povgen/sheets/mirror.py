@@ -2,7 +2,7 @@
 
 from cmath import rect
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA, of
 from povgen.sheets.sheet import Ideal, Said
 

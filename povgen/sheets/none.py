@@ -1,6 +1,6 @@
 """An empty window."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.sheet import Ideal
 
 

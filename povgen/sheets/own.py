@@ -1,9 +1,9 @@
-"""A sheet whose law the user states."""
+"""A sheet whose law the user states. `law_grammar.py` checks the law."""
 
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.sheet import Ideal, Parameter
 
 if TYPE_CHECKING:

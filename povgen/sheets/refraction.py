@@ -1,6 +1,6 @@
 """An interface between media with a real or complex ratio of refractive indices."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA, RATIO, of
 from povgen.sheets.sheet import Ideal, Said
 

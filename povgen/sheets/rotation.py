@@ -1,6 +1,6 @@
 """The ideal sheet of the paper: it rotates light about its normal."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal
 

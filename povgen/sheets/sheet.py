@@ -1,6 +1,6 @@
 """Base classes of sheets. A subclass is a kind of sheet. An instance is a sheet with values of its parameters.
 
-An ideal sheet has a law: the direction of a ray behind the sheet, for a ray that comes from the eye (`law.py`).
+An ideal sheet has a law: the direction of a ray behind the sheet, for a ray that comes from the eye (`law_grammar.py`).
 """
 
 import re
@@ -10,7 +10,7 @@ from functools import cached_property
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import ArrayLike

@@ -1,6 +1,6 @@
 """A sheet behind which one plane appears turned as a rigid body."""
 
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.parameters import ALPHA, of
 from povgen.sheets.sheet import Ideal, Parameter
 

@@ -631,7 +631,7 @@ def test_object_and_eye_are_outside_the_frames_on_both_sides_of_the_curtain(page
 
 # A kind with parameters that no other has: a lens along x only, which also shifts all light.
 CYLINDER = """
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 from povgen.sheets.sheet import Ideal, Parameter
 
 class Cylinder(Ideal):

@@ -12,7 +12,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
 from povgen.scene.laws import to_pov
 from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
-from povgen.sheets.law import Law
+from povgen.sheets.law_grammar import Law
 
 DIRECTION = st.tuples(*[st.floats(-1, 1)] * 2, st.floats(0.1, 1)).map(np.array)
 ANGLE = st.floats(-360, 360)
