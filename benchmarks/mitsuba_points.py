@@ -17,7 +17,7 @@ import numpy as np
 
 from povgen import Chess
 from povgen.measure import speed
-from povgen.measure.charts import COLUMNS
+from povgen.measure.charts import FRAMES_HEAD
 from povgen.measure.probes import Size
 from povgen.rendering.light import Picture
 from povgen.scene import survey
@@ -88,7 +88,7 @@ def main() -> None:
     mitsuba, size = fastest(sys.argv[1]), speed.MAIN_SIZE
     converged = mitsuba.sample(size, CONVERGED)[1]
     table = csv.writer(sys.stdout, lineterminator="\n")
-    table.writerow(COLUMNS)
+    table.writerow(FRAMES_HEAD)
     for rays in RAYS:
         seconds, picture = mitsuba.sample(size, rays)
         errors = speed.picture_error(picture, converged, Chess())

@@ -23,10 +23,10 @@ class TransientError(PovrayError):
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Raise InputError in place of a TypeError or ValueError of `optics` for a wrong value. Can also be a decorator."""
+    """Raise InputError in place of the error that `optics` raises for a wrong value. Can also be a decorator."""
     try:
         yield
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(str(error)) from None
 
 

@@ -34,17 +34,17 @@ from povgen.sheets.prisms import ERRORS
 Floats = NDArray[np.float64]
 
 # the heads of the tables
-COLUMNS = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
-FLICKER = ("antialias", "flicker")
-PRISMS_TABLE = ("sheet", "prisms", "CPU s", "position error (px)")
-BEYOND = ("kind", "windows or sheet", "CPU s", "position error (px)")
-WORKERS = ("workers", "wall s", "fraction of cores busy", "cores")
+FRAMES_HEAD = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP", "FLIP against prisms")
+FLICKER_HEAD = ("antialias", "flicker")
+PRISMS_HEAD = ("sheet", "prisms", "CPU s", "position error (px)")
+BEYOND_HEAD = ("kind", "windows or sheet", "CPU s", "position error (px)")
+WORKERS_HEAD = ("workers", "wall s", "fraction of cores busy", "cores")
 
 
 def save_frames(points: list[Point], folder: Path) -> None:
     """Write frames.csv and, for each size, a chart of RMS against CPU seconds, with the Pareto fronts."""
     rows = [(p.method, p.sampling, *p.size, p.cpu, p.rms, p.flip, p.flip_detailed) for p in points]
-    save_table(folder / "frames.csv", COLUMNS, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
+    save_table(folder / "frames.csv", FRAMES_HEAD, [(*row[:4], *(f"{x:.4g}" for x in row[4:])) for row in rows])
     for size in dict.fromkeys(p.size for p in points):
         name = f"frames-{size[0]}x{size[1]}"
         with drawn(12, 6.2, folder / f"{name}.png", folder / f"{name}.svg") as figure:
@@ -92,13 +92,13 @@ def read_frames(file: Path) -> list[Point]:
     points, text = [], _text(file)
     try:
         for row in csv.DictReader(StringIO(text)):
-            size = int(row["width"]), int(row["height"])
-            seconds, *errors = (float(row[name]) for name in COLUMNS[4:])
+            size = _count(row["width"]), _count(row["height"])
+            seconds, *errors = (_amount(row[name]) for name in FRAMES_HEAD[4:])
             points.append(Point(row["method"], row["antialias"], size, None, [seconds], *errors))
         if not points:
             raise ValueError
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(COLUMNS)}") from None
+    except (KeyError, TypeError, ValueError, csv.Error):
+        raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(FRAMES_HEAD)}") from None
     return points
 
 
@@ -164,7 +164,7 @@ def _scatter(ax: Axes, points: list[Point], sheet: str) -> list[Label]:
 
 def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -> None:
     """Write prisms.csv and a chart of position error and CPU seconds against the number of prisms."""
-    save_table(folder / "prisms.csv", PRISMS_TABLE, rows)
+    save_table(folder / "prisms.csv", PRISMS_HEAD, rows)
     counts, seconds, errors = np.transpose(sorted(row[1:] for row in rows if row[0] == "detailed"))
     several = len(counts) > 1
     halved = several and (errors > 0).all() and (abs(np.diff(np.log(errors)) / np.diff(np.log(counts)) + 1) < 0.3).all()
@@ -205,7 +205,7 @@ def save_prism_counts(rows: list[tuple[str, int, float, float]], folder: Path) -
 
 def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None:
     """Write beyond.csv and a chart of CPU seconds and error, for windows in series and other ideal sheets."""
-    save_table(folder / "beyond.csv", BEYOND, rows)
+    save_table(folder / "beyond.csv", BEYOND_HEAD, rows)
     with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
         axes = figure.subplots(1, 2, sharey=True)
         names, places, top = [], [], 0.0
@@ -252,13 +252,13 @@ def save_beyond(rows: list[tuple[str, str, float, float]], folder: Path) -> None
 
 def save_flicker(rows: list[tuple[str, float]], folder: Path) -> None:
     """Write flicker.csv."""
-    save_table(folder / "flicker.csv", FLICKER, [(name, f"{value:.3g}") for name, value in rows])
+    save_table(folder / "flicker.csv", FLICKER_HEAD, [(name, f"{value:.3g}") for name, value in rows])
 
 
 def save_workers(rows: list[tuple[int, float, float, int]], folder: Path) -> None:
     """Write workers.csv and a chart of a movie's wall seconds against workers."""
     _, _, _, cores = rows[0]
-    save_table(folder / "workers.csv", WORKERS, rows)
+    save_table(folder / "workers.csv", WORKERS_HEAD, rows)
     with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
         workers, wall, busy = np.transpose([row[:3] for row in rows])
         ax = figure.subplots()
@@ -288,30 +288,39 @@ class Tables(NamedTuple):
 
 def read_tables(folder: Path) -> Tables:
     """Return the tables of an earlier measurement in a folder. Raises InputError if one is missing or malformed."""
-    return Tables(
+    found = Tables(
         read_frames(folder / "frames.csv"),
-        _read(folder / "flicker.csv", FLICKER, str, _size),
-        _read(folder / "prisms.csv", PRISMS_TABLE, str, int, _size, _size),
-        _read(folder / "beyond.csv", BEYOND, str, str, _size, _size),
-        _read(folder / "workers.csv", WORKERS, int, _size, _size, int),
+        _read(folder / "flicker.csv", FLICKER_HEAD, str, _amount),
+        _read(folder / "prisms.csv", PRISMS_HEAD, str, _count, _amount, _amount),
+        _read(folder / "beyond.csv", BEYOND_HEAD, str, str, _amount, _amount),
+        _read(folder / "workers.csv", WORKERS_HEAD, _count, _amount, _amount, _count),
     )
+    known = {row[:2] for row in found.beyond}
+    fewer = {(kind, str(int(name) - 1)) for kind, name in known if name.isdecimal() and name != "1"}
+    if not fewer <= known or "detailed" not in {row[0] for row in found.prism_counts}:
+        raise InputError(f"tables in {str(folder)!r}: rows are missing; allowed: tables that povgen chart wrote")
+    return found
 
 
 def redraw(tables: Tables, folder: Path) -> None:
-    """Draw the charts again, from the tables of an earlier measurement. Raises InputError if a row is missing."""
-    try:
-        save_frames(tables.frames, folder)
-        save_flicker(tables.flicker, folder)
-        save_prism_counts(tables.prism_counts, folder)
-        save_beyond(tables.beyond, folder)
-        save_workers(tables.workers, folder)
-    except (KeyError, IndexError, ValueError):
-        raise InputError("tables: rows are missing; allowed: tables that povgen chart wrote") from None
+    """Draw the charts again, from the tables of an earlier measurement."""
+    save_frames(tables.frames, folder)
+    save_flicker(tables.flicker, folder)
+    save_prism_counts(tables.prism_counts, folder)
+    save_beyond(tables.beyond, folder)
+    save_workers(tables.workers, folder)
 
 
-def _size(text: str) -> float:
+def _amount(text: str) -> float:
     """Return a number that is finite and 0 or more. Raises ValueError for other text."""
     if not 0 <= (value := float(text)) < np.inf:
+        raise ValueError
+    return value
+
+
+def _count(text: str) -> int:
+    """Return a whole number above 0. Raises ValueError for other text."""
+    if (value := int(text)) < 1:
         raise ValueError
     return value
 
@@ -324,7 +333,7 @@ def _read(file: Path, head: tuple[str, ...], *types: Callable[[str], object]) ->
         if tuple(first) != head:
             raise ValueError
         table = [tuple(made(value) for made, value in zip(types, row, strict=True)) for row in rows]
-    except ValueError:
+    except (ValueError, csv.Error):
         table = []
     if not table:
         raise InputError(f"table = {str(file)!r}: allowed: a table that povgen chart wrote")

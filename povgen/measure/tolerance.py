@@ -108,9 +108,7 @@ def _tilted(less: Floats, more: Floats) -> Change:
     other sheet. In the difference between the two scenes, the effect of this would cancel. The sign is that of the
     change by one degree more.
     """
-    opposite, same = more - less, more + less
-    sign = np.where(abs(opposite) >= abs(same), opposite, same)
-    displaced, *others = np.copysign(np.maximum(abs(less), abs(more)), sign)
+    displaced, *others = np.copysign(np.maximum(abs(less), abs(more)), more)
     return Change(abs(displaced), *others)
 
 
@@ -180,14 +178,13 @@ def _check(scene: Scene) -> None:
         raise InputError(
             f"windows: {1 + len(scene.window)}, sheet = {scene.sheet!r}; allowed: one window, sheet = 'detailed'"
         )
+    if np.isnan(results([scene], "seen_x", progress=False)["seen_x"][0]):
+        raise InputError("the object is at infinity, or not seen on the designed path; allowed: another place or alpha")
 
 
 def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:
     table = results(scenes, *QUANTITIES, workers=workers, scheduler=scheduler)
-    found = _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
-    if np.isnan(found.position[0]):
-        raise InputError("the object is at infinity, or not seen on the designed path; allowed: another place or alpha")
-    return found
+    return _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
 
 
 def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:

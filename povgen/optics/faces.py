@@ -354,7 +354,7 @@ def _met(
         if edge.period == 1 or cell is None:
             copies.append((number, edge, u))
         else:  # all copies that overlap with the cell
-            lowest, most = _copy(edge, cell, 0.0), ceil(1 / np.min(edge.period)) + 1
+            lowest, most = _copy(edge, cell, 0.0), ceil(1 / edge.period) + 1
             copies += [(number, edge, u - pitch * _shift(edge, cell, lowest + k)) for k in range(most)]
     for number, edge, own_u in copies:
         reach, meets = _reach(edge, pitch, own_u, z, dy, dz, square, outwards)

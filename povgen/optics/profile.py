@@ -220,11 +220,11 @@ def confocal(
 
     f_number is the focal length, in the glass, of the lenses on the eye's side, in periods. ratio is the focal length
     on the object's side divided by f_number. The block is as thick as both focal lengths together. The period of the
-    lenses on the object's side is greater by the fraction `mismatch`. Raises ValueError for a mismatch of -1 or less,
+    lenses on the object's side is greater by the fraction `mismatch`. Raises ValueError for a mismatch below -0.9,
     for a focal length whose lens would be more than a semicircle, and for what `Profile.of_outlines` does not allow.
     """
-    if not -1 < mismatch < LARGEST:
-        raise ValueError(f"mismatch = {mismatch:g}; allowed: above -1")
+    if not -0.9 <= mismatch < LARGEST:  # light meets many lenses of a small period in one cell
+        raise ValueError(f"mismatch = {mismatch:g}; allowed: -0.9 or more")
     near, far = _lens_radius(f_number, index), _lens_radius(ratio * f_number, index, 1 + max(mismatch, 0))
     thickness = (1 + ratio) * f_number
     made = Profile.of_outlines([_lenses(0.0, near, -1), _lenses(thickness, far, 1)], (1, 2), index, gap)

@@ -85,15 +85,12 @@ class Bundle(_Lines):
     """Rays: where they start, and their directions.
 
     `position` is (x, y, z) in tiles, `direction` (dx, dy, dz) of any length, which becomes a unit vector. Both are
-    arrays (..., 3), and broadcast. Raises ValueError for other shapes, for numbers that are not finite, and for a
+    arrays (..., 3), and broadcast. Raises ValueError for anything else, for numbers that are not finite, and for a
     direction without length or parallel to the sheets.
     """
 
     def __init__(self, position: ArrayLike, direction: ArrayLike) -> None:
-        try:
-            start, along = real("position", position), real("direction", direction)
-        except (TypeError, ValueError):
-            raise ValueError("position and direction: allowed: arrays of real numbers") from None
+        start, along = _numbers("position", position), _numbers("direction", direction)
         for name, values in (("position", start), ("direction", along)):
             if not values.ndim or values.shape[-1] != 3:
                 raise ValueError(f"{name}: an array of the shape {values.shape}; allowed: (..., 3), x, y and z")
@@ -110,6 +107,13 @@ class Bundle(_Lines):
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
         if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite
             raise ValueError("direction: dz is too small, parallel to the sheets; allowed: dz farther from 0")
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return real(name, values)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name}: allowed: an array of real numbers") from None
 
 
 class Traced(_Lines, Rays):

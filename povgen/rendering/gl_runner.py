@@ -27,6 +27,7 @@ ON_GPU = 4
 # in the names of devices that draw without a graphics processor
 WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic render|gdi generic", re.IGNORECASE)
 POVRAY = "allowed: renderer = 'povray'"
+Answer = tuple[subprocess.Popen[bytes], dict[str, Any]]  # a process, and the line with which it answers
 
 
 @cache
@@ -92,30 +93,25 @@ class Runner:
             "wide_filter": rendering.supersampling > 1,
             "is_light": rendering.is_light,
         }
-        for attempt in range(1, TRIES + 1):
-            try:
-                process = self._taken()
-                answer = self._answer(process, rendering.timeout, asked)
-            except TransientError as fault:
-                if attempt == TRIES:
-                    raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
-                continue
-            self._idle.append(process)
-            if answer.get("errno"):
-                raise OSError(answer["errno"], answer["error"], str(folder))
-            if "error" in answer:
-                raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
-            return picture
-        raise AssertionError("no tries")
+
+        def draw() -> Answer:
+            process = self._taken()
+            return process, self._answer(process, rendering.timeout, asked)
+
+        answer = self._tried(draw)
+        if answer.get("errno"):
+            raise OSError(answer["errno"], answer["error"], str(folder))
+        if "error" in answer:
+            raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
+        return picture
 
     def device(self) -> str:
         """Return the name of the device that draws, and OpenGL's version.
 
-        Raises InputError if this system cannot draw, TransientError if the process crashes or hangs, and PovrayError if
-        it was stopped.
+        Raises InputError if this system cannot draw, TransientError if two processes crash or hang, and PovrayError if
+        they were stopped.
         """
-        process, answer = self._started()
-        self._idle.append(process)
+        answer = self._tried(self._started)
         return f"{answer['device']}, OpenGL {answer['version']}"
 
     def stop(self) -> None:
@@ -129,6 +125,19 @@ class Runner:
             with self._idle.pop():
                 pass
 
+    def _tried(self, work: Callable[[], Answer]) -> dict[str, Any]:
+        """Return what a process answers. If the process crashes or hangs, `work` is called once more."""
+        for attempt in range(1, TRIES + 1):
+            try:
+                process, answer = work()
+            except TransientError as fault:
+                if attempt == TRIES:
+                    raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
+            else:
+                self._idle.append(process)
+                return answer
+        raise AssertionError("no tries")
+
     def _taken(self) -> "subprocess.Popen[bytes]":
         with suppress(IndexError):
             while (process := self._idle.pop()).poll() is not None:  # it was killed while it had nothing to draw
@@ -136,7 +145,7 @@ class Runner:
             return process
         return self._started()[0]
 
-    def _started(self) -> "tuple[subprocess.Popen[bytes], dict[str, Any]]":
+    def _started(self) -> Answer:
         with stopping.lock:
             self._check()
             # the number of threads of llvmpipe, Mesa's driver that draws without a GPU

@@ -115,7 +115,8 @@ def _measured(
 ) -> tuple[Sequence[float], NDArray[np.uint8]]:
     """Return the place of a piece's distance field, and its bytes (z, y, x).
 
-    Raises PovrayError, and InputError for a piece that has no inside (it is empty, flat or open) or too many surfaces.
+    Raises PovrayError, and InputError for too many surfaces, and for a piece without an inside: empty, flat, open or
+    thin.
     """
     with temporary_folder() as folder:
         try:
@@ -133,7 +134,8 @@ def _measured(
     place, met = numbers[:4], numbers[4:].reshape(-1, 4)
     distance = distances(met) if len(met) else np.empty(0)
     if not (distance < 0).any():
-        raise InputError(f"{name}: nothing solid within {FILE_RADIUS:g} tiles of its axis; allowed: a solid piece")
+        where = f"within {FILE_RADIUS:g} tiles of its axis that is thicker than {place[3]:.2g} tiles"
+        raise InputError(f"{name}: nothing solid {where}; allowed: a solid piece")
     return place.tolist(), np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
 
 

@@ -80,14 +80,15 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any]:
     if not 1e-9 < longest < 1e9:
         raise ValueError("should be a mesh whose longest side is from 1e-9 to 1e9")
     kept, left, moved = _clustered(vertices, triangles, longest / FINEST)
+    edges = np.sort(left[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    is_open = bool(len(left)) and (np.unique(edges, axis=0, return_counts=True)[1] == 1).any()
     size = longest / 1024
     while len(left) > MAX_TRIANGLES:
         kept, left, moved = _clustered(vertices, triangles, size)
         size *= 1.25
     if not len(left):
         raise ValueError("should be a mesh with triangles that have an area")
-    _, triangles_at = np.unique(np.sort(left[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    return kept, left, np.array([count, moved, (triangles_at == 1).any()])
+    return kept, left, np.array([count, moved, is_open])
 
 
 def _plain_obj(data: bytes) -> bytes:

@@ -134,13 +134,15 @@ def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, flo
 
     try:
         with Image.open(BytesIO(data), formats=FORMATS) as opened:
-            _check_size(opened.size)
-            if opened.mode == "F":
-                raise ValueError("should be a picture of whole numbers; for light: .hdr or .exr")
+            _check_size((max(opened.size), min(opened.size)))  # before Exif data turn it
             image: Image.Image = opened
-            if opened.mode.startswith("I"):  # 16 bits; convert() would cut these numbers at 255
+            if opened.mode.startswith("I;16") or (opened.mode, opened.format) == ("I", "PNG"):
+                # 16 bits: convert("RGB") would cut the numbers at 255
                 image = opened.convert("I").point(lambda grey: grey * (1 / 257) + 0.5)
+            elif opened.mode in ("I", "F"):
+                raise ValueError("should be a picture of 8 or 16 bits; for light: .hdr or .exr")
             image = _upright(image).convert("RGB")
+            _check_size(image.size)
     except ValueError as error:
         if str(error).startswith("should "):
             raise

@@ -573,11 +573,18 @@ class Scene(ParametersOfSheets):
         return MAX_DISTANCE / self.tile - self.places[-1]
 
     def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed. A glass replaces the index of this scene, and an index its glass.
+        """Return a copy with these values changed.
+
+        A new glass replaces the index of this scene. A new index replaces its glass, and the wavelength if it was for
+        this glass alone.
 
         Raises InputError for a name or a value that is not allowed.
         """
-        replaced = {"index"} if changes.get("glass", "none") != "none" else {"glass"} if changes.get("index") else set()
+        replaced: set[str] = set()
+        if changes.get("glass", "none") != "none":
+            replaced = {"index"}
+        elif changes.get("index") is not None:
+            replaced = {"glass"} if any(map(has_glass, self.window)) else {"glass", "wavelength"}
         given = {name: getattr(self, name) for name in self.model_fields_set - replaced}
         return type(self)(*unnamed, **{**given, **changes})
 

@@ -191,7 +191,6 @@ class SpheresAgreement:
 
 def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
     """Locate a coded square that replaces each sphere. Scenes with alpha = 0 are left out, because of moire."""
-    view = scenes[0].view  # the same in all
     targets = [
         Positions(
             sheet="detailed",
@@ -200,7 +199,7 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
             L=scene.L,
             extent=0.15 * (1 + z1 / scene.z2),
             aperture=scene.aperture,
-            view=view,
+            view=scene.view,
         )
         for scene in scenes
         for z1 in scene.distances
@@ -210,6 +209,7 @@ def spheres(scenes: Sequence[Spheres]) -> SpheresAgreement:
     for target, seen in located(targets, (320, 240)):
         if np.isfinite(seen.position):
             L, E, z1, z2 = target.L, target.E, target.z1, target.z2
-            paraxial.append(abs(seen.position - target.apparent_position(L, z1)))
-            fine.append(abs(seen.position - equations.apparent_position(L, E, z1, z2, radians(target.alpha))))
-    return SpheresAgreement(len(targets), len(fine), px(rms(paraxial), view), px(rms(fine), view))
+            right = equations.apparent_position(L, E, z1, z2, radians(target.alpha))
+            paraxial.append(px(abs(seen.position - target.apparent_position(L, z1)), target.view))
+            fine.append(px(abs(seen.position - right), target.view))
+    return SpheresAgreement(len(targets), len(fine), rms(paraxial), rms(fine))

@@ -576,6 +576,9 @@ def test_what_tolerance_cannot_do_is_said_before_it_traces(tmp_path, monkeypatch
     monkeypatch.setattr(tolerance, "sensitivities", lambda *_: pytest.fail("it traced"))
     (tmp_path / "errors.csv").mkdir()  # where the chart's table would be
     assert "errors.csv" in refused(["tolerance", "chess", "-o", "errors.png"], tmp_path)
+
+
+def test_tolerance_says_which_options_have_no_effect(tmp_path):
     said = refused(["tolerance", "chess", "--focal-length", "4", "--deviation", "turn=2"], tmp_path)
     assert "focal_length = 4: no effect" in said and "turn = 2; allowed" in said
 

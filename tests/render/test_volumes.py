@@ -133,7 +133,12 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
 
 
 def test_an_empty_piece_is_refused():
-    for nothing_solid in ("sphere { 3*x, 0 }", "disc { 0.5*y, <0.3, 0.2, 1>, 0.4 }", "triangle { x/3, y, -x/3 }"):
+    for nothing_solid in (
+        "sphere { 3*x, 0 }",
+        "disc { 0.5*y, <0.3, 0.2, 1>, 0.4 }",
+        "triangle { x/3, y, -x/3 }",
+        "box { -0.4, <0.4, 1, -0.399> }",
+    ):
         with pytest.raises(InputError, match="'own.inc': nothing solid within 0.5 tiles"):
             own(nothing_solid)
 

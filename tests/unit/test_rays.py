@@ -85,9 +85,9 @@ def test_a_bundle_keeps_its_own_numbers():
     for along in ([1e300, 0, 1e-300], [1, 0, 1e-320], [1, 0, -1e-320]):
         with pytest.raises(ValueError, match="dz is too small"):
             Bundle([0, 0, -3], along)
-    for wrong in ((0, 0, 1j), np.array([0, 0, 1j]), "a", [[0, 0, 1], [0, 1]]):
-        for given in ((wrong, (0, 0, 1)), ((0, 0, -3), wrong)):
-            with pytest.raises(ValueError, match="^position and direction: allowed: arrays of real numbers$"):
+    for wrong in ((0, 0, 1j), np.array([0, 0, 1j]), "a", [[0, 0, 1], [0, 1]], (0, 0, 10**400)):
+        for name, given in (("position", (wrong, (0, 0, 1))), ("direction", ((0, 0, -3), wrong))):
+            with pytest.raises(ValueError, match=f"^{name}: allowed: an array of real numbers$"):
                 Bundle(*given)
     with pytest.raises(ValueError, match=r"^position and direction: the shapes \(2, 3\) and \(3, 3\) do not fit$"):
         Bundle(np.zeros((2, 3)), np.ones((3, 3)))

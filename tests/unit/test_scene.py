@@ -107,6 +107,8 @@ def test_a_complex_distance_is_refused():
     for function in (lambda: Chess().apparent_position(1, 2j), lambda: Chess().nu_and_M(2j)):
         with pytest.raises(InputError, match="^z1 is complex"):
             function()
+    with pytest.raises(InputError):
+        Chess().apparent_position(1, 10**400)
 
 
 def test_sheets_are_up_to_100_tiles_deep():

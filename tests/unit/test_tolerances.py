@@ -363,7 +363,7 @@ def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
         (lambda: tolerance.Spread(deviation={"turn": 0}), "deviation = {'turn': 0}: should be greater than 0"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
         (lambda: tolerance.sensitivities(Chess(alpha=180, z1=6, z2=6)), "the object is at infinity, or not seen"),
-        (lambda: tolerance.builds(Chess(x=10), [Chess(x=10)]), "the object is at infinity, or not seen"),
+        (lambda: tolerance.drawn(Chess(x=10), tolerance.Spread()), "the object is at infinity, or not seen"),
         (
             lambda: tolerance.Spread(deviation="index=0.03"),
             "deviation: index = 0.03; allowed: greater than 0, up to 0.025",
