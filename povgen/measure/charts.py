@@ -98,7 +98,9 @@ def read_frames(file: Path) -> list[Point]:
         if not points:
             raise ValueError
     except (KeyError, TypeError, ValueError, csv.Error):
-        raise InputError(f"table = {str(file)!r}: allowed: a table with the columns {', '.join(FRAMES_HEAD)}") from None
+        raise InputError(
+            f"table = {str(file)!r}: allowed: a table of povgen chart, with the columns {', '.join(FRAMES_HEAD)}"
+        ) from None
     return points
 
 
@@ -326,7 +328,7 @@ def _count(text: str) -> int:
 
 
 def _read(file: Path, head: tuple[str, ...], *types: Callable[[str], object]) -> list[Any]:
-    """Return the rows of a table, with columns of these types. Raises InputError if it has another head, or no rows."""
+    """Return the rows of a table, with columns of these types. Raises InputError for other columns, or no rows."""
     text = _text(file)
     try:
         first, *rows = csv.reader(StringIO(text))

@@ -48,7 +48,7 @@ class Spread(Model):
     ] = Field(
         default={},
         description="standard deviation of an error, such as turn=0.05: at most a quarter of what the error can be, "
-        "and at most 1; facets 0 to 1 and pitches 0 to 0.05; a separation below 0 is made positive; "
+        "and at most 1; facets up to 1 and pitches up to 0.05; a drawn separation below 0 is made positive; "
         "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
@@ -179,7 +179,10 @@ def _check(scene: Scene) -> None:
             f"windows: {1 + len(scene.window)}, sheet = {scene.sheet!r}; allowed: one window, sheet = 'detailed'"
         )
     if np.isnan(results([scene], "seen_x", progress=False)["seen_x"][0]):
-        raise InputError("the object is at infinity, or not seen on the designed path; allowed: another place or alpha")
+        raise InputError(
+            "the eye does not see the object on the designed path, or sees it at infinity; allowed: another place "
+            "of the object or the eye, or another alpha"
+        )
 
 
 def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:

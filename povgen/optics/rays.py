@@ -102,7 +102,9 @@ class Bundle(_Lines):
         try:
             self.position, along = map(np.array, np.broadcast_arrays(start, along))
         except ValueError:
-            raise ValueError(f"position and direction: the shapes {start.shape} and {along.shape} do not fit") from None
+            raise ValueError(
+                f"position and direction: the shapes {start.shape} and {along.shape} do not broadcast"
+            ) from None
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
         if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite
@@ -158,7 +160,7 @@ def pencil(
     raises ValueError for a point between the windows, and for numbers outside their ranges.
     """
     try:
-        start = np.asarray(point, float)
+        start = real("point", point)
     except (TypeError, ValueError, OverflowError):
         start = np.empty(0)
     if start.shape != (3,) or not (abs(start) <= LARGEST).all():

@@ -134,8 +134,8 @@ def _measured(
     place, met = numbers[:4], numbers[4:].reshape(-1, 4)
     distance = distances(met) if len(met) else np.empty(0)
     if not (distance < 0).any():
-        where = f"within {FILE_RADIUS:g} tiles of its axis that is thicker than {place[3]:.2g} tiles"
-        raise InputError(f"{name}: nothing solid {where}; allowed: a solid piece")
+        least = f"no solid part thicker than {place[3]:.2g} tiles, within {FILE_RADIUS:g} tiles of its axis"
+        raise InputError(f"{name}: {least}; allowed: a closed piece that is thick enough")
     return place.tolist(), np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
 
 

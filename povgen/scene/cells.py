@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from povgen.optics.equations import Complexes, Floats
 
 _CELLS = 16  # across the window, for the first estimate of the error
-# With the template "law" and several windows: the least number of cells across the first window. With fewer, a whole
-# further window could appear inside a single cell.
+# With the template "law" and several windows: the least number of cells across the first window. With fewer, a
+# further window could lie inside one cell and be missed.
 _SERIES_CELLS = 24
 
 

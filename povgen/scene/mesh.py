@@ -68,7 +68,9 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     if len(triangles) < count and moved * scale > 1e-5:
         note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
     if is_open:
-        note.append("its surface is not closed: outlines and the renderer gl can lack parts of it")
+        note.append(
+            "its surface is not closed: parts may be missing in outlines, with the renderer gl, and on the page"
+        )
     return _sdl(points, triangles), "; ".join(note)
 
 

@@ -575,10 +575,8 @@ class Scene(ParametersOfSheets):
     def replace(self, /, *unnamed: object, **changes: object) -> Self:
         """Return a copy with these values changed.
 
-        A new glass replaces the index of this scene. A new index replaces its glass, and the wavelength if it was for
-        this glass alone.
-
-        Raises InputError for a name or a value that is not allowed.
+        A new glass replaces the index of this scene. A new index replaces the glass. It also replaces the wavelength,
+        unless a further window has a glass. Raises InputError for a name or a value that is not allowed.
         """
         replaced: set[str] = set()
         if changes.get("glass", "none") != "none":

@@ -139,7 +139,7 @@ def test_an_empty_piece_is_refused():
         "triangle { x/3, y, -x/3 }",
         "box { -0.4, <0.4, 1, -0.399> }",
     ):
-        with pytest.raises(InputError, match="'own.inc': nothing solid within 0.5 tiles"):
+        with pytest.raises(InputError, match="'own.inc': no solid part thicker than"):
             own(nothing_solid)
 
 

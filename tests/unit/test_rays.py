@@ -89,7 +89,9 @@ def test_a_bundle_keeps_its_own_numbers():
         for name, given in (("position", (wrong, (0, 0, 1))), ("direction", ((0, 0, -3), wrong))):
             with pytest.raises(ValueError, match=f"^{name}: allowed: an array of real numbers$"):
                 Bundle(*given)
-    with pytest.raises(ValueError, match=r"^position and direction: the shapes \(2, 3\) and \(3, 3\) do not fit$"):
+    with pytest.raises(
+        ValueError, match=r"^position and direction: the shapes \(2, 3\) and \(3, 3\) do not broadcast$"
+    ):
         Bundle(np.zeros((2, 3)), np.ones((3, 3)))
     assert (Spot(np.zeros(2), 0.0, 1.0) == Spot(np.zeros(2), 0.0, 1.0)) is False
 
@@ -252,6 +254,7 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
         (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
         (lambda s: s.pencil(0.5), "allowed: x, y and z"),
+        (lambda s: s.pencil(np.array([0, 0, 5 + 1j])), "allowed: x, y and z"),
         (lambda s: s.pencil((0, 0, 2), count=0), "count = 0: allowed: a whole number"),
         (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
         (lambda s: s.pencil((0, 0, 2), radius="a"), "radius = 'a'"),

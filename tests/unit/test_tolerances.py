@@ -362,8 +362,14 @@ def test_charts_say_what_is_unknown(tmp_path, monkeypatch):
         (lambda: tolerance.Spread(deviation={"turn": -1}), "deviation = {'turn': -1}: should be greater than"),
         (lambda: tolerance.Spread(deviation={"turn": 0}), "deviation = {'turn': 0}: should be greater than 0"),
         (lambda: tolerance.Spread(builds=0), "builds = 0"),
-        (lambda: tolerance.sensitivities(Chess(alpha=180, z1=6, z2=6)), "the object is at infinity, or not seen"),
-        (lambda: tolerance.drawn(Chess(x=10), tolerance.Spread()), "the object is at infinity, or not seen"),
+        (
+            lambda: tolerance.sensitivities(Chess(alpha=180, z1=6, z2=6)),
+            "the eye does not see the object on the designed path",
+        ),
+        (
+            lambda: tolerance.drawn(Chess(x=10), tolerance.Spread()),
+            "the eye does not see the object on the designed path",
+        ),
         (
             lambda: tolerance.Spread(deviation="index=0.03"),
             "deviation: index = 0.03; allowed: greater than 0, up to 0.025",
