@@ -200,14 +200,15 @@ Passage passage(Passage ray, int number) {
       break;
     }
 
-    // Refract the ray, or reflect it totally. `cosine` is positive for a ray that leaves the prism.
+    // Refract the ray, or reflect it totally. `cosine` is positive for a ray that leaves the prism. A refracted direction is
+    // composed of its parts along the face and across it. So its length is 1, whatever rounding has made of the length before.
+    vec2 tangent = vec2(-normal.y, normal.x);
+    float cosine = dot(normal, d.yz), sine = dot(tangent, d.yz);
     float eta = glass ? glassIndex : 1.0 / glassIndex;
-    float cosine = dot(normal, d.yz);
-    float square = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    float square = 1.0 - eta * eta * (d.x * d.x + sine * sine);
     bool total = square < 0.0;
-    float change = total ? -2.0 * cosine : sign(cosine) * sqrt(max(square, 0.0)) - eta * cosine;
-    float scale = total ? 1.0 : eta;
-    d = vec3(scale * d.x, scale * d.yz + change * normal);
+    if (total) d.yz -= 2.0 * cosine * normal;
+    else d = vec3(eta * d.x, eta * sine * tangent + sign(cosine) * sqrt(square) * normal);
     if (!total) {
       if (dove && face == 1) {  // through the gap between two prisms
         cell += glass ? -1.0 : 1.0;
