@@ -1,6 +1,7 @@
 """The command line's messages and warnings."""
 
 from errno import EMFILE
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from povgen.progress import say
@@ -31,9 +32,12 @@ def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" 
         from povgen.rendering import surveys
         from povgen.rendering.views import views
     texts_by_limit: dict[str, list[str]] = {}
-    for scene in scenes:
+    shown = [views(scene, rendering) if rendering else [scene] for scene in scenes]
+    if rendering:
+        surveys.make(chain(*shown))
+    for several in shown:
         found: dict[str, str] = {}
-        for view in views(scene, rendering) if rendering else [scene]:
+        for view in several:
             found = dict(warnings(view, rendering, surveys.found(view) if rendering else None)) | found
         for limit, text in found.items():
             texts_by_limit.setdefault(limit, []).append(text)

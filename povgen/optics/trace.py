@@ -59,6 +59,10 @@ class Rays:
     # entered it, (n, sheets). For lenses it is the number of the ghost.
     orders: Indices
 
+    def __getitem__(self, some: slice) -> "Rays":
+        """Return some of the rays. Their arrays share memory with those of all."""
+        return Rays(*(getattr(self, field.name)[some] for field in fields(self)))
+
 
 def pair(alpha: float, shape: Prism | Profile, z: float = 0.0, window: int = 0) -> tuple[Sheet, ...]:
     """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2.
@@ -130,9 +134,8 @@ def trace(
         np.zeros((n, len(sheets)), int),
     )
     for start in range(0, n, CHUNK):
-        chunk = Rays(*(getattr(rays, field.name)[start : start + CHUNK] for field in fields(Rays)))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(chunk, sheets, glass, window, frame, partial).run()
+            _Trace(rays[start : start + CHUNK], sheets, glass, window, frame, partial).run()
     path = np.array([face for shape in several for face in path_of(shape)])
     steps = len(path)
     path = np.where(forward, path, path[::-1])

@@ -141,6 +141,7 @@ def render_all(
     failures = []
     shown = [views(scene, rendering) for scene in scenes]
     every = list(chain(*shown))
+    surveys.make(every)
     to_text, runner, workers = _renderer(every, rendering, runner, workers, part)
     try:
         with thread_pool(runner, workers) as pool:

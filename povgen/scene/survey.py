@@ -74,19 +74,21 @@ def of_inputs(given: SurveyInputs) -> Survey:
     first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
     start_z = windows[first - 1].z if first else -z2
     # First rays to each window's middle plane, then rays into its frame. In a deep frame, these are different rays.
-    for number, at in product(range(first, len(windows)), (0.0, depth)):
-        P = _crossings_up_to(number, given._replace(depth=at))
-        count = P.shape[1]
-        if not count:  # other windows hide this one
+    targets = product(range(first, len(windows)), (0.0, depth))
+    several = [_crossings_up_to(number, given._replace(depth=at)) for number, at in targets]
+    # All are traced at once: this takes less time, because the number of steps is that of the longest path.
+    start = np.concatenate([P[first - 1] if first else np.full(P.shape[1], E) for P in several])
+    away = np.concatenate([P[first] for P in several]) - start
+    origin = np.column_stack((start.real, start.imag, np.full(len(start), start_z)))
+    direction = np.column_stack((away.real, away.imag, np.full(len(start), windows[first].z - start_z)))
+    every = trace.trace(origin, direction, glass, aperture)
+    ends = np.cumsum([P.shape[1] for P in several])
+    for group in map(slice, [0, *ends], ends):
+        if not len(origin[group]):  # other windows hide this one
             designed = 0.0
             continue
-        start, end = P[first - 1] if first else np.full(count, E), P[first]
-        origin = np.column_stack((start.real, start.imag, np.full(count, start_z)))
-        away = end - start
-        direction = np.column_stack((away.real, away.imag, np.full(count, windows[first].z - start_z)))
-        found = trace.trace(origin, direction, glass, aperture)
-        level = max(level, _level(origin, direction, found, glass, aperture))
-        designed = float(found.designed.mean())
+        level = max(level, _level(origin[group], direction[group], every[group], glass, aperture))
+        designed = float(every[group].designed.mean())
     return Survey(level, designed)
 
 

@@ -25,7 +25,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, sheets, to_pov
 from povgen.rendering import cache, frames, surveys
-from povgen.scene import survey, warnings
+from povgen.scene import survey
 from povgen.video import encode, still
 
 SCENE = Chess(sheet="none")
@@ -407,11 +407,11 @@ def test_rays_are_traced_once(monkeypatch):
 
     def again():
         traced = []
-        trace = survey.survey
+        trace = survey.of_inputs
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(survey, "survey", lambda scene: traced.append(scene) or trace(scene))
+            patch.setattr(survey, "of_inputs", lambda given: traced.append(given) or trace(given))
             _, ran = rendered(scene)
-            assert not ran and trace(scene) == found
+            assert not ran and surveys.found(scene) == found
         return len(traced)
 
     assert again() == 0
@@ -443,10 +443,34 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
 
     scene = Chess(z2=2, prisms=31)
     rendered(scene)
-    for module in (survey, warnings):  # loaded before, so that they keep no replaced function
-        monkeypatch.setattr(module, "survey", lambda scene: pytest.fail("traced again"))
+    monkeypatch.setattr(survey, "of_inputs", lambda given: pytest.fail("traced again"))
     warn({}, [scene], SMALL)
     assert "z2 = 2" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_surveys_of_many_scenes_are_made_by_several_processes(fails, monkeypatch):
+    """They are those that this process makes. Surveys that a process does not make are made here."""
+    started, start = [], surveys.python
+    monkeypatch.setattr(surveys, "cores", lambda: 2)
+    monkeypatch.setattr(
+        surveys, "python", lambda name: started.append(start("no_module" if fails else name)) or started[-1]
+    )
+    scenes = [
+        *(Chess(alpha=alpha) for alpha in range(surveys.EACH)),
+        *(Chess(sheet="lenticular", f_number=8, alpha=alpha) for alpha in range(surveys.EACH)),
+        Chess(sheet="ideal"),
+    ]
+    surveys.make([*scenes[:1], *scenes])
+    assert len(started) == 2 and all(process.poll() is not None for process in started)
+    made = [survey.survey(scene) for scene in scenes[:-1:10]]
+    if not fails:
+        monkeypatch.setattr(survey, "of_inputs", lambda given: pytest.fail("traced again"))
+    assert [surveys.found(scene) for scene in scenes[:-1:10]] == made
+    assert surveys.found(scenes[-1]) is None
+    if not fails:
+        surveys.make(scenes)
+        assert len(started) == 2
 
 
 # ---- outputs
