@@ -141,8 +141,8 @@ def render_all(
     failures = []
     shown = [views(scene, rendering) for scene in scenes]
     every = list(chain(*shown))
-    surveys.make(every)
     to_text, runner, workers = _renderer(every, rendering, runner, workers, part)
+    surveys.make(every)
     try:
         with thread_pool(runner, workers) as pool:
             finished = _finished(every, rendering, runner, pool, AHEAD * workers, to_text)

@@ -22,7 +22,7 @@ from povgen.settings import Rendering
 SCENE = "scene.json"
 TRIES = 2
 START = 60.0  # seconds in which a process is ready to draw
-# On a graphics processor, more than 4 processes do not make a movie faster (docs/speed.md).
+# On a graphics processor, more processes make a movie little faster (docs/speed.md), and each needs its memory.
 ON_GPU = 4
 # in the names of devices that draw without a graphics processor
 WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic render|gdi generic", re.IGNORECASE)

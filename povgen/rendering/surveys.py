@@ -5,12 +5,15 @@ What a ray trace finds is a `survey.Survey`.
 
 import functools
 import inspect
+import json
 import pickle
 import sys
 from collections.abc import Iterable
-from contextlib import suppress
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from povgen import limits, optics, sheets
 from povgen.rendering import cache
@@ -18,7 +21,9 @@ from povgen.rendering.parallel import cores, end, python
 from povgen.scene import scenes, survey, windows
 from povgen.scene.scenes import Scene
 
-EACH = 24  # a process makes at least this number of surveys: its start takes as long as about 15 of them
+# Processes that make surveys: each makes at least EACH, because its start takes as long as about 15. It is given START
+# seconds, and SECONDS for each survey.
+MOST, EACH, START, SECONDS = 16, 24, 60.0, 10.0
 
 
 def found(scene: Scene, store: bool = False) -> survey.Survey | None:
@@ -26,10 +31,9 @@ def found(scene: Scene, store: bool = False) -> survey.Survey | None:
 
     With `store`, a survey from a ray trace is put into the cache, if povgen can write there.
     """
-    return _of_inputs(survey.inputs(scene), store) if scene.has_prisms else None
-
-
-def _of_inputs(given: survey.SurveyInputs, store: bool) -> survey.Survey:
+    if not scene.has_prisms:
+        return None
+    given = survey.inputs(scene)
     if values := cache.load_values(_key(given)):
         return survey.Survey(**values)
     made = survey.of_inputs(given)
@@ -43,27 +47,31 @@ def _key(given: survey.SurveyInputs) -> str:
 
 
 def make(shown: Iterable[Scene]) -> None:
-    """Put the surveys of many scenes into the cache. Several processes make those that are missing.
+    """Make the surveys of many scenes by several processes. Those that are known, or in the cache, are not made again.
 
-    If there are few scenes, if povgen cannot write in the cache, or if a process fails, some surveys stay missing:
-    `found` makes them. Raises KeyboardInterrupt if povgen was asked to stop.
+    Few surveys are left to `found`, as are those of a process that fails or hangs. Raises KeyboardInterrupt if povgen
+    was asked to stop.
     """
     every = dict.fromkeys(survey.inputs(scene) for scene in shown if scene.has_prisms)
-    if len(every) < 2 * EACH or cores() < 2:
+    missing = [given for given in every if given not in survey.known and not cache.load_values(_key(given))]
+    count = min(cores(), MOST, len(missing) // EACH)
+    if count < 2:
         return
-    missing = [given for given in every if not cache.load_values(_key(given))]
-    count = min(cores(), len(missing) // EACH)
-    processes = [python("povgen.rendering.surveys") for _ in range(count)] if count > 1 else []
-    try:
-        for number, process in enumerate(processes):
-            assert process.stdin
-            with suppress(OSError), process.stdin:  # the process has ended
-                pickle.dump(missing[number::count], process.stdin)
-        for process in processes:
-            process.wait()
-    finally:
-        for process in processes:
-            end(process)
+    with suppress(OSError), ExitStack() as opened:
+        pool = opened.enter_context(ThreadPoolExecutor(count))
+        for number in range(count):
+            process = python("povgen.rendering.surveys")
+            opened.callback(end, process)  # before the pool ends: its threads wait for the process
+            part = missing[number::count]
+            pool.submit(_ask, process, part)
+        pool.shutdown()
+
+
+def _ask(process: Any, part: list[survey.SurveyInputs]) -> None:  # noqa: ANN401  (subprocess.Popen)
+    """Keep the surveys with which a process answers."""
+    answer, _ = process.communicate(pickle.dumps(part), START + SECONDS * len(part))
+    for given, values in zip(part, answer.splitlines(), strict=False):
+        survey.known[given] = survey.Survey(**json.loads(values))
 
 
 @functools.cache
@@ -75,7 +83,11 @@ def _code_of_trace() -> str:
     return sha256("\0".join(texts).encode()).hexdigest()
 
 
-if __name__ == "__main__":  # a process of `make`
-    with suppress(KeyboardInterrupt):
-        for given in pickle.load(sys.stdin.buffer):
-            _of_inputs(given, store=True)
+def main() -> None:
+    """Read pickled inputs of surveys from the standard input. Write a line of JSON for each survey."""
+    for given in pickle.load(sys.stdin.buffer):
+        print(json.dumps(survey.of_inputs(given)._asdict()), flush=True)
+
+
+if __name__ == "__main__":
+    main()

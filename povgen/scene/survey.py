@@ -5,7 +5,6 @@ through one slanted facet, to the base, and through the other slanted facet. Thr
 out at the lens opposite. All other light that comes through is stray light.
 """
 
-from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -54,8 +53,20 @@ def survey(scene: Scene, side: int = 60) -> Survey:
     return of_inputs(inputs(scene, side))
 
 
-@lru_cache(10000)  # `warn` and the rendering need those of all frames of a movie
+known: dict[SurveyInputs, Survey] = {}  # `warn` and the rendering need those of all frames of a movie
+MOST_KNOWN = 10000
+
+
 def of_inputs(given: SurveyInputs) -> Survey:
+    """Return the survey for these inputs, which is made once."""
+    found = known.get(given) or _traced(given)
+    if len(known) >= MOST_KNOWN:
+        known.clear()
+    known[given] = found
+    return found
+
+
+def _traced(given: SurveyInputs) -> Survey:
     """Trace rays from the eye to each window of prisms. Each of these windows is given its own rays.
 
     So a window of which the eye sees little, because it is far behind others, counts as much as the nearest one. The

@@ -69,6 +69,10 @@ class Law:
     def __hash__(self) -> int:
         return hash(str(self))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what other processes are sent: compiled code cannot be."""
+        return {name: value for name, value in vars(self).items() if name != "_code"}
+
     def __str__(self) -> str:
         return self._text
 

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import pwd
 import shutil
+import signal
 import stat
 import struct
 import subprocess
@@ -448,29 +449,44 @@ def test_warnings_need_no_rays_again(monkeypatch, capsys):
     assert "z2 = 2" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("fails", [False, True])
-def test_surveys_of_many_scenes_are_made_by_several_processes(fails, monkeypatch):
-    """They are those that this process makes. Surveys that a process does not make are made here."""
+@pytest.mark.parametrize("fault", [None, "ends", "hangs", "does not start"])
+def test_surveys_of_many_scenes_are_made_by_several_processes(fault, monkeypatch):
+    """They are those that this process makes. Those of a process that fails are made here."""
     started, start = [], surveys.python
+
+    def python(name):
+        if started and fault == "does not start":
+            raise OSError(errno.EAGAIN, "no more processes")
+        started.append(start("no_module" if started and fault == "ends" else name))
+        if fault == "hangs":
+            started[-1].send_signal(signal.SIGSTOP)
+        return started[-1]
+
     monkeypatch.setattr(surveys, "cores", lambda: 2)
-    monkeypatch.setattr(
-        surveys, "python", lambda name: started.append(start("no_module" if fails else name)) or started[-1]
-    )
+    monkeypatch.setattr(surveys, "python", python)
+    monkeypatch.setattr(surveys, "EACH", 8)
+    if fault == "hangs":
+        monkeypatch.setattr(surveys, "START", 0.1)
+        monkeypatch.setattr(surveys, "SECONDS", 0.01)
     scenes = [
-        *(Chess(alpha=alpha) for alpha in range(surveys.EACH)),
-        *(Chess(sheet="lenticular", f_number=8, alpha=alpha) for alpha in range(surveys.EACH)),
+        *(Chess(alpha=alpha) for alpha in range(8)),
+        *(Chess(sheet="lenticular", f_number=8, alpha=alpha) for alpha in range(4)),
+        *(Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": k}, window="z=1,sheet=detailed") for k in range(4)),
         Chess(sheet="ideal"),
     ]
+    scenes[-2].apparent_position(0j, 1)
+    made = [survey._traced(survey.inputs(scene)) for scene in scenes[:-1]]
+    monkeypatch.setattr(survey, "known", {})
     surveys.make([*scenes[:1], *scenes])
-    assert len(started) == 2 and all(process.poll() is not None for process in started)
-    made = [survey.survey(scene) for scene in scenes[:-1:10]]
-    if not fails:
-        monkeypatch.setattr(survey, "of_inputs", lambda given: pytest.fail("traced again"))
-    assert [surveys.found(scene) for scene in scenes[:-1:10]] == made
-    assert surveys.found(scenes[-1]) is None
-    if not fails:
-        surveys.make(scenes)
-        assert len(started) == 2
+    assert len(started) == 1 + (fault != "does not start")
+    assert all(process.poll() is not None for process in started)
+    assert len(survey.known) == {None: 16, "ends": 8}.get(fault, 0)
+    if not fault:
+        monkeypatch.setattr(survey, "_traced", lambda given: pytest.fail("traced again"))
+    assert [surveys.found(scene, store=True) for scene in scenes] == [*made, None]
+    survey.known.clear()
+    surveys.make(scenes)  # they are in the cache
+    assert not survey.known
 
 
 # ---- outputs
