@@ -101,7 +101,7 @@ def _volume(place: Sequence[float], field: NDArray[np.uint8]) -> Volume:
     """Return a distance field whose bytes (z, y, x) are given."""
     steps = np.diff(field, axis=0, prepend=np.uint8(0))  # modulo 256
     x, y, z, side = place
-    return Volume((x, y, z, side), base64.b64encode(zlib.compress(steps.tobytes(), 9)).decode())
+    return Volume((x, y, z, side), base64.b64encode(zlib.compress(steps.tobytes())).decode())
 
 
 @functools.cache
@@ -210,8 +210,9 @@ def volumes(
     timeout: float = Rendering().timeout,
     progress: bool = False,
 ) -> dict[str, Volume]:
-    """Return the pieces' distance fields, by the same names: shipped, from the cache or new. Then trim the cache.
+    """Return the pieces' distance fields, by the same names: shipped, from the cache or new.
 
+    The cache is trimmed if some are new.
     `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for a piece
     without an inside or with too many surfaces, and what `cache.check` raises.
     """
@@ -225,7 +226,8 @@ def volumes(
         for field in as_completed(fields):
             made[fields[field]] = field.result()
             done()
-    cache.trim(cache.max_bytes())
+    if new:
+        cache.trim(cache.max_bytes())
     return {name: made[name] for name in pieces}
 
 

@@ -119,7 +119,8 @@ def test_pictures_agree_with_povray(scene):
 
 
 def test_directions_agree_with_the_ray_trace():
-    holding(verify_gl.directions(verify_gl.PRISM_SCENES, SIZE), 2)
+    # in smaller pictures a few rays more or less decide
+    holding(verify_gl.directions(verify_gl.PRISM_SCENES, (320, 240)), 2)
 
 
 def test_windows_without_sheets_before_prisms_leave_light_as_it_is():
