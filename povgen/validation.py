@@ -83,9 +83,17 @@ class Model(BaseModel):
         return self.replace(**update) if update else super().model_copy(deep=deep)
 
     def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed. Raises InputError if the copy is not allowed."""
-        given = {name: getattr(self, name) for name in self.model_fields_set}
+        """Return a copy with these values changed. Raises InputError if the copy is not allowed.
+
+        In scenes and windows, a new glass replaces the index, and a new index the glass. In a scene, it also replaces
+        the wavelength, unless a further window has a glass.
+        """
+        given = {name: getattr(self, name) for name in self.model_fields_set - self._replaced_by(changes)}
         return type(self)(*unnamed, **{**given, **changes})
+
+    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:  # noqa: ARG002
+        """Return the names of the values that changes of other names replace."""
+        return set()
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: object) -> None:

@@ -31,7 +31,7 @@ from povgen.scene import pictures
 from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.scene.recorded import scenes
-from povgen.scene.windows import WINDOW, ParametersOfSheets, Placed, SheetName, Window, Windows
+from povgen.scene.windows import WINDOW, ParametersOfSheets, Placed, SheetName, Window, Windows, replaced_by
 from povgen.sheets import SHEETS
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
@@ -572,19 +572,9 @@ class Scene(ParametersOfSheets):
         """The greatest z1, tiles."""
         return MAX_DISTANCE / self.tile - self.places[-1]
 
-    def replace(self, /, *unnamed: object, **changes: object) -> Self:
-        """Return a copy with these values changed.
-
-        A new glass replaces the index of this scene. A new index replaces the glass. It also replaces the wavelength,
-        unless a further window has a glass. Raises InputError for a name or a value that is not allowed.
-        """
-        replaced: set[str] = set()
-        if changes.get("glass", "none") != "none":
-            replaced = {"index"}
-        elif changes.get("index") is not None:
-            replaced = {"glass"} if any(map(has_glass, self.window)) else {"glass", "wavelength"}
-        given = {name: getattr(self, name) for name in self.model_fields_set - replaced}
-        return type(self)(*unnamed, **{**given, **changes})
+    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
+        replaced = replaced_by(changes)
+        return replaced | {"wavelength"} if "glass" in replaced and not any(map(has_glass, self.window)) else replaced
 
     @model_validator(mode="after")
     def _find_indices(self) -> Self:

@@ -14,7 +14,7 @@ from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.scene.pieces import PIECES, from_folder
 from povgen.scene.scenes import SCENES, Scene
-from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, window_table
+from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES
 from povgen.validation import Model, as_pair
@@ -255,10 +255,14 @@ class MovieSpec(Model):
         return cls(title=title, scene=scene, sweep=sweeps, **values)
 
     def with_fixed(self, values: Mapping[str, object]) -> Self:
-        """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError."""
+        """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError.
+
+        A new glass replaces the index, and a new index the glass.
+        """
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
-        spec = self.replace(fixed={**self.fixed, **values})
+        kept = {name: value for name, value in self.fixed.items() if name not in replaced_by(values)}
+        spec = self.replace(fixed={**kept, **values})
         scene = spec.scenes("standard")[0]
         return spec.replace(fixed={name: getattr(scene, name) for name in spec.fixed})
 

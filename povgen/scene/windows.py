@@ -127,9 +127,19 @@ class Window(_OfWindow):
     )
     sheet: SheetName | None = Field(default=None, description="kind of its sheet (default: the first window's)")
 
+    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
+        return replaced_by(changes)
+
     if TYPE_CHECKING:  # the fields that come from the sheets' parameters
 
         def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
+
+
+def replaced_by(changes: Mapping[str, object]) -> set[str]:
+    """Return which of index and glass new values replace: each replaces the other."""
+    if changes.get("glass") not in (None, "none"):
+        return {"index"}
+    return {"glass"} if changes.get("index") is not None else set()
 
 
 class Placed(NamedTuple):

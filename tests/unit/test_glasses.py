@@ -68,6 +68,19 @@ def test_windows_can_have_glass_of_their_own():
     assert scene.replace(wavelength=600).sheets[3].values["index"] == pytest.approx(index("N-SF11", 600e-9), abs=1e-12)
 
 
+def test_a_new_index_replaces_the_glass_of_a_window_and_of_a_movie():
+    scene = Chess(window=["z=2,glass=BK7", "z=3,index=1.6"])
+    glass, plain = scene.window
+    assert Chess(window=[glass.replace(index=1.7), plain.replace(glass="BK7")]) == Chess(
+        window=["z=2,index=1.7", "z=3,glass=BK7"]
+    )
+    spec = MovieSpec(
+        title="a", scene="chess", fixed={"glass": "BK7"}, sweep=[{"parameter": "alpha", "start": 10, "stop": 90}]
+    )
+    assert spec.with_fixed({"index": "1.7"}).fixed == {"index": 1.7}
+    assert spec.with_fixed({"index": "1.7"}).with_fixed({"glass": "N-SF11"}).fixed == {"glass": "N-SF11"}
+
+
 def test_a_dump_keeps_the_glass_of_a_window():
     scene = Chess(window="z=2,glass=BK7")
     again = Chess(**scene.model_dump())
