@@ -186,6 +186,8 @@ class MovieSpec(Model):
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
             text = " and ".join(map(str, sorted(filter(None, counts))))
             raise ValueError(f"[[sweep]] values: {text} frames; allowed: frames and all lists of values equally long")
+        if self.ease and all(sweep.values for sweep in self.sweep):
+            raise ValueError("ease = True: no sweep has start and stop; allowed: ease = false, or start and stop")
         return self
 
     @classmethod

@@ -73,6 +73,13 @@ def test_a_value_halfway_that_cannot_be_is_refused(values, words):
         MovieSpec(title="a", scene="chess", sweep=[{"parameter": "z1", **values}])
 
 
+def test_ease_needs_a_start_and_a_stop():
+    values, ends = {"parameter": "alpha", "values": [1, 2]}, {"parameter": "z1", "start": 1, "stop": 3}
+    assert MovieSpec(title="a", scene="chess", ease=True, sweep=[values, ends]).ease
+    with pytest.raises(InputError, match="ease = True: no sweep has start and stop; allowed: ease = false, or start"):
+        MovieSpec(title="a", scene="chess", ease=True, sweep=[values])
+
+
 def test_a_complex_number_is_a_point():
     for E in (1 + 1j, np.complex64(1 + 1j), "1,1", (1, 1)):
         assert Sweep(parameter="eye", start=E, stop=0j).ends == ((1, 1), (0, 0))
