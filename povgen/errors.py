@@ -32,6 +32,8 @@ def input_errors() -> Iterator[None]:
 
 def shown(value: object) -> str:
     """Return a value as text for a message: one line of at most 60 characters."""
+    if getattr(value, "shape", None) == ():  # one of numpy's numbers: its text would be np.float64(2.0)
+        value = value.item()  # type: ignore[attr-defined]
     try:
         text = " ".join(line.strip() for line in repr(value).splitlines())  # numpy's arrays have several
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables

@@ -33,9 +33,9 @@ def points(scene: Scene, size: Size) -> NDArray[np.float32]:
     """Return the point in space that each pixel of a picture shows: x, y and z, in tiles, (height, width, 3).
 
     z is the depth behind the first window. The points are NaN for the sky, and where no light arrives. `size` is the
-    picture's width and height in pixels. One ray is followed for each pixel, through all windows, by the renderer gl.
-    The first row is the top one. Raises InputError for a size that the renderer does not allow, for what is no scene or
-    one that gl cannot draw, and if this system cannot draw with OpenGL.
+    picture's width and height in pixels, even numbers from 32. One ray is followed for each pixel, through all windows,
+    by the renderer gl. The first row is the top one. Raises InputError for a size that the renderer does not allow, for
+    what is no scene or one that gl cannot draw, and if this system cannot draw with OpenGL.
     """
     size = Rendering(size=size, renderer="gl").size
     check_gl(checked_scene(scene))

@@ -170,7 +170,7 @@ def nu_and_M(z1: ArrayLike, windows: Windows) -> tuple[Floats, Floats]:
     """
     A, B = depths(z1, windows)
     with np.errstate(divide="ignore", invalid="ignore"):
-        M = windows[0][0] * np.maximum(abs(A), abs(B)) / abs(abs(A) ** 2 - abs(B) ** 2)
+        M = windows[0][0] * np.maximum(abs(A), abs(B)) / (abs(A) + abs(B)) / abs(abs(A) - abs(B))  # squares overflow
     M = np.where(abs(abs(A) - abs(B)) <= 1e-14 * (abs(A) + abs(B)), np.inf, M)
     return np.where(abs(A) > abs(B), -np.angle(A), np.nan)[()], M[()]
 

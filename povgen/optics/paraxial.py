@@ -203,9 +203,12 @@ def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     that is 0 gives NaN for `to` = 0, and otherwise infinity. The two parts of the map are given separately, because
     their sizes tell which entries of the sum are only rounding errors. These count as 0.
     """
-    size = abs(first) + abs(second)
-    maps = np.where(abs(first + second) <= 1e-14 * size.max((-2, -1), keepdims=True), 0, first + second)
+    size = (abs(first) + abs(second)).max((-2, -1), keepdims=True)
+    maps = np.where(abs(first + second) <= 1e-14 * size, 0, first + second)
     maps, right = np.broadcast_to(maps, (*to.shape, 2, 2)), np.stack((to.real, to.imag), -1)[..., None]
+    # all are divided by the same power of 2, which is exact: products of large numbers would be infinite
+    exponent = -np.broadcast_to(np.frexp(size)[1], (*to.shape, 1, 1))
+    maps, right = np.ldexp(maps, exponent), np.ldexp(right, exponent)
     (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
     determinant = a * d - b * c
     singular = abs(determinant) <= 1e-14 * (abs(a * d) + abs(b * c))

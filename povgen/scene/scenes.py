@@ -388,14 +388,15 @@ class Scene(ParametersOfSheets):
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
         light. `near` is for sheets without a ray-transfer matrix: light that passes the point at up to this distance,
         in tiles, also counts. Arrays broadcast. The result is the complex infinity if the point appears at infinity. It
-        is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN or L is
-        infinite. Raises InputError for a z1 that is infinite or below 0.
+        is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN, or L
+        or alpha is infinite. Raises InputError for a z1 that is infinite or below 0.
         """
         import numpy  # slow to load, and few scenes need a prediction
 
         from povgen.optics import apparent, equations
 
         z1, L = _distances(z1), numpy.asarray(L, complex)
+        alpha = None if alpha is None else numpy.where(numpy.isfinite(alpha), alpha, numpy.nan)[()]
         turns = 0 if alpha is None else alpha
         shape = numpy.broadcast_shapes(*map(numpy.shape, (L, z1, near, turns)))
         L = numpy.broadcast_to(numpy.where(numpy.isfinite(L), L, numpy.nan), shape)

@@ -247,3 +247,20 @@ def test_settings_follow_the_maps():
     with pytest.raises(ValueError, match="z1 = 4500.*3000 prisms.*4167"):
         Chess(prisms=3000, z1=4500)
     assert max(Spheres(prisms=3000, z2=150).distances) == 2400
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "single", "mirror", "lenslets", "lenticular", "refraction"])
+def test_an_object_very_far_away_appears_where_a_far_one_does(sheet):
+    """No number overflows on the way."""
+    scene, slope = Chess(alpha=60, sheet=sheet), 0.1 + 0.2j
+    for z1 in (1e160, 1e300):
+        assert scene.apparent_position(z1 * slope, z1) == pytest.approx(scene.apparent_position(1e12 * slope, 1e12))
+        (nu, M), (far_nu, far_M) = scene.nu_and_M(z1), scene.nu_and_M(1e12)
+        assert (nu, M * z1) == pytest.approx((far_nu, far_M * 1e12), nan_ok=True)
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed", "lenticular"])
+def test_no_position_belongs_to_an_infinite_angle(sheet):
+    scene = Chess(sheet=sheet)
+    found = scene.apparent_position(0.2, 2, [30, np.inf, np.nan])
+    assert found[0] == scene.apparent_position(0.2, 2, 30) and np.isnan(found[1:]).all()

@@ -135,6 +135,13 @@ def test_one_value_for_each_object(several):
     assert Spheres(z1=several).distances == Chess(z1=several).distances == (2, 3, 4) and Spheres(z1=2).distances == (2,)
 
 
+def test_numbers_of_numpy_in_messages():
+    with pytest.raises(InputError, match="^alpha = 400.0: "):
+        Chess(alpha=np.float64(400))
+    with pytest.raises(InputError, match=r"99.0 should be less .* 10 "):
+        Chess(eye=np.array([99, 0.0]))
+
+
 def test_a_copy_with_changes():
     scene = Chess(alpha=66, z1="3")
     assert scene.replace(alpha=90) == Chess(alpha=90, z1=3) and scene.alpha == 66

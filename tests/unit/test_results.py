@@ -117,7 +117,7 @@ def test_scenes_of_ones_own(monkeypatch):
         (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
         (lambda: results(SCENES, ["nu"]), "quantity = ['nu']; allowed: x, y"),
         (lambda: results(None, "nu"), "scene = None: should be a scene"),
-        (lambda: results(np.array(66), "nu"), "scene = array(66): should be a scene"),
+        (lambda: results(np.array(66), "nu"), "scene = 66: should be a scene"),
         (lambda: results([3], "M"), "scene = 3"),
         (lambda: results(SCENES, "M", workers=0), "workers = 0"),
         (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
