@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from pathlib import Path
 
 from povgen.errors import one_line
 
@@ -12,6 +13,11 @@ from povgen.errors import one_line
 def tell(message: str) -> None:
     """Print on standard output, as `say` does on standard error. Raises OSError."""
     print(_printable(message))
+
+
+def wrote(path: Path) -> None:
+    """Print that a file was written, in one line: its name can have line breaks. Raises OSError."""
+    tell(f"wrote {one_line(str(path))}")
 
 
 def say(message: str) -> None:

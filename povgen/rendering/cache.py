@@ -95,6 +95,12 @@ def max_bytes() -> float:
     return size * 2**30
 
 
+def _with_hint(error: OSError, path: Path) -> OSError:
+    """Return an error of the cache's folder, with HINT if another folder could help."""
+    hint = "" if error.errno in (errno.EMFILE, errno.ENFILE) else f" ({HINT})"
+    return OSError(error.errno, f"{error.strerror}{hint}", str(path))
+
+
 def check() -> None:
     """Check the settings before any work is done.
 
@@ -109,7 +115,7 @@ def check() -> None:
     except FileNotFoundError:  # `work_folder` makes it, or raises an error
         return
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
+        raise _with_hint(error, path) from None
     private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o077
     if path == _temporary() and not private:
         raise PermissionError(errno.EACCES, f"other users can use it, or it is no folder ({HINT})", str(path))
@@ -145,7 +151,7 @@ def work_folder() -> AbstractContextManager[Path]:
             code = errno.EROFS if os.statvfs(path).f_flag & os.ST_RDONLY else errno.EACCES
             raise OSError(code, os.strerror(code))
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(path)) from None
+        raise _with_hint(error, path) from None
     check()
     # two povgens that make the cache at once write the same mark
     try:
@@ -176,7 +182,7 @@ def _read(path: Path, most: int, used: bool = False) -> bytes:
         if not stat.S_ISREG(status.st_mode) or used and status.st_size > most:
             raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(path))
         if used:
-            with suppress(PermissionError):  # another user's file
+            with suppress(OSError):  # another user's file, or the disk is read-only
                 os.utime(file.fileno(), ns=(time.time_ns(), status.st_mtime_ns))
         return file.read(most)
 

@@ -14,7 +14,7 @@ from typing import Any, Unpack
 
 from pydantic import Field
 
-from povgen.errors import InputError, shown
+from povgen.errors import InputError, one_line, shown
 from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed, work_folder
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, in_png
@@ -126,7 +126,7 @@ def movie(
 
     def write() -> None:
         with ExitStack() as opened:
-            done = opened.enter_context(bar(output.name, len([*groupby(scenes)]), not progress))
+            done = opened.enter_context(bar(one_line(output.name), len([*groupby(scenes)]), not progress))
             folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
             frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
             if files:

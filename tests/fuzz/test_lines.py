@@ -106,7 +106,7 @@ def test_a_closed_standard_output(monkeypatch):
 def test_names_of_files_are_not_markup(monkeypatch):
     """And they may be no valid text."""
     monkeypatch.setattr(Stream, "terminal", True)
-    names = {"[bold]x.gif": "[bold]x.gif", "\udcff.gif": r"\udcff.gif", "\x1b[31m\x9b1m.gif": r"\x1b[31m\x9b1m.gif"}
+    names = {"[bold]x.gif": "[bold]x.gif", "\udcff.gif": r"\udcff.gif", "\x1b[31m\x9b1m\n.gif": r"\x1b[31m\x9b1m\n.gif"}
     for name, shown in names.items():
         status, out, err = tried(["movie", "spec.toml", "--size=32x32", f"--output={name}"])
         assert status == 0 and shown in err and f"wrote {shown}\n" == out

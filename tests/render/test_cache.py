@@ -6,6 +6,7 @@ import json
 import multiprocessing
 import os
 import pwd
+import re
 import shutil
 import signal
 import stat
@@ -242,14 +243,28 @@ def test_what_is_in_a_frames_place_stays(what, tmp_path):
     assert tree(tmp_path) == before
 
 
-def test_another_users_frame_is_used(monkeypatch):
+@pytest.mark.parametrize("number", [errno.EPERM, errno.EROFS])
+def test_a_frame_that_cannot_be_changed_is_used(number, monkeypatch):
+    """It is another user's, or on a read-only disk."""
     rendered()
 
     def refused(*given, **options):
-        raise PermissionError(1, "Operation not permitted")
+        raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(os, "utime", refused)
     assert not rendered()[1]
+
+
+def test_a_message_names_another_folder_only_where_it_helps(monkeypatch):
+    for number, helps in ((errno.EROFS, True), (errno.EMFILE, False)):
+
+        def refused(*given, number=number, **options):
+            raise OSError(number, os.strerror(number))
+
+        monkeypatch.setattr(Path, "mkdir", refused)
+        with pytest.raises(OSError, match=re.escape(os.strerror(number))) as fault:
+            cache.work_folder()
+        assert (cache.HINT in fault.value.strerror) == helps
 
 
 # ---- how long it is kept

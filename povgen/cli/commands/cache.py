@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from povgen.errors import InputError
+from povgen.errors import InputError, one_line
 from povgen.progress import counted, tell
 
 
@@ -27,7 +27,7 @@ def command(
     cache.check()
     if what == "clear":
         found, removed = [path for _, _, path in cache.by_last_use()], cache.trim(-1)
-        tell(f"removed {_counts(removed)} from {cache.folder()}")
+        tell(f"removed {_counts(removed)} from {one_line(str(cache.folder()))}")
         if left := cache.remove_leftovers():
             tell(f"removed {counted(left, 'folder')} that killed povgens left")
         # a movie that is being made can have written a removed file again
@@ -37,7 +37,7 @@ def command(
         files = cache.by_last_use()
         size = sum(size for _, size, _ in files) / 2**30
         counts = _counts([path for _, _, path in files])
-        tell(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {cache.folder()}")
+        tell(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {one_line(str(cache.folder()))}")
         if sizes := cache.leftover_sizes():
             tell(f"{counted(len(sizes), 'folder')} that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
 

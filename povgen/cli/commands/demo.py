@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from povgen.cli.options import Quiet, Workers, output_to, split, takes
-from povgen.progress import tell
+from povgen.progress import wrote
 
 
 @takes("rendering")
@@ -42,4 +42,4 @@ def command(
         output, pieces=piece or (), sky=sky, floor=floor, movies=movies, workers=count, progress=not quiet, **options
     )
     if not quiet:
-        tell(f"wrote {page}")
+        wrote(page)

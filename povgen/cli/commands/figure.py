@@ -7,7 +7,7 @@ import typer
 
 from povgen.cli.options import made_folder, output_to
 from povgen.errors import InputError
-from povgen.progress import tell
+from povgen.progress import wrote
 
 
 def command(
@@ -31,4 +31,4 @@ def command(
 
         for number in numbers:
             for path in save_figure(int(number), folder, rendering):
-                tell(f"wrote {path}")
+                wrote(path)

@@ -20,7 +20,7 @@ from povgen.cli.options import (
 )
 from povgen.cli.report import tell_if_long, warn
 from povgen.errors import InputError
-from povgen.progress import tell
+from povgen.progress import tell, wrote
 
 if TYPE_CHECKING:
     from povgen.cli.options import Values
@@ -82,4 +82,4 @@ def command(
         warn(values if limit is None else {}, [made], rendering)
     save(as_file(made, rendering, quiet=quiet), output)
     if not quiet:
-        tell(f"wrote {output}")
+        wrote(output)

@@ -24,7 +24,7 @@ from povgen.cli.options import (
 )
 from povgen.cli.report import tell_if_long, warn
 from povgen.errors import InputError, one_line
-from povgen.progress import bar, counted, tell
+from povgen.progress import bar, counted, tell, wrote
 
 if TYPE_CHECKING:
     from povgen.scene.scenes import Scene
@@ -145,7 +145,7 @@ def command(
     more = {"workers": count, "scheduler": scheduler, "progress": not quiet, **options}
     make(what, output, frame_rate=made.frame_rate, title=made.title, **more)
     if not quiet:
-        tell(f"wrote {output}")
+        wrote(output)
 
 
 @dataclass(frozen=True)

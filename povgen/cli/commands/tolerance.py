@@ -8,7 +8,7 @@ import typer
 
 from povgen.cli.options import SceneName, Scheduler, Workers, output_to, scene_of, takes
 from povgen.cli.report import warn_unused
-from povgen.errors import InputError
+from povgen.errors import InputError, one_line
 from povgen.progress import tell
 
 
@@ -82,4 +82,4 @@ def command(
         if output:
             charts.save_builds(differing, spread.deviation, output)
     if output:
-        tell(f"wrote {output} and {table_file.name}")
+        tell(f"wrote {one_line(str(output))} and {one_line(table_file.name)}")
