@@ -32,13 +32,20 @@ def input_errors() -> Iterator[None]:
 
 def shown(value: object) -> str:
     """Return a value as text for a message: one line of at most 60 characters."""
-    if getattr(value, "shape", None) == ():  # one of numpy's numbers: its text would be np.float64(2.0)
-        value = value.item()  # type: ignore[attr-defined]
     try:
-        text = " ".join(line.strip() for line in repr(value).splitlines())  # numpy's arrays have several
+        text = " ".join(line.strip() for line in repr(_plain(value)).splitlines())  # numpy's arrays have several
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables
         return f"a very long {type(value).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _plain(value: object) -> object:
+    """Return Python's own numbers in place of numpy's, whose text would be np.float64(2.0)."""
+    if type(value) is list:
+        return [*map(_plain, value)]
+    if type(value) is tuple:
+        return tuple(map(_plain, value))
+    return value.item() if type(value).__module__ == "numpy" and getattr(value, "shape", None) == () else value  # type: ignore[attr-defined]
 
 
 def one_line(message: str) -> str:

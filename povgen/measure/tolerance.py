@@ -52,7 +52,7 @@ class Spread(Model):
         "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
-    seed: Annotated[int, Field(ge=0, lt=10**4)] = Field(default=1, description="of the random numbers, 0 to 9999")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the random numbers")
 
     @model_validator(mode="after")
     def _check_deviation(self) -> Self:
@@ -130,12 +130,13 @@ def drawn(scene: Scene, spread: Spread) -> list[Scene]:
     deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
     normal = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
+    seeds = np.random.default_rng([spread.seed, 1]).integers(10**9, size=spread.builds).tolist()
     scenes = []
     for number, errors in enumerate((normal * list(deviation.values())).tolist()):
         added = dict(zip(deviation, errors, strict=True))
         error = {name: scene.error.get(name, 0.0) + added.get(name, 0.0) for name in ERRORS}
         if random:  # each build has prisms of its own
-            error |= random | {"seed": spread.seed * 100_000 + number}
+            error |= random | {"seed": seeds[number]}
         try:
             scenes.append(scene.replace(error=error | {"separation": abs(error["separation"])}))
         except InputError as problem:

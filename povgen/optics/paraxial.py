@@ -206,7 +206,7 @@ def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     size = (abs(first) + abs(second)).max((-2, -1), keepdims=True)
     maps = np.where(abs(first + second) <= 1e-14 * size, 0, first + second)
     maps, right = np.broadcast_to(maps, (*to.shape, 2, 2)), np.stack((to.real, to.imag), -1)[..., None]
-    # all are divided by the same power of 2, which is exact: products of large numbers would be infinite
+    # all are divided by the same power of 2, so that products of large numbers are finite
     exponent = -np.broadcast_to(np.frexp(size)[1], (*to.shape, 1, 1))
     maps, right = np.ldexp(maps, exponent), np.ldexp(right, exponent)
     (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
@@ -222,5 +222,6 @@ def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
         off = np.linalg.norm((maps[singular] @ least[..., None] - right[singular])[..., 0], axis=-1)
         one_point = ~maps[singular].any((-2, -1)) & (abs(to[singular]) == 0)
         reached = np.where(one_point, np.nan, least[..., 0] + 1j * least[..., 1])
-        s[singular] = np.where(off <= 1e-13 * abs(to[singular]), reached, complex(np.inf, 0))
+        there = np.linalg.norm(right[singular][..., 0], axis=-1)
+        s[singular] = np.where(off <= 1e-13 * there, reached, complex(np.inf, 0))
     return s

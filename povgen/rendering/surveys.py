@@ -9,13 +9,13 @@ import json
 import pickle
 import sys
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from povgen import limits, optics, sheets
+from povgen import limits, optics, sheets, stopping
 from povgen.rendering import cache
 from povgen.rendering.parallel import cores, end, python
 from povgen.scene import scenes, survey, windows
@@ -57,21 +57,28 @@ def make(shown: Iterable[Scene]) -> None:
     count = min(cores(), MOST, len(missing) // EACH)
     if count < 2:
         return
-    with suppress(OSError), ExitStack() as opened:
+    with ExitStack() as opened:
         pool = opened.enter_context(ThreadPoolExecutor(count))
+        asked = []
         for number in range(count):
-            process = python("povgen.rendering.surveys")
+            try:
+                process = python("povgen.rendering.surveys")
+            except OSError:  # such as the limit of processes
+                break
             opened.callback(end, process)  # before the pool ends: its threads wait for the process
-            part = missing[number::count]
-            pool.submit(_ask, process, part)
-        pool.shutdown()
+            asked.append(pool.submit(_ask, process, missing[number::count]))
+        wait(asked, START + SECONDS * len(missing[::count]))
+    stopping.check()
 
 
 def _ask(process: Any, part: list[survey.SurveyInputs]) -> None:  # noqa: ANN401  (subprocess.Popen)
-    """Keep the surveys with which a process answers."""
-    answer, _ = process.communicate(pickle.dumps(part), START + SECONDS * len(part))
-    for given, values in zip(part, answer.splitlines(), strict=False):
-        survey.known[given] = survey.Survey(**json.loads(values))
+    """Keep the surveys with which a process answers, as they come."""
+    with suppress(OSError), process.stdin:  # the process has ended
+        pickle.dump(part, process.stdin)
+    with process.stdout:
+        for given, line in zip(part, process.stdout, strict=False):
+            if line.endswith(b"\n"):
+                survey.known[given] = survey.Survey(**json.loads(line))
 
 
 @functools.cache

@@ -54,15 +54,17 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 
 known: dict[SurveyInputs, Survey] = {}  # `warn` and the rendering need those of all frames of a movie
-MOST_KNOWN = 10000
+MOST_KNOWN = 40_000  # the longest movie needs 20 000 if it is stereo
 
 
 def of_inputs(given: SurveyInputs) -> Survey:
     """Return the survey for these inputs, which is made once."""
-    found = known.get(given) or _traced(given)
-    if len(known) >= MOST_KNOWN:
-        known.clear()
-    known[given] = found
+    found = known.get(given)
+    if found is None:
+        found = _traced(given)
+        if len(known) >= MOST_KNOWN:
+            known.clear()
+        known[given] = found
     return found
 
 

@@ -137,7 +137,8 @@ class Window(_OfWindow):
 
 def replaced_by(changes: Mapping[str, object]) -> set[str]:
     """Return which of index and glass new values replace: each replaces the other."""
-    if changes.get("glass") not in (None, "none"):
+    glass = changes.get("glass")
+    if isinstance(glass, str) and glass != "none":
         return {"index"}
     return {"glass"} if changes.get("index") is not None else set()
 

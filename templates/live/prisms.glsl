@@ -201,7 +201,7 @@ Passage passage(Passage ray, int number) {
     }
 
     // Refract the ray, or reflect it totally. `cosine` is positive for a ray that leaves the prism. A refracted direction is
-    // composed of its parts along the face and across it. So rounding does not change its length more from face to face.
+    // composed of its parts along the face and across it. So errors of its length do not grow from face to face.
     vec2 tangent = vec2(-normal.y, normal.x);
     float cosine = dot(normal, d.yz), sine = dot(tangent, d.yz);
     float eta = glass ? glassIndex : 1.0 / glassIndex;

@@ -138,8 +138,11 @@ def test_one_value_for_each_object(several):
 def test_numbers_of_numpy_in_messages():
     with pytest.raises(InputError, match="^alpha = 400.0: "):
         Chess(alpha=np.float64(400))
-    with pytest.raises(InputError, match=r"99.0 should be less .* 10 "):
-        Chess(eye=np.array([99, 0.0]))
+    for eye in (np.array([99, 0.0]), (np.float64(99), 0)):
+        with pytest.raises(InputError, match=r"^[^a-z]*eye = (array|\()[^a-z]*: 99.0 should be less .* 10 "):
+            Chess(eye=eye)
+    with pytest.raises(InputError, match=r"z1 = \[-3.0, 2\]: "):
+        Chess(z1=[np.float64(-3), 2])
 
 
 def test_a_copy_with_changes():
