@@ -212,7 +212,7 @@ def volumes(
 ) -> dict[str, Volume]:
     """Return the pieces' distance fields, by the same names: shipped, from the cache or new.
 
-    The cache is trimmed if some are new.
+    Unless all are shipped, the cache is trimmed.
     `workers` pieces are measured at once, each in at most `timeout` seconds. Raises PovrayError, InputError for a piece
     without an inside or with too many surfaces, and what `cache.check` raises.
     """
@@ -226,7 +226,7 @@ def volumes(
         for field in as_completed(fields):
             made[fields[field]] = field.result()
             done()
-    if new:
+    if any(key for _, key, _ in kept.values()):
         cache.trim(cache.max_bytes())
     return {name: made[name] for name in pieces}
 

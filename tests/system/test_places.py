@@ -37,7 +37,8 @@ def test_names(name, tmp_path, monkeypatch):
     for kind in (".mp4", ".webm", ".gif"):
         arguments = ["movie", "-o", f"{name}/{name}{kind}", *TINY, "--", f"{name}/{name}.toml"]
         status, out, err = povgen(arguments, tmp_path)
-        assert (status, out) == (0, f"wrote {name}/{name}{kind}\n"), err
+        shown = name.replace("\n", "\\n")
+        assert (status, out) == (0, f"wrote {shown}/{shown}{kind}\n"), err
     assert povgen(["frame", "chess", *TINY, "-o", f"{name}/{name}.png"], tmp_path)[0] == 0
     assert povgen(["pov", "chess", "-o", f"{name}/{name}.pov"], tmp_path)[0] == 0
     assert imageio_ffmpeg.count_frames_and_secs(str(folder / f"{name}.mp4"))[0] == 3
