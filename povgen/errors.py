@@ -45,7 +45,8 @@ def _plain(value: object) -> object:
         return [*map(_plain, value)]
     if type(value) is tuple:
         return tuple(map(_plain, value))
-    return value.item() if type(value).__module__ == "numpy" and getattr(value, "shape", None) == () else value  # type: ignore[attr-defined]
+    item = getattr(value, "item", None)
+    return item() if item and type(value).__module__ == "numpy" and getattr(value, "shape", None) == () else value
 
 
 def one_line(message: str) -> str:

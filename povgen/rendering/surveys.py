@@ -1,4 +1,4 @@
-"""Keep ray traces in the cache, because they take long, and many frames need the same one.
+"""Keep ray traces in the cache, because they take long, and many frames need the same one. Several processes make many.
 
 What a ray trace finds is a `survey.Survey`.
 """
@@ -21,8 +21,8 @@ from povgen.rendering.parallel import cores, end, python
 from povgen.scene import scenes, survey, windows
 from povgen.scene.scenes import Scene
 
-# Processes that make surveys: each makes at least EACH, because its start takes as long as about 15. It is given START
-# seconds, and SECONDS for each survey.
+# At most MOST processes make surveys. Each makes at least EACH, because its start takes as long as about 15. It is
+# given START seconds, and SECONDS for each survey.
 MOST, EACH, START, SECONDS = 16, 24, 60.0, 10.0
 
 

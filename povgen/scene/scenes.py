@@ -31,7 +31,16 @@ from povgen.scene import pictures
 from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.scene.recorded import scenes
-from povgen.scene.windows import WINDOW, ParametersOfSheets, Placed, SheetName, Window, Windows, replaced_by
+from povgen.scene.windows import (
+    WINDOW,
+    ParametersOfSheets,
+    Placed,
+    SheetName,
+    Window,
+    Windows,
+    has_glass,
+    replaced_by,
+)
 from povgen.sheets import SHEETS
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
@@ -119,11 +128,6 @@ OneOrMore = Annotated[
 ]
 PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
-
-
-def has_glass(window: "Scene | Window") -> bool:
-    """Return whether the parameters of a window name the prisms' glass."""
-    return window.glass not in (None, "none")
 
 
 def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float | None:
@@ -574,8 +578,7 @@ class Scene(ParametersOfSheets):
         return MAX_DISTANCE / self.tile - self.places[-1]
 
     def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
-        replaced = replaced_by(changes)
-        return replaced | {"wavelength"} if "glass" in replaced and not any(map(has_glass, self.window)) else replaced
+        return replaced_by(changes, self.window)
 
     @model_validator(mode="after")
     def _find_indices(self) -> Self:

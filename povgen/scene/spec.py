@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.scene.pieces import PIECES, from_folder
-from povgen.scene.scenes import SCENES, Scene, has_glass
+from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES
@@ -259,13 +259,12 @@ class MovieSpec(Model):
     def with_fixed(self, values: Mapping[str, object]) -> Self:
         """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError.
 
-        A new glass replaces the index, and a new index the glass, and the wavelength as in a scene.
+        A new glass replaces the index. A new index replaces the glass and the wavelength, as in a scene.
         """
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
-        dropped = replaced_by(values)
-        if "glass" in dropped and not any(map(has_glass, as_windows({**self.fixed, **values}.get("window", [])))):
-            dropped |= {"wavelength"}
+        windows = as_windows({**self.fixed, **values}.get("window", [])) if "index" in values else []
+        dropped = replaced_by(values, windows)
         kept = {name: value for name, value in self.fixed.items() if name not in dropped}
         spec = self.replace(fixed={**kept, **values})
         scene = spec.scenes("standard")[0]

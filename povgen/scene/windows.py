@@ -3,7 +3,7 @@
 Those of each further window are fields of a `Window`. A `Window` can be given as text: `z=2,sheet=mirror`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
@@ -135,12 +135,22 @@ class Window(_OfWindow):
         def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
 
 
-def replaced_by(changes: Mapping[str, object]) -> set[str]:
-    """Return which of index and glass new values replace: each replaces the other."""
+def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first window, or a Window)
+    """Return whether the parameters of a window name the prisms' glass."""
+    return window.glass not in (None, "none")
+
+
+def replaced_by(changes: Mapping[str, object], windows: Iterable[Window] = ()) -> set[str]:
+    """Return the names of the values that new ones replace. A new glass replaces the index.
+
+    A new index replaces the glass. It also replaces the wavelength, unless one of these further windows has a glass.
+    """
     glass = changes.get("glass")
     if isinstance(glass, str) and glass != "none":
         return {"index"}
-    return {"glass"} if changes.get("index") is not None else set()
+    if changes.get("index") is None:
+        return set()
+    return {"glass"} if any(map(has_glass, windows)) else {"glass", "wavelength"}
 
 
 class Placed(NamedTuple):
