@@ -218,9 +218,9 @@ def scene_of(name: str, values: Values) -> "Scene":
 def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
     """Return the record in a file, its scenes, and the values of its rendering.
 
-    A value that the user gave replaces the record's. An output that ends in .exr has 32 bits, whatever the record says.
-    Print a warning if another version of povgen or of the renderer made the file. Raises InputError if the file has no
-    valid record.
+    A value that the user gave replaces the record's, and those of the record that follow from it. The bits follow from
+    the output's ending if this is .exr, or if the record's picture has 32. Print a warning if another version of povgen
+    or of the renderer made the file. Raises InputError if the file has no valid record.
     """
     from povgen.scene.scenes import recorded
     from povgen.version import __version__
@@ -267,7 +267,8 @@ def made_folder(output: Path) -> AbstractContextManager[Path]:
 
 
 def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "tuple[AutoTolerance | None, list[str]]":
-    """Return the tolerance of --sheet auto, and the renderers among which it may choose. For another sheet: None, [].
+    """Return the tolerance of --sheet auto, and the renderers among which it may choose: None and [] for
+    another sheet.
 
     Remove --renderer auto from the options. Raises InputError if the tolerance is not valid, if only one of --sheet
     auto and --tolerance is given, or if --renderer auto is given without them.

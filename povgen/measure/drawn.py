@@ -1,9 +1,11 @@
 """The live view's shaders, run by OpenGL without a browser: for measurements, and for the points that pixels show."""
 
 import json
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,9 @@ if TYPE_CHECKING:  # needs moderngl
     from povgen.rendering.gl import Drawer
 
 Size = tuple[int, int]  # width and height, pixels
+T = TypeVar("T")
+# An OpenGL context belongs to one thread. This one draws for all others.
+_thread = ThreadPoolExecutor(1, "povgen-opengl")
 
 
 @cache
@@ -27,6 +32,11 @@ def _drawer() -> "Drawer":
     from povgen.rendering.gl import Drawer
 
     return Drawer()
+
+
+def _drawn(work: "Callable[[Drawer], T]") -> T:
+    """Return what a function of the drawer returns. Raises InputError if this system cannot draw with OpenGL."""
+    return _thread.submit(lambda: work(_drawer())).result()
 
 
 def points(scene: Scene, size: Size) -> NDArray[np.float32]:
@@ -51,7 +61,7 @@ class Drawn:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError if this system cannot draw with OpenGL."""
-        self._drawer = _drawer()
+        _drawn(lambda _: None)
         self.set(scene)
 
     def set(self, scene: Scene) -> None:
@@ -60,18 +70,20 @@ class Drawn:
 
     def readout(self, size: Size) -> dict[str, NDArray[np.float32]]:
         """Return `ray`, `shown` and `met`, (height, width, 4) each. templates/live/readout.glsl explains them."""
-        return dict(zip(("ray", "shown", "met"), self._drawer.readout(self._text("readout"), size), strict=True))
+        text = self._text("readout")
+        return dict(zip(("ray", "shown", "met"), _drawn(lambda drawer: drawer.readout(text, size)), strict=True))
 
     def picture(self, size: Size, rays: int, part: float = 1) -> NDArray[np.uint8]:
         """Return the picture, (height, width, 3) sRGB bytes: `rays` rays in the middle `part` of each pixel's side."""
-        return np.concatenate([*self._drawer.bands(self._text(), size, rays, part=part)])
+        text = self._text()
+        return _drawn(lambda drawer: np.concatenate([*drawer.bands(text, size, rays, part=part)]))
 
     def save(self, file: Path, rendering: Rendering) -> None:
         """Write the picture to a PNG file, as `povgen frame --renderer gl` does."""
         from povgen.rendering.gl import write_png
 
-        bands = self._drawer.bands(self._text(), rendering.size, rendering.rays, rendering.supersampling > 1)
-        write_png(file, bands, rendering.size)
+        text, sampling = self._text(), (rendering.size, rendering.rays, rendering.supersampling > 1)
+        _drawn(lambda drawer: write_png(file, drawer.bands(text, *sampling), rendering.size))
 
     def _text(self, shader_name: str = "picture") -> dict[str, object]:
         text = json.loads(gl_scene.to_text(self._scene, self._shapes, shader_name=shader_name))

@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.equations import Complexes, Floats
+from povgen.optics.equations import Complexes, Floats, real
 from povgen.optics.faces import Sheet
 from povgen.optics.paraxial import Matrix, free, small_angles, solved
 from povgen.optics.prism import Prism
@@ -95,11 +95,12 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 
     If a window has no matrix, paths are searched for. There can be several. The result is the position with the least
     max(|x|, |y|), so if any position is visible in a square window with its centre at 0, the result is. The search can
-    miss paths that leave the eye at more than 87 degrees to the normal. At a caustic two paths merge, and on one side
+    miss paths that leave the eye at more than 87 degrees to the normal, and paths through openings of a law that are
+    less than about a hundredth of the window wide. At a caustic two paths merge, and on one side
     of it there are none. On that side a large object can be seen in part, although its middle cannot. So a path also
     counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
     """
-    place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), np.asarray(near, float))
+    place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), real("near", near, 0))
     distance, total = windows[0][0], matrix(windows)
     with np.errstate(all="ignore"):  # infinite and NaN results
         if total is None:

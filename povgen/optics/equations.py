@@ -149,7 +149,7 @@ def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, b
     """
     Z = depth(z1, real("z2", z2, 0), alpha, behind)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return (1 + np.cos(radians("theta", theta)) ** 2) * np.divide(-np.imag(Z), np.abs(Z) ** 2)
+        return (1 + np.cos(radians("theta", theta)) ** 2) * np.divide(-np.imag(Z) / np.abs(Z), np.abs(Z))
 
 
 def apparent_position(

@@ -7,6 +7,7 @@ Pol. A 116, 585 (2009), formula fitted by the refractiveindex.info database. wat
 3811 (2007); against vacuum, which is 0.0004 more than against air.
 """
 
+from numbers import Real
 from typing import NamedTuple
 
 
@@ -60,6 +61,8 @@ def index(glass: str, wavelength: float) -> float:
     """
     if glass not in GLASSES:
         raise ValueError(f"glass = {glass!r}: unknown; allowed: {', '.join(GLASSES)}")
+    if not isinstance(wavelength, Real):
+        raise ValueError(f"wavelength = {wavelength!r}: allowed: one number, metres")
     (least, most), terms = GLASSES[glass]
     micrometres = 1e6 * wavelength
     if not (1 - 1e-9) * least <= micrometres <= (1 + 1e-9) * most:  # for rounding errors

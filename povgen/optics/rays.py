@@ -9,6 +9,8 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from math import prod
+from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -26,7 +28,7 @@ _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
 MOST_FACES = 100_000
-_PRECISION = 1e-11  # the greatest error of the transverse part of a unit direction
+_PRECISION = 1e-11  # the greatest error of the transverse part of a unit direction of light that comes from behind
 
 
 class Convergence(NamedTuple):
@@ -43,6 +45,7 @@ class _Lines:
 
     position: Floats
     direction: Floats
+    _precision = 1e-15  # the greatest error of the transverse part of a unit direction
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -69,8 +72,7 @@ class _Lines:
             raise ValueError(f"{len(slope)} rays; allowed: two or more")
         ds, dP = slope - slope.mean(), place - place.mean()
         square = np.vdot(ds, ds).real
-        # slopes of light that comes from behind have an error of up to _PRECISION
-        if square <= np.sum((10 * _PRECISION * (1 + abs(slope))) ** 2):
+        if square <= np.sum((10 * self._precision * (1 + abs(slope))) ** 2):
             return Convergence(np.nan, np.nan, np.inf, float(np.sqrt(np.mean(abs(dP) ** 2))))
         z = -np.vdot(ds, dP).real / square
         middle = place.mean() + z * slope.mean()
@@ -78,7 +80,10 @@ class _Lines:
 
     def __getitem__(self, which: Any) -> Self:  # noqa: ANN401  (what numpy takes)
         """Return some of the rays, as rays[rays.designed], or rays[row, column] for the ray of a pixel."""
-        return type(self)(**{name: values[which] for name, values in vars(self).items()})
+        count, axes = prod(self.shape), len(self.shape)
+        some = np.arange(count).reshape(self.shape)[which]
+        each = {name: values.reshape(count, *values.shape[axes:])[some] for name, values in vars(self).items()}
+        return type(self)(**each)
 
 
 class Bundle(_Lines):
@@ -130,6 +135,8 @@ class Traced(_Lines, Rays):
     are as in `trace.Rays`.
     """
 
+    _precision = _PRECISION
+
 
 @dataclass(frozen=True, eq=False)  # arrays have no single answer to ==
 class Spot:
@@ -168,7 +175,7 @@ def pencil(
     first, last = windows[0][0], windows[-1][0]
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
-    numbers = isinstance(radius, (int, float, np.number)) and isinstance(middle, (int, float, complex, np.number))
+    numbers = isinstance(radius, Real) and isinstance(middle, Complex)
     if not (numbers and 0 < radius <= LARGEST and abs(middle) <= LARGEST):
         raise ValueError(f"middle = {middle!r}, radius = {radius!r}: allowed: up to {LARGEST:g} tiles, radius above 0")
     rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
@@ -200,7 +207,8 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 
     Raises ValueError if z is not a finite number, and if there are no rays.
     """
-    number = isinstance(z, (int, float, np.number)) and not isinstance(z, bool)
+    z = z.item() if isinstance(z, np.number) else z
+    number = isinstance(z, (int, float)) and not isinstance(z, bool)
     if not (number and abs(z) <= float(np.finfo(float).max)):
         raise ValueError(f"z = {z!r}: allowed: a finite number, tiles")
     points, count = [], 0

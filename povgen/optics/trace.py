@@ -2,10 +2,11 @@
 
 Each ray is followed until it leaves the sheets.
 
-The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. Lengths are
-in the unit of the window's side. Rays may run either way. Glass absorbs no light. Its faces refract all light or
-reflect all light, unless `trace` has the argument `partial`. A ray that meets the frame of a window from inside ends
-there, and so does a ray that misses the first window on its way. A ray also ends where it misses a later window.
+The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. All lengths,
+also the window's side, are in one unit, such as tiles. Rays may run either way. Glass absorbs no light. Its faces
+refract all light or reflect all light, unless `trace` has the argument `partial`. A ray that meets the frame of a
+window from inside ends there. So does a ray that misses the first window on its way (`End.FRAME`), or a later one
+(`End.BESIDE`).
 
 Each sheet has its own coordinate system, in which its ridges lie along x. It is divided into cells, one pitch high, and
 u is the height in a cell. A cell of prisms begins at a prism's base: it is the prism and the air above it. The cells of
@@ -55,8 +56,8 @@ class Rays:
     reflected: Booleans  # with partial reflection: a face that also refracts light has reflected this ray, (n,)
     # took the designed path: in every sheet entry facet, base and exit facet, or `Profile.path` within one cell, (n,)
     designed: Booleans
-    # of profiles, for each sheet: how many cells the cell in which the ray left the glass is above that where it
-    # entered it, (n, sheets). For lenses it is the number of the ghost.
+    # of profiles, for each sheet: the number of the cell in which the ray last met glass, minus that of the cell in
+    # which it first did, (n, sheets). For lenses it is the number of the ghost.
     orders: Indices
 
     def __getitem__(self, some: slice) -> "Rays":
@@ -309,7 +310,10 @@ class _Trace:
         return self.enter(i[~ended])
 
     def outside(self, i: Indices, z: Floats) -> Booleans:
-        """Return if rays are outside the window's square in the plane z, or where they are if they have passed it."""
+        """Return whether rays are outside the window's square where they cross the plane z.
+
+        A ray that has passed this plane is tested at its present position.
+        """
         position, direction = self.rays.position[i], self.rays.direction[i]
         step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
         x, y, _ = abs(position + step[:, None] * direction).T

@@ -142,9 +142,9 @@ def render_all(
     shown = [views(scene, rendering) for scene in scenes]
     every = list(chain(*shown))
     to_text, runner, workers = _renderer(every, rendering, runner, workers, part)
-    surveys.make(every)
     try:
         with thread_pool(runner, workers) as pool:
+            surveys.make(every)
             finished = _finished(every, rendering, runner, pool, AHEAD * workers, to_text)
             for group in shown:
                 pngs, faults = [], []

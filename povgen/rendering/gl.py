@@ -1,13 +1,14 @@
-"""Draw pictures with the graphics library OpenGL, by the live view's shaders. No other module uses it.
+"""Draw pictures with the graphics library OpenGL, by the live view's shaders. No other module calls OpenGL.
 
 `gl_runner` starts this module as a process, so that a graphics driver that crashes ends only this process. At its start
 the process writes a line of JSON: the device's name and OpenGL's version, or an `error`. Then it reads a line of JSON
 for each picture. While it draws, it writes lines with each further `part` of the picture, a fraction. At the end of the
-picture it writes an empty object, or an `error`, with an `errno` if the system gave one.
+picture it writes an empty object, or an `error`. Its `errno` is not null if the system gave one.
 """
 
 import base64
 import json
+import os
 import sys
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -28,11 +29,12 @@ from povgen.scene import hdr
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
-STEP = 512  # a ray's place in its pixel is a multiple of 1/STEP: these places are exact in 32-bit numbers in every tile
+STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile
+PROGRAMS = 30  # compiled ones that are kept: each law of a user's own needs another one
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
-NEAR = 0.9  # factor for the steps in `extend`, whose sum along the grid can exceed the distance by up to 13 %
+NEAR = 0.9  # factor for the steps in `extend`, because their sum along the grid can exceed the distance by up to 13 %
 
 
 class Drawer:
@@ -42,13 +44,14 @@ class Drawer:
         """Make a context without a window. Raises a plain Exception, no subclass, if the system has no OpenGL 3.3."""
         backend: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
         self.gl = moderngl.create_context(standalone=True, require=330, **backend)
+        self.gl.gc_mode = "context_gc"  # what Python no longer refers to is freed before the next picture
         self.device = self.gl.info["GL_RENDERER"]
         self.version = self.gl.info["GL_VERSION"]
-        self.programs: dict[str, Any] = {}
+        self.programs: dict[str, Any] = {}  # vertex arrays, each with its program
         self.fields: dict[str, Any] = {}
         self.pictures: dict[tuple[str, bytes], Any] = {}
-        # the light of one ray for each pixel of a tile and of a border one pixel wide; the sum of all rays; the sum as
-        # bytes
+        # rays: the light of one ray for each pixel of a tile and of a border one pixel wide
+        # sum: that of all rays; shown: the sum as bytes
         self.rays, self.sum, self.shown = (
             self.gl.framebuffer([self.gl.texture((side, side), 4, dtype=kind)])
             for side, kind in ((TILE + 2, "f4"), (TILE, "f4"), (TILE, "f1"))
@@ -76,9 +79,7 @@ class Drawer:
         pixel (`light.reduced`). A pixel's rays are in a square around its centre, whose side is `part` pixels. After
         each tile, `told` is called with the tile's fraction of the picture.
         """
-        picture, share, display = (self._program(scene[name]) for name in ("shader", "share", "display"))
-        self._volumes(scene)
-        self._pictures(scene["pictures"])
+        picture, share, display = self._prepared(scene, "shader", "share", "display")
         set_uniforms(picture, {**scene["uniforms"], "size": size, "first": True, "sum": 0})
         set_uniforms(share, {"picture": 0})
         set_uniforms(display, {"size": (TILE, TILE), "canvas": (TILE, TILE), "rays": rays, "sum": 0})
@@ -118,9 +119,7 @@ class Drawer:
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
         """Return the arrays ray, shown and met, (height, width, 4), as templates/live/readout.glsl describes them."""
         numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
-        program = self._program(scene["shader"])
-        self._volumes(scene)
-        self._pictures(scene["pictures"])
+        (program,) = self._prepared(scene, "shader")
         set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
         self._draw(program, numbers, size)
         read = [np.frombuffer(numbers.read(components=4, attachment=k, dtype="f4"), np.float32) for k in range(3)]
@@ -132,11 +131,22 @@ class Drawer:
         target.use()
         if source:
             source.color_attachments[0].use(0)
-        self.gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+        program.render(moderngl.TRIANGLES, vertices=3)
+
+    def _prepared(self, scene: dict[str, Any], *names: str) -> list[Any]:
+        """Return the programs whose texts have these names in a scene. Put what the scene shows into textures."""
+        programs = [self._program(scene[name]) for name in names]
+        while len(self.programs) > PROGRAMS:
+            del self.programs[next(iter(self.programs))]
+        self._volumes(scene)
+        self._pictures(scene["pictures"])
+        self.gl.gc()
+        return programs
 
     def _program(self, text: str) -> Any:  # noqa: ANN401  (moderngl's)
         if text not in self.programs:
-            self.programs[text] = self.gl.program(vertex_shader=VERTICES, fragment_shader=f"#version 330\n{text}")
+            program = self.gl.program(vertex_shader=VERTICES, fragment_shader=f"#version 330\n{text}")
+            self.programs[text] = self.gl.vertex_array(program, [])
         return self.programs[text]
 
     def _volumes(self, scene: dict[str, Any]) -> None:
@@ -176,11 +186,11 @@ class Drawer:
 
 
 def set_uniforms(program: Any, values: dict[str, Any]) -> None:  # noqa: ANN401  (moderngl's)
-    """Set those uniforms of the program that `values` contains."""
-    for name in program:
+    """Set those uniforms of a vertex array's program that `values` contains."""
+    for name in program.program:
         if name in values:
-            numbers = np.ravel(values[name])
-            program[name].write(numbers.astype("i4" if program[name].fmt[-1] == "i" else "f4").tobytes())
+            uniform, numbers = program.program[name], np.ravel(values[name])
+            uniform.write(numbers.astype("i4" if uniform.fmt[-1] == "i" else "f4").tobytes())
 
 
 def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
@@ -272,9 +282,11 @@ def write_light(file: Path, bands: Iterator[NDArray[np.float32]]) -> None:
 
 def main() -> None:
     """Draw what the lines of the standard input ask for, until it ends."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # a driver may write into the standard output
 
     def say(**values: object) -> None:
-        print(json.dumps(values), flush=True)
+        print(json.dumps(values), file=answers, flush=True)
 
     try:
         drawer = Drawer()

@@ -62,7 +62,7 @@ class Runner:
     def __init__(self, at_once: int = 1, part: Callable[[float], None] | None = None) -> None:
         """Prepare to draw `at_once` pictures at once. Raises InputError if moderngl is not installed.
 
-        `part` is called while a picture is drawn, with the fraction that has been drawn since the last call.
+        `part` is called while a picture is drawn, with the fraction of it that has been drawn since the last call.
         """
         if find_spec("moderngl") is None:
             raise InputError(
@@ -121,9 +121,10 @@ class Runner:
             processes = list(self._all)
         for process in processes:
             self._end(process)
-        while self._idle:  # no thread reads from these pipes
-            with self._idle.pop():
-                pass
+        with suppress(IndexError):  # another thread may take the last one
+            while True:
+                with self._idle.pop():  # no thread reads from these pipes
+                    pass
 
     def _tried(self, work: Callable[[], Answer]) -> dict[str, Any]:
         """Return what a process answers. If the process crashes or hangs, `work` is called once more."""
@@ -165,26 +166,27 @@ class Runner:
         """Return the line with which a process answers. Raises TransientError, and ends the process, if none comes."""
         assert process.stdin and process.stdout
         text, end, ready = b"", time.monotonic() + timeout, True
-        with suppress(OSError):  # it has ended
-            if asked:
+        if asked:
+            with suppress(OSError):  # it has ended
                 process.stdin.write(json.dumps(asked).encode() + b"\n")
                 process.stdin.flush()
-            # os.read uses no buffer of Python's: `select` would not see bytes that wait in such a buffer
-            while ready := bool(select([process.stdout], [], [], max(0, end - time.monotonic()))[0]):
-                if not (block := os.read(process.stdout.fileno(), 1 << 16)):
-                    break
-                *lines, text = (text + block).split(b"\n")
-                for answer in map(json.loads, lines):
-                    if "part" not in answer:
-                        return dict(answer)
-                    if self._part:
-                        self._part(answer["part"])
+        # os.read uses no buffer of Python's: `select` would not see bytes that wait in such a buffer
+        while ready := bool(select([process.stdout], [], [], max(0, end - time.monotonic()))[0]):
+            if not (block := os.read(process.stdout.fileno(), 1 << 16)):
+                break
+            *lines, text = (text + block).split(b"\n")
+            for answer in map(json.loads, lines):
+                if "part" not in answer:
+                    return dict(answer)
+                if self._part:
+                    self._part(answer["part"])
         self._end(process)
         self._check()
         if not ready:
             limit = "(--timeout)" if asked else "to start"
             raise TransientError(f"the drawing process took longer than {timeout:g} s {limit} and was stopped")
-        raise TransientError(f"the drawing process ended with status {process.returncode}: the graphics driver crashed")
+        why = "" if process.returncode == 1 else ": the graphics driver crashed"  # 1: Python's, for an exception
+        raise TransientError(f"the drawing process ended with status {process.returncode}{why}")
 
     def _end(self, process: "subprocess.Popen[bytes]") -> None:
         end(process)

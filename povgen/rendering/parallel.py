@@ -1,4 +1,4 @@
-"""How many POV-Rays run at once, the threads that wait for them, and processes with Pythons of their own."""
+"""The number of POV-Rays that run at once, threads that wait for them, and processes that run a module of povgen."""
 
 import os
 import re
@@ -49,7 +49,7 @@ def worker_count(value: object) -> int | None:
 def checked_scheduler(value: object) -> str | None:
     """Return the address of a Dask scheduler that a user gave, or None if the user gave None. Raises InputError."""
     found = re.fullmatch(r"(?:tcp|tls)://[^\s/]+:([0-9]{1,5})", value) if isinstance(value, str) else None
-    if value is not None and not (found and int(found[1]) < 2**16):
+    if value is not None and not (found and 0 < int(found[1]) < 2**16):
         raise InputError(f"scheduler = {shown(value)}: allowed: its address, such as tcp://192.0.2.1:8786")
     return None if value is None else str(value)
 
@@ -65,8 +65,8 @@ def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
     `environment` are further environment variables. If a signal stops povgen, the process is killed. Raises
     KeyboardInterrupt if povgen was asked to stop.
     """
-    folder = str(Path(__file__).parents[2])
-    path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")]))
+    folders = [str(Path(__file__).parents[2]), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
+    path = os.pathsep.join(os.path.abspath(each) for each in folders)  # the process has another working directory
     with stopping.lock:
         stopping.check()
         process = subprocess.Popen(

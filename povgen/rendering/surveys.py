@@ -1,6 +1,6 @@
-"""Keep ray traces in the cache, because they take long, and many frames need the same one. Several processes make many.
+"""Keep the results of ray traces in the cache: a ray trace takes long, and many frames need the same one.
 
-What a ray trace finds is a `survey.Survey`.
+If many are missing, several processes make them. The result of a ray trace is a `survey.Survey`.
 """
 
 import functools
@@ -21,15 +21,15 @@ from povgen.rendering.parallel import cores, end, python
 from povgen.scene import scenes, survey, windows
 from povgen.scene.scenes import Scene
 
-# At most MOST processes make surveys. Each makes at least EACH, because its start takes as long as about 15. It is
-# given START seconds, and SECONDS for each survey.
-MOST, EACH, START, SECONDS = 16, 24, 60.0, 10.0
+MOST = 16  # processes that make surveys at once
+EACH = 24  # surveys, at least, for each process: its start takes as long as about 15 surveys
+START, SECONDS = 60.0, 10.0  # the time limit: START, and SECONDS for each survey of a process
 
 
 def found(scene: Scene, store: bool = False) -> survey.Survey | None:
-    """Return the scene's survey, from the cache or from a new ray trace; None without prisms.
+    """Return the scene's survey; None without prisms. If neither the cache nor this process has it, rays are traced.
 
-    With `store`, a survey from a ray trace is put into the cache, if povgen can write there.
+    With `store`, a survey that was not in the cache is put there, if povgen can write there.
     """
     if not scene.has_prisms:
         return None
@@ -49,8 +49,8 @@ def _key(given: survey.SurveyInputs) -> str:
 def make(shown: Iterable[Scene]) -> None:
     """Make the surveys of many scenes by several processes. Those that are known, or in the cache, are not made again.
 
-    Few surveys are left to `found`, as are those of a process that fails or hangs. Raises KeyboardInterrupt if povgen
-    was asked to stop.
+    If fewer than 2 * EACH are missing, no process is started. `found` makes these later, and also those of a process
+    that fails or hangs. Raises KeyboardInterrupt if povgen was asked to stop.
     """
     every = dict.fromkeys(survey.inputs(scene) for scene in shown if scene.has_prisms)
     missing = [given for given in every if given not in survey.known and not cache.load_values(_key(given))]
@@ -63,10 +63,10 @@ def make(shown: Iterable[Scene]) -> None:
         for number in range(count):
             try:
                 process = python("povgen.rendering.surveys")
-            except OSError:  # such as the limit of processes
+                opened.callback(end, process)  # before the pool ends: its threads wait for the process
+                asked.append(pool.submit(_ask, process, missing[number::count]))
+            except (OSError, RuntimeError):  # such as the limit of processes, which counts threads too
                 break
-            opened.callback(end, process)  # before the pool ends: its threads wait for the process
-            asked.append(pool.submit(_ask, process, missing[number::count]))
         wait(asked, START + SECONDS * len(missing[::count]))
     stopping.check()
 
@@ -78,7 +78,7 @@ def _ask(process: Any, part: list[survey.SurveyInputs]) -> None:  # noqa: ANN401
     with process.stdout:
         for given, line in zip(part, process.stdout, strict=False):
             if line.endswith(b"\n"):
-                survey.known[given] = survey.Survey(**json.loads(line))
+                survey.keep(given, survey.Survey(**json.loads(line)))
 
 
 @functools.cache

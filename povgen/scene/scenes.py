@@ -399,11 +399,12 @@ class Scene(ParametersOfSheets):
 
         from povgen.optics import apparent, equations
 
-        z1, L = _distances(z1), numpy.asarray(L, complex)
+        z1, L, near = _distances(z1), numpy.asarray(L, complex), equations.real("near", near, 0)
+        alpha = None if alpha is None else equations.real("alpha", alpha)
         alpha = None if alpha is None else numpy.where(numpy.isfinite(alpha), alpha, numpy.nan)[()]
         turns = 0 if alpha is None else alpha
         shape = numpy.broadcast_shapes(*map(numpy.shape, (L, z1, near, turns)))
-        L = numpy.broadcast_to(numpy.where(numpy.isfinite(L), L, numpy.nan), shape)
+        L = numpy.broadcast_to(numpy.where(numpy.isfinite(L) & ~numpy.isnan(near), L, numpy.nan), shape)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
             turn = numpy.radians(self.alpha if alpha is None else numpy.fmod(alpha, 360))
             return equations.apparent_position(L, self.E, z1, self.z2, turn)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 class Survey(NamedTuple):
     """The result of tracing rays from the eye through the windows of prisms."""
 
-    # a max_trace_level with which, for each window of prisms, at most MAX_LOST_FRACTION of the rays are lost: the least
-    # one with a margin, but at least 5, and enough for the designed path
+    # the least max_trace_level, with a margin, at which each window of prisms loses at most MAX_LOST_FRACTION of its
+    # rays; at least 5, and enough for the designed path
     trace_level: int
     designed: float  # the fraction of the rays into the last window's frame that are on the designed path
 
@@ -54,18 +54,23 @@ def survey(scene: Scene, side: int = 60) -> Survey:
 
 
 known: dict[SurveyInputs, Survey] = {}  # `warn` and the rendering need those of all frames of a movie
-MOST_KNOWN = 40_000  # the longest movie needs 20 000 if it is stereo
+MOST_KNOWN = 60_000  # as many as the longest movie needs if it is stereo
 
 
 def of_inputs(given: SurveyInputs) -> Survey:
-    """Return the survey for these inputs, which is made once."""
+    """Return the survey for these inputs. It is made only if it is not known."""
     found = known.get(given)
     if found is None:
         found = _traced(given)
-        if len(known) >= MOST_KNOWN:
-            known.clear()
-        known[given] = found
+        keep(given, found)
     return found
+
+
+def keep(given: SurveyInputs, found: Survey) -> None:
+    """Put a survey into `known`. If it is full, it is emptied before."""
+    if len(known) >= MOST_KNOWN:
+        known.clear()
+    known[given] = found
 
 
 def _traced(given: SurveyInputs) -> Survey:
@@ -110,9 +115,9 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
 
     Only rays that cross the windows before `number`, and enter the frame of this one, are returned. Here the sheets
     have no thickness. The rays pass a rectangle in the plane of the first window. It contains all points through which
-    such rays can pass. It is divided into side^2 cells. If fewer than side^2 rays are found, the cells are made
-    smaller: there are up to 16 side^2 of them. In each cell there is a random point, the same each time. Regularly
-    spaced points would make moire with the prisms.
+    such rays can pass. It is divided into side^2 cells, with one ray through each. If fewer than side^2 of these rays
+    arrive, it is divided into 4 side^2 cells, and then into 16 side^2. There can still be fewer. In each cell there is
+    a random point, the same each time. Regularly spaced points would make moire with the prisms.
     """
     import numpy as np
 

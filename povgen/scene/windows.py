@@ -164,7 +164,7 @@ def window_table(value: object) -> object:
     """Return a window's text, such as 'alpha=120,z=2', as a table.
 
     A part between commas that has no = belongs to the part before it, such as a component of a direction. The table's
-    values are texts. For a parameter that occurs several times, which only a table may, the value is a list of texts.
+    values are texts. Only a parameter that is a table may occur several times. Its value is then a list of texts.
     If `value` is no text, it is returned as it is. Raises ValueError for text of another form.
     """
     if isinstance(value, str):

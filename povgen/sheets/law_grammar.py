@@ -36,7 +36,8 @@ FUNCTIONS = {
 }
 RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # maximum number of characters of a law, and maximum depth of its syntax tree
-LARGEST = 1e30  # numbers in a law are less than this, because shaders compute with 32-bit numbers
+# numbers in a law are 0, or from SMALLEST to LARGEST, because shaders compute with 32-bit numbers
+SMALLEST, LARGEST = 1e-30, 1e30
 LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -134,7 +135,22 @@ class Law:
         """Whether x, y, z, X and Y occur in no function except sin and cos: then the law has no kinks."""
         calls = (node for part in self._parts for node in ast.walk(part) if isinstance(node, ast.Call))
         others = (call for call in calls if isinstance(call.func, ast.Name) and call.func.id not in ("sin", "cos"))
-        return not any(isinstance(node, ast.Name) and node.id in RAY for call in others for node in ast.walk(call))
+        return not any(map(_of_the_ray, others))
+
+    @property
+    def lets_all_light_pass(self) -> bool:
+        """Whether z behind the sheet is written as z before it, multiplied or divided by constants.
+
+        If their product is positive, light of every direction passes everywhere.
+        """
+        factors, part = [], self._parts[2]
+        while isinstance(part, ast.BinOp) and isinstance(part.op, (ast.Mult, ast.Div)):
+            sides = [part.left, part.right]
+            if isinstance(part.op, ast.Mult) and not _of_the_ray(part.left):
+                sides.reverse()
+            part, factor = sides
+            factors.append(factor)
+        return isinstance(part, ast.Name) and part.id == "z" and not any(map(_of_the_ray, factors))
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)
@@ -201,8 +217,8 @@ class _Reader:
         wrong = self.text[start : (start + 12 if end is None else end)]
         functions = ", ".join(FUNCTIONS)
         return ValueError(
-            f"{wrong!r} at character {start + 1}; "
-            f"allowed: decimal numbers, + - * / ( ), {', '.join(self.names)}, and the functions {functions}"
+            f"{wrong!r} at character {start + 1}; allowed: decimal numbers (0, or {SMALLEST:g} to {LARGEST:g}), "
+            f"+ - * / ( ), {', '.join(self.names)}, and the functions {functions}"
         )
 
     def _checked(self, node: ast.expr) -> ast.expr:
@@ -218,8 +234,9 @@ class _Reader:
                         return twice
                     case checked:
                         return ast.UnaryOp(ast.USub(), checked)
-            case ast.Constant(float() | int() as number) if not isinstance(number, bool) and abs(number) < LARGEST:
-                return ast.Constant(float(number))
+            case ast.Constant(float() | int() as number) if not isinstance(number, bool):
+                if number == 0 or SMALLEST <= abs(number) <= LARGEST:
+                    return ast.Constant(float(number))
             case ast.Name(name) if name in self.names:
                 return ast.Name(name, ast.Load())
             case ast.Call(ast.Name(name), arguments, []) if name in FUNCTIONS and len(arguments) == FUNCTIONS[name][0]:
@@ -289,6 +306,11 @@ def _evaluated(code: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
 
 def _copy(node: Any) -> Any:  # noqa: ANN401
     return ast.parse(ast.unparse(node), mode="eval").body
+
+
+def _of_the_ray(node: ast.AST) -> bool:
+    """Return whether an expression contains x, y, z, X or Y."""
+    return any(isinstance(each, ast.Name) and each.id in RAY for each in ast.walk(node))
 
 
 def _written(node: ast.expr, name: Callable[[str], str]) -> str:

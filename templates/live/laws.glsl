@@ -13,5 +13,7 @@ vec3 bent(vec3 d, vec2 place, int number) {
     case {{ loop.index0 }}: found = vec3({{ law.glsl | join(", ") }}); break;  // {{ law.name.split(" ")[0] }}
 {% endfor %}
   }
+  if (!(found.z > 0.0)) return vec3(0, 0, -1);
+  found /= max(max(abs(found.x), abs(found.y)), found.z);  // squares of very large or small numbers are inf or 0
   return found.z > 1e-6 * length(found) ? normalize(found) : vec3(0, 0, -1);
 }

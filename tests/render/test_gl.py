@@ -6,18 +6,20 @@ import signal
 import threading
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import povgen as run
 from conftest import refused, wait_for
+from PIL import Image
 
 import povgen
 from povgen import Chess, InputError, PovrayError, Spheres, remedies
 from povgen.cli.report import message_of
 from povgen.errors import TransientError
-from povgen.measure import drawn, verify_gl
+from povgen.measure import verify_gl
 from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
@@ -53,9 +55,7 @@ def drawer(monkeypatch):
         monkeypatch.setattr(gl, "TILE", side)
         return gl.Drawer()
 
-    shared = drawn._drawer().gl  # of this process: a new context takes its place
-    yield made
-    shared.__enter__()
+    return made
 
 
 # ---- What it draws ----
@@ -183,6 +183,46 @@ def test_the_distance_field_is_extended_as_far_as_its_box():
     far = right >= 2
     assert (found[~far] == right[~far]).all()
     assert (found[far] > 0.89 * right[far]).all() and (found[far] < 1.03 * right[far]).all()
+
+
+@pytest.mark.parametrize(
+    ("renderer", "factor"), [("gl", "1e-19"), ("gl", "1e20"), ("povray", "*".join(6 * ["1e-30"])), ("povray", "1e20")]
+)
+def test_the_length_of_a_laws_direction_does_not_matter(renderer, factor, drawing):
+    made = [
+        povgen.render(scene, size=SIZE, antialias="off", renderer=renderer)
+        for scene in (
+            Chess(sheet="law", law="x, y - 0.3*Y*z, z"),
+            Chess(sheet="law", law=f"x*{factor}, (y - 0.3*Y*z)*{factor}, z*{factor}"),
+        )
+    ]
+    assert made[0].std() > 30 and np.mean(np.abs(np.subtract(*made, dtype=float)).max(-1) > 8) < 0.01
+
+
+def test_what_is_no_longer_drawn_is_freed(text, drawer, monkeypatch):
+    """Each further call frees the sky of the call before, and the framebuffer of its readout with three textures."""
+    used, scene, freed = drawer(64), json.loads(text), []
+    collect = used.gl.gc
+    monkeypatch.setattr(used.gl, "gc", lambda: freed.append(collect()))
+    for k in range(5):
+        used.readout({**scene, "pictures": {"sky": png(k)}}, (64, 48))
+    assert len(freed) == 5 and min(freed[2:]) >= 5
+    for k in range(gl.PROGRAMS + 2):
+        used.readout({**scene, "shader": f"{scene['share']}\n// {k}"}, (64, 48))
+    assert len(used.programs) == gl.PROGRAMS
+
+
+def png(k):
+    file = BytesIO()
+    Image.new("RGB", (8, 8), (k, 0, 0)).save(file, "PNG")
+    return file.getvalue()
+
+
+def test_every_thread_is_given_the_points_of_a_picture():
+    found = povgen.points(PLAIN, SIZE)
+    with ThreadPoolExecutor(2) as pool:
+        for each in pool.map(lambda _: povgen.points(PLAIN, SIZE), range(4)):
+            np.testing.assert_array_equal(each, found)
 
 
 def test_tiles_are_the_whole_picture(drawer):
@@ -356,6 +396,25 @@ def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
     asked_for.clear()
     monkeypatch.setattr(gl_runner.Runner, "_answer", lambda *given: asked_for.append(len(given)) or answer(*given))
     assert len(list(frames.render_all(scenes, SMALL))) == 3 and asked_for.count(4) == 1
+
+
+def test_what_a_driver_writes_is_no_answer(text, tmp_path, monkeypatch):
+    """And a relative PYTHONPATH is that of povgen's own working directory."""
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "sitecustomize.py").write_text(
+        "import os, moderngl\n"
+        "create = moderngl.create_context\n"
+        "moderngl.create_context = lambda **given: (os.write(1, b'libGL: hello\\n'), create(**given))[1]\n"
+        f"open({str(tmp_path / 'started')!r}, 'w').close()\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", "own", prepend=os.pathsep)
+    started = gl_runner.Runner()
+    try:
+        assert "OpenGL" in started.device() and (tmp_path / "started").exists()
+        assert frames.is_whole(started.run(text, SMALL, tmp_path).read_bytes(), SMALL.size)
+    finally:
+        started.stop()
 
 
 def test_a_hanging_driver_is_ended(text, runner, tmp_path):

@@ -193,6 +193,29 @@ def test_where_a_pencil_converges(alpha):
         assert scene.spot((0.1, -0.2, z1), z, 500, 0.3j, 0.5).rms > seen.rms
 
 
+def test_a_narrow_pencil_converges_where_it_starts():
+    scene = Chess(sheet="none")
+    for z, radius in ((1e4, 1e-6), (2, 1e-10)):
+        assert scene.pencil((0, 0, z), 100, radius=radius).convergence().z == pytest.approx(z, rel=1e-4)
+    assert Bundle([[0, 0, 0], [1, 0, 0]], [0.3, 0.1, 1]).convergence().z == np.inf
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
+def test_some_of_the_rays_are_those_that_numpy_takes(sheet):
+    """Also if the last axis of the rays has the length of a vector."""
+    scene = Chess(sheet=sheet)
+    for every in (scene.rays((3, 4)), scene.trace(scene.rays((3, 4)))):
+        for which in (0, (1, 2), (..., 0), (slice(None), [0, 2]), every.slope.real > 0, (None, -1), []):
+            some = every[which]
+            np.testing.assert_allclose(some.slope, every.slope[which], rtol=1e-15)
+            assert some.shape == every.slope[which].shape and some.position.shape == (*some.shape, 3)
+        with pytest.raises(IndexError):
+            every[0, 0, 0]
+    some = every[..., 0]
+    np.testing.assert_array_equal(some.end, every.end[:, 0])
+    np.testing.assert_array_equal(some.faces, every.faces[:, 0])
+
+
 def test_a_lens_makes_parallel_rays_of_its_focus():
     scene = Chess(sheet="lens", focal_length=4)
     light = scene.trace(scene.pencil((0, 0, 4), 100))
@@ -271,6 +294,11 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: Bundle((0, 0, -6), (1, 0, 0)), "direction: dz = 0"),
         (lambda s: Bundle((0, 0, np.nan), (1, 0, 1)), "position: not finite"),
         (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
+        (lambda s: s.spot((0, 0, 2), np.complex128(2 + 1j), 5), "allowed: a finite number"),
+        (lambda s: s.pencil((0, 0, 2), 2, radius=np.complex128(1 + 1j)), "allowed: up to 10000 tiles"),
+        (lambda s: s.apparent_position(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
+        (lambda s: s.seen(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
+        (lambda s: s.visible(0.5, 2, near=-1), "near = -1; allowed: 0 or more"),
     ],
 )
 def test_wrong_values_are_refused(call, words):

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from povgen import Chess, InputError
+from povgen import Bundle, Chess, InputError
 from povgen.optics import apparent, equations, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
-from povgen.optics.trace import pair
+from povgen.optics.trace import End, pair
 from povgen.scene.laws import to_pov
 from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.law_grammar import Law
@@ -146,7 +146,12 @@ def test_the_grammar(text, x):
     ("text", "words"),
     [
         ("x, y", "2 expressions; allowed: three"),
-        ("x, y^2, z", "'y^2' at character 4; allowed: decimal numbers, + - * / ( ), x, y, z, X, Y, k"),
+        (
+            "x, y^2, z",
+            "'y^2' at character 4; allowed: decimal numbers (0, or 1e-30 to 1e+30), + - * / ( ), x, y, z, X, Y, k",
+        ),
+        ("x*2e30, y, z", "'2e30' at character 3; allowed: decimal numbers (0, or 1e-30 to 1e+30), "),
+        ("x, y, z*1e-31", "'1e-31' at character 9; allowed: decimal numbers (0, or 1e-30 to 1e+30), "),
         ("x, y**2, z", "'y**2' at character 4"),
         ("tan(x), y, z", "'tan(x)' at character 1"),
         ("x, y, z + q", "'q' at character 11"),
@@ -314,6 +319,14 @@ def test_a_law_that_is_linear_only_in_parts_has_no_matrix():
     ):
         one = sheet("law", law=law, parameter={})
         assert one.transfer is None
+    # these block light, the last one only far from where the rays that determine a matrix meet the sheet
+    for factor in ("((X + 0.5)*(X + 0.5) + Y*Y - 0.09)", "(z - 0.3)", "(1 - X/4)"):
+        law = ", ".join(f"{axis}*{factor}" for axis in "xyz")
+        assert sheet("law", law=law, parameter={}).transfer is None
+    for last in ("2*z", "z*k", "sqrt(k)*z/(4*k)"):
+        law = ", ".join(last.replace("z", axis) for axis in "xyz")
+        found = sheet("law", law=law, parameter={"k": 0.25}).transfer
+        assert found == pytest.approx(np.eye(5))
     # constants may be computed with any function
     assert sheet("law", law="x - sqrt(max(k, 0))*X*z, y, z", parameter={"k": 0.25}).transfer is not None
 
@@ -324,6 +337,18 @@ def test_the_eye_sees_a_point_through_a_law_that_is_linear_only_in_parts():
     P = 4.5  # there the slope becomes less by 0.25
     L = P + scene.z1 * (P / scene.z2 - 0.25)
     assert scene.apparent_position(L, scene.z1) == pytest.approx(P)
+
+
+def test_light_that_a_law_blocks_is_not_seen():
+    """Through a disc that is opaque: where the prediction sees nothing, the ray trace ends."""
+    disc = "((X + 0.5)*(X + 0.5) + (Y + 0.7)*(Y + 0.7) - 0.09)"
+    scene = Chess(sheet="law", law=f"x*{disc}, y*{disc}, z*{disc}")
+    P = -0.5 - 0.7j + np.array([0, 0.29, 0.31, 0.29j, 0.31j])
+    seen, visible = scene.seen(P * (scene.z2 + scene.z1) / scene.z2, scene.z1)
+    rays = scene.trace(Bundle((0, 0, -scene.z2), np.stack((P.real, P.imag, np.full(5, scene.z2)), -1)))
+    assert (rays.end == [End.BLOCKED, End.BLOCKED, 0, End.BLOCKED, 0]).all()
+    assert (visible == (rays.end == 0)).all() and (np.isnan(seen) == (rays.end != 0)).all()
+    np.testing.assert_allclose(seen[visible], P[visible])
 
 
 def test_matrices_of_prisms_without_size_are_those_of_thin_sheets():
