@@ -143,12 +143,13 @@ def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first win
 def replaced_by(changes: Mapping[str, object], windows: Iterable[Window] = ()) -> set[str]:
     """Return the names of the values that new ones replace. A new glass replaces the index.
 
-    A new index replaces the glass. It also replaces the wavelength, unless one of these further windows has a glass.
+    A new index, or the glass "none", replaces the glass. It also replaces the wavelength, unless one of these further
+    windows has a glass.
     """
     glass = changes.get("glass")
     if isinstance(glass, str) and glass != "none":
         return {"index"}
-    if changes.get("index") is None:
+    if glass is None and changes.get("index") is None:
         return set()
     return {"glass"} if any(map(has_glass, windows)) else {"glass", "wavelength"}
 

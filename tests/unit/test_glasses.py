@@ -49,6 +49,7 @@ def test_a_glass_is_an_index():
     assert uniforms(scene, ["knight"], [(0, 0, 0, 1)])["glassIndices"] == [scene.index] * 2
     assert scene.replace(wavelength=450).index > scene.index and scene.replace(glass="none").index == 1.5
     assert scene.replace(index=1.7) == scene.replace(wavelength=450).replace(index=1.7) == Chess(index=1.7)
+    assert scene.replace(wavelength=450).replace(glass="none") == Chess()
     other = Chess(glass="BK7", wavelength=450, window="z=2,glass=N-SF11").replace(index=1.7)
     assert (other.glass, other.wavelength, other.index) == ("none", 450, 1.7)
     assert Chess(index=1.7).replace(glass="BK7") == scene
