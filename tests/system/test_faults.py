@@ -239,7 +239,9 @@ def test_stopped_while_it_is_loaded(module, place):
         stop(process)
 
 
-@pytest.mark.parametrize("arguments", [["movie", "vary-alpha", "--quality", "high", "--quiet"], ["verify"]])
+@pytest.mark.parametrize(
+    "arguments", [["movie", "vary-alpha", "--sheet", "ideal", "--quality", "high", "--quiet"], ["verify"]]
+)
 def test_stopped_with_much_under_way(arguments, place):
     """All POV-Rays run, and Python prepares more frames."""
     for moment in (0, 0.7):
