@@ -218,9 +218,9 @@ def scene_of(name: str, values: Values) -> "Scene":
 def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":
     """Return the record in a file, its scenes, and the values of its rendering.
 
-    A value that the user gave replaces the record's, and those of the record that follow from it. The bits follow from
-    the output's ending if this is .exr, or if the record's picture has 32. Print a warning if another version of povgen
-    or of the renderer made the file. Raises InputError if the file has no valid record.
+    A value that the user gave replaces the record's, and also the record's values that depend on it. The bits follow
+    from the output's ending if this is .exr, or if the record's picture has 32. Print a warning if another version of
+    povgen or of the renderer made the file. Raises InputError if the file has no valid record.
     """
     from povgen.scene.scenes import recorded
     from povgen.version import __version__

@@ -2,10 +2,12 @@
 
 import json
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from queue import SimpleQueue
+from threading import Thread
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,21 +24,38 @@ if TYPE_CHECKING:  # needs moderngl
 
 Size = tuple[int, int]  # width and height, pixels
 T = TypeVar("T")
-# An OpenGL context belongs to one thread. This one draws for all others.
-_thread = ThreadPoolExecutor(1, "povgen-opengl")
+Asked = SimpleQueue[tuple[Callable[["Drawer"], Any], Future[Any]]]
 
 
 @cache
-def _drawer() -> "Drawer":
+def _asked() -> Asked:
+    """Start a thread that draws for all others, because an OpenGL context belongs to one thread. Return its queue."""
     gl_runner.device()  # raises InputError if something is missing
+    asked: Asked = SimpleQueue()
+    # Python does not wait for a daemon at its end, so Ctrl-C ends a long picture
+    Thread(target=_draw, args=(asked,), name="povgen-opengl", daemon=True).start()
+    return asked
+
+
+def _draw(asked: Asked) -> None:
     from povgen.rendering.gl import Drawer
 
-    return Drawer()
+    drawer = None
+    while True:
+        work, result = asked.get()
+        try:
+            drawer = drawer or Drawer()
+            result.set_result(work(drawer))
+        except BaseException as error:
+            result.set_exception(error)
+        del work, result  # else the last picture would stay in memory
 
 
 def _drawn(work: "Callable[[Drawer], T]") -> T:
     """Return what a function of the drawer returns. Raises InputError if this system cannot draw with OpenGL."""
-    return _thread.submit(lambda: work(_drawer())).result()
+    result: Future[T] = Future()
+    _asked().put((work, result))
+    return result.result()
 
 
 def points(scene: Scene, size: Size) -> NDArray[np.float32]:
@@ -61,7 +80,7 @@ class Drawn:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError if this system cannot draw with OpenGL."""
-        _drawn(lambda _: None)
+        _asked()
         self.set(scene)
 
     def set(self, scene: Scene) -> None:

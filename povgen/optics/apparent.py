@@ -95,10 +95,10 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
 
     If a window has no matrix, paths are searched for. There can be several. The result is the position with the least
     max(|x|, |y|), so if any position is visible in a square window with its centre at 0, the result is. The search can
-    miss paths that leave the eye at more than 87 degrees to the normal, and paths through openings of a law that are
-    less than about a hundredth of the window wide. At a caustic two paths merge, and on one side
-    of it there are none. On that side a large object can be seen in part, although its middle cannot. So a path also
-    counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
+    miss paths that leave the eye at more than 87 degrees to the normal, and paths through a part of the window that a
+    law leaves open, if it is narrower than about a hundredth of the window. At a caustic two paths merge, and on one
+    side of it there are none. On that side a large object can be seen in part, although its middle cannot. So a path
+    also counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), real("near", near, 0))
     distance, total = windows[0][0], matrix(windows)

@@ -9,7 +9,6 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from math import prod
 from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
@@ -28,7 +27,8 @@ _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
 MOST_FACES = 100_000
-_PRECISION = 1e-11  # the greatest error of the transverse part of a unit direction of light that comes from behind
+# the greatest error of the transverse part of a unit direction of light that comes from behind: of all traced rays
+_PRECISION = 1e-11
 
 
 class Convergence(NamedTuple):
@@ -80,10 +80,11 @@ class _Lines:
 
     def __getitem__(self, which: Any) -> Self:  # noqa: ANN401  (what numpy takes)
         """Return some of the rays, as rays[rays.designed], or rays[row, column] for the ray of a pixel."""
-        count, axes = prod(self.shape), len(self.shape)
-        some = np.arange(count).reshape(self.shape)[which]
-        each = {name: values.reshape(count, *values.shape[axes:])[some] for name, values in vars(self).items()}
-        return type(self)(**each)
+        some = which if isinstance(which, tuple) else (which,)
+        np.broadcast_to(False, self.shape)[some]  # raises IndexError for more axes than those of the rays
+        axes = len(self.shape)
+        end = [slice(None)] if any(each is ... for each in some) else []
+        return type(self)(**{name: values[(*some, *end * (values.ndim - axes))] for name, values in vars(self).items()})
 
 
 class Bundle(_Lines):
@@ -178,6 +179,7 @@ def pencil(
     numbers = isinstance(radius, Real) and isinstance(middle, Complex)
     if not (numbers and 0 < radius <= LARGEST and abs(middle) <= LARGEST):
         raise ValueError(f"middle = {middle!r}, radius = {radius!r}: allowed: up to {LARGEST:g} tiles, radius above 0")
+    middle, radius = complex(middle), float(radius)  # from any types of numbers
     rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
     count = checked_count("count", count, MOST)
     z = last if start[2] > last else first

@@ -44,7 +44,7 @@ class Drawer:
         """Make a context without a window. Raises a plain Exception, no subclass, if the system has no OpenGL 3.3."""
         backend: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
         self.gl = moderngl.create_context(standalone=True, require=330, **backend)
-        self.gl.gc_mode = "context_gc"  # what Python no longer refers to is freed before the next picture
+        self.gl.gc_mode = "context_gc"  # `gc` frees what Python no longer refers to
         self.device = self.gl.info["GL_RENDERER"]
         self.version = self.gl.info["GL_VERSION"]
         self.programs: dict[str, Any] = {}  # vertex arrays, each with its program
@@ -118,11 +118,14 @@ class Drawer:
 
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
         """Return the arrays ray, shown and met, (height, width, 4), as templates/live/readout.glsl describes them."""
-        numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         (program,) = self._prepared(scene, "shader")
+        numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
         self._draw(program, numbers, size)
         read = [np.frombuffer(numbers.read(components=4, attachment=k, dtype="f4"), np.float32) for k in range(3)]
+        self.sum.use()  # the context refers to the framebuffer that was used last
+        del numbers
+        self.gl.gc()
         return [each.reshape(size[1], size[0], 4)[::-1] for each in read]
 
     def _draw(self, program: Any, target: Any, size: tuple[int, int], source: Any = None) -> None:  # noqa: ANN401
@@ -144,10 +147,12 @@ class Drawer:
         return programs
 
     def _program(self, text: str) -> Any:  # noqa: ANN401  (moderngl's)
-        if text not in self.programs:
+        found = self.programs.pop(text, None)
+        if found is None:
             program = self.gl.program(vertex_shader=VERTICES, fragment_shader=f"#version 330\n{text}")
-            self.programs[text] = self.gl.vertex_array(program, [])
-        return self.programs[text]
+            found = self.gl.vertex_array(program, [])
+        self.programs[text] = found  # the last one: it is removed after all others
+        return found
 
     def _volumes(self, scene: dict[str, Any]) -> None:
         """Put the distance fields into a texture: three a row along x, the rows along z."""

@@ -67,7 +67,7 @@ def of_inputs(given: SurveyInputs) -> Survey:
 
 
 def keep(given: SurveyInputs, found: Survey) -> None:
-    """Put a survey into `known`. If it is full, it is emptied before."""
+    """Put a survey into `known`. If `known` is full, it is emptied first."""
     if len(known) >= MOST_KNOWN:
         known.clear()
     known[given] = found

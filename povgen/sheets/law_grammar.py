@@ -36,7 +36,7 @@ FUNCTIONS = {
 }
 RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # maximum number of characters of a law, and maximum depth of its syntax tree
-# numbers in a law are 0, or from SMALLEST to LARGEST, because shaders compute with 32-bit numbers
+# Numbers in a law are 0, or from SMALLEST to LARGEST: shaders compute with 32-bit numbers. Products can be outside.
 SMALLEST, LARGEST = 1e-30, 1e30
 LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
@@ -141,16 +141,21 @@ class Law:
     def lets_all_light_pass(self) -> bool:
         """Whether z behind the sheet is written as z before it, multiplied or divided by constants.
 
-        If their product is positive, light of every direction passes everywhere.
+        If their product is positive, light passes everywhere, unless its new direction is nearly parallel to the sheet
+        (`LEAST_Z`).
         """
-        factors, part = [], self._parts[2]
-        while isinstance(part, ast.BinOp) and isinstance(part.op, (ast.Mult, ast.Div)):
-            sides = [part.left, part.right]
-            if isinstance(part.op, ast.Mult) and not _of_the_ray(part.left):
-                sides.reverse()
-            part, factor = sides
-            factors.append(factor)
-        return isinstance(part, ast.Name) and part.id == "z" and not any(map(_of_the_ray, factors))
+        part = self._parts[2]
+        while not isinstance(part, ast.Name):
+            match part:
+                case ast.UnaryOp(ast.USub(), rest):
+                    part = rest
+                case ast.BinOp(rest, ast.Mult() | ast.Div(), factor) if not _of_the_ray(factor):
+                    part = rest
+                case ast.BinOp(factor, ast.Mult(), rest) if not _of_the_ray(factor):
+                    part = rest
+                case _:
+                    return False
+        return part.id == "z"
 
     @cached_property
     def _code(self) -> Any:  # noqa: ANN401  (a code object)

@@ -323,7 +323,7 @@ def test_a_law_that_is_linear_only_in_parts_has_no_matrix():
     for factor in ("((X + 0.5)*(X + 0.5) + Y*Y - 0.09)", "(z - 0.3)", "(1 - X/4)"):
         law = ", ".join(f"{axis}*{factor}" for axis in "xyz")
         assert sheet("law", law=law, parameter={}).transfer is None
-    for last in ("2*z", "z*k", "sqrt(k)*z/(4*k)"):
+    for last in ("2*z", "z*k", "sqrt(k)*z/(4*k)", "-(z*(-k))"):
         law = ", ".join(last.replace("z", axis) for axis in "xyz")
         found = sheet("law", law=law, parameter={"k": 0.25}).transfer
         assert found == pytest.approx(np.eye(5))

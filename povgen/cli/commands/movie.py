@@ -208,7 +208,9 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
         return MovieSpec.load(spec, fixed).replace(**values)
     if spec not in SCENES:
-        raise InputError(f"sweep = {sweeps[0]!r}: not with the movie {spec!r}; allowed: with a scene: {' or '.join(SCENES)}")
+        raise InputError(
+            f"sweep = {sweeps[0]!r}: not with the movie {spec!r}; allowed: with a scene: {' or '.join(SCENES)}"
+        )
     return MovieSpec.of_sweeps(spec, sweeps, values)
 
 
