@@ -255,7 +255,7 @@ class Node:
 
         program = Path(playwright.__file__).with_name("driver") / "node"
         self.process = subprocess.Popen(
-            [program, Path(__file__).parent / "unit" / "evaluate.mjs"],
+            [program, Path(__file__).with_name("evaluate.mjs")],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
