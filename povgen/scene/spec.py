@@ -259,12 +259,12 @@ class MovieSpec(Model):
     def with_fixed(self, values: Mapping[str, object]) -> Self:
         """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError.
 
-        A new glass replaces the index. A new index replaces the glass and the wavelength, as in a scene.
+        What these replace is what they replace in a scene: `windows.replaced_by`.
         """
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
-        windows = as_windows({**self.fixed, **values}.get("window", [])) if "index" in values else []
-        dropped = replaced_by(values, windows)
+        windows = {**self.fixed, **values}.get("window", []) if {"index", "glass"} & values.keys() else []
+        dropped = replaced_by(values, as_windows(windows))
         kept = {name: value for name, value in self.fixed.items() if name not in dropped}
         spec = self.replace(fixed={**kept, **values})
         scene = spec.scenes("standard")[0]

@@ -82,7 +82,9 @@ def test_a_new_index_replaces_the_glass_of_a_window_and_of_a_movie():
     assert spec.with_fixed({"index": "1.7"}).fixed == {"index": 1.7}
     blue = spec.with_fixed({"wavelength": 450})
     assert blue.with_fixed({"index": "1.7"}).fixed == {"index": 1.7}
-    assert blue.with_fixed({"index": "1.7", "window": "z=2,glass=BK7"}).fixed["wavelength"] == 450
+    assert blue.with_fixed({"glass": "none"}).fixed == {"glass": "none"}
+    for change in ({"index": "1.7"}, {"glass": "none"}):
+        assert blue.with_fixed({**change, "window": "z=2,glass=BK7"}).fixed["wavelength"] == 450
     with pytest.raises(InputError, match="glass = "):
         plain.replace(glass=np.array([1, 2]))
     assert spec.with_fixed({"index": "1.7"}).with_fixed({"glass": "N-SF11"}).fixed == {"glass": "N-SF11"}
