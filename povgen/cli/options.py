@@ -267,8 +267,7 @@ def made_folder(output: Path) -> AbstractContextManager[Path]:
 
 
 def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "tuple[AutoTolerance | None, list[str]]":
-    """Return the tolerance of --sheet auto, and the renderers among which it may choose: None and [] for
-    another sheet.
+    """Return the tolerance of --sheet auto and the renderers that it may choose; None and [] for another sheet.
 
     Remove --renderer auto from the options. Raises InputError if the tolerance is not valid, if only one of --sheet
     auto and --tolerance is given, or if --renderer auto is given without them.

@@ -204,12 +204,12 @@ def mirror(direction: ArrayLike, angle: ArrayLike) -> Floats:
 def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.float64]:
     """Return the values of a parameter as floats.
 
-    Raises TypeError if they are complex, or no numbers, and ValueError if one is less than `least`.
+    Raises TypeError if they are complex or no numbers, and ValueError if one is less than `least`.
     """
     values = np.asarray(values)
     if values.dtype.kind not in "biuf":
-        is_ = "is complex" if np.iscomplexobj(values) else "has other values than numbers"
-        raise TypeError(f"{name} {is_}; allowed: real numbers")
+        fault = "is complex" if np.iscomplexobj(values) else "has other values than numbers"
+        raise TypeError(f"{name} {fault}; allowed: real numbers")
     values = values.astype(float)
     if (values < least).any():
         raise ValueError(f"{name} = {np.nanmin(values):g}; allowed: {least:g} or more")

@@ -27,7 +27,7 @@ _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**9  # rays
 MOST_FACES = 100_000
-# the greatest error of the transverse part of a unit direction of light that comes from behind: of all traced rays
+# the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
 _PRECISION = 1e-11
 
 

@@ -30,7 +30,7 @@ from povgen.scene import hdr
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
 STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile
-PROGRAMS = 30  # compiled ones that are kept: each law of a user's own needs another one
+PROGRAMS = 30  # at most so many compiled programs are kept: each law of a user's own needs another one
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""

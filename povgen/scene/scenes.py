@@ -400,8 +400,9 @@ class Scene(ParametersOfSheets):
         from povgen.optics import apparent, equations
 
         z1, L, near = _distances(z1), numpy.asarray(L, complex), equations.real("near", near, 0)
-        alpha = None if alpha is None else equations.real("alpha", alpha)
-        alpha = None if alpha is None else numpy.where(numpy.isfinite(alpha), alpha, numpy.nan)[()]
+        if alpha is not None:
+            alpha = equations.real("alpha", alpha)
+            alpha = numpy.where(numpy.isfinite(alpha), alpha, numpy.nan)[()]
         turns = 0 if alpha is None else alpha
         shape = numpy.broadcast_shapes(*map(numpy.shape, (L, z1, near, turns)))
         L = numpy.broadcast_to(numpy.where(numpy.isfinite(L) & ~numpy.isnan(near), L, numpy.nan), shape)

@@ -138,7 +138,7 @@ class Law:
         return not any(map(_of_the_ray, others))
 
     @property
-    def lets_all_light_pass(self) -> bool:
+    def only_scales_z(self) -> bool:
         """Whether z behind the sheet is written as z before it, multiplied or divided by constants.
 
         If their product is positive, light passes everywhere, unless its new direction is nearly parallel to the sheet

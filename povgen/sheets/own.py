@@ -38,12 +38,12 @@ class OwnLaw(Ideal):
 
     @cached_property
     def transfer(self) -> "Matrix | None":
-        """The ray-transfer matrix, or None. Only smooth laws that let all light pass have one.
+        """The ray-transfer matrix, or None. Only smooth laws that multiply z by constants have one.
 
         `x + max(X - 3, 0), y, z` is linear where the rays that determine the matrix meet the sheet, but not everywhere.
         `x*(9 - X*X), y*(9 - X*X), z*(9 - X*X)` leaves light as it is there, and blocks light elsewhere.
         """
-        return super().transfer if self.law.is_smooth and self.law.lets_all_light_pass else None
+        return super().transfer if self.law.is_smooth and self.law.only_scales_z else None
 
     @property
     def numbers(self) -> dict[str, float]:

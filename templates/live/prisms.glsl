@@ -101,7 +101,8 @@ Passage passage(Passage ray, int number) {
 #endif
   ray.end = UNFINISHED;
 
-  // maxFaces ends the loop earlier. A step to the border of a cell counts for no face: rays through 1000 lenses took up to 733 steps.
+  // maxFaces ends the loop earlier. A step to the border of a cell counts for no face: rays through 1000 lenses took up to
+  // 733 steps.
   for (int step = 0; step < 1000; step++) {
     if (between) {
       if (at < 0 || at >= sheets) {

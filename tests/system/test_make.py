@@ -16,7 +16,7 @@ pytestmark = pytest.mark.timeout(1500)  # packages come over the network
 
 @pytest.fixture(autouse=True, scope="module")
 def real_python():
-    """The first python3 on the PATH is a program: make calls it often, and pyenv's script takes 0.1 s to start one."""
+    """The first python3 on the PATH is a program, and no script of pyenv: make starts it often."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PATH", os.path.join(sys.base_prefix, "bin"), prepend=os.pathsep)
         yield
