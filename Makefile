@@ -82,7 +82,7 @@ test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
 # numpy has no large matrices here: its further threads would only wait, and take CPU time for that.
 test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 
-test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and of the command line, in one or two minutes
+test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and of the command line, in about a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-release

@@ -40,7 +40,7 @@ GIF_BYTES = 2**25  # of the pictures of a GIF that are in memory at once; Pillow
 # The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
 # frame at once. libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
-    ".mp4": ("libx264", "yuv420p", f"-crf 18 -preset slow -g 6 -bf 0 {BT709} -movflags +faststart"),
+    ".mp4": ("libx264", "yuv420p", f"-crf 18 -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", "yuv420p", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
     ".webp": ("libwebp_anim", "bgra", "-compression_level 6 -loop 0"),
     ".gif": ("gif", "", ""),
