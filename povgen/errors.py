@@ -5,6 +5,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 
 class InputError(ValueError):
@@ -37,6 +38,21 @@ def shown(value: object) -> str:
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables
         return f"a very long {type(value).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def at_least(limit: float) -> str:
+    """Return a lower limit as text with four digits, rounded up: what a message names is allowed."""
+    return _limit(limit, ROUND_CEILING)
+
+
+def at_most(limit: float) -> str:
+    """Return an upper limit as text with four digits, rounded down: what a message names is allowed."""
+    return _limit(limit, ROUND_FLOOR)
+
+
+def _limit(limit: float, rounding: str) -> str:
+    decimal = f"{limit:.12g}"  # without the rounding errors of binary numbers
+    return f"{float(Context(prec=4, rounding=rounding).create_decimal(decimal)):.4g}"
 
 
 def _plain(value: object) -> object:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self, TypedDic
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from povgen.errors import at_most
 from povgen.validation import Model
 
 Factor = Literal["1.5x", "2x", "3x", "4x"]
@@ -114,7 +115,7 @@ class Sampling(Model):
         if self.supersampling > 1 and self.supersampling**2 * width * height > MAX_PIXELS:
             raise ValueError(
                 f"size = {width}x{height}: too large for antialias = {self.sampling!r}; allowed: up to "
-                f"{MAX_PIXELS / self.supersampling**2 / 1e6:.3g} million pixels, or another antialias"
+                f"{at_most(MAX_PIXELS / self.supersampling**2 / 1e6)} million pixels, or another antialias"
             )
         return self
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from povgen import remedies
+from povgen.errors import at_most
 from povgen.scene.mesh_reader import NO_TRIMESH
 
 if TYPE_CHECKING:  # numpy is slow to load
@@ -60,7 +61,7 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
         if height / tall > most * (1 + 1e-9):
             raise ValueError(
                 f"should be within {radius:g} tiles of its axis: height = {height:g} is too much; "
-                f"allowed: up to {most * tall:.4g}"
+                f"allowed: up to {at_most(most * tall)}"
             )
         scale = height / tall
     points *= scale

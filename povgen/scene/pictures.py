@@ -67,11 +67,13 @@ class Picture:
 def sky(value: object, data: bytes | None = None) -> Picture | None:
     """Return the picture of the surroundings in the file with the path `value`. None and a `Picture` stay as they are.
 
-    `data` is the file's content; if it is None, the file is read. Raises ValueError for a file that is no picture, and
-    for a picture that is not twice as wide as high.
+    The text "mountains" gives None: mountains and sky of povgen's own. `data` is the file's content; if it is None, the
+    file is read. Raises ValueError for a file that is no picture, and for a picture that is not twice as wide as high.
     """
     if value is None or isinstance(value, Picture):
         return value
+    if value == "mountains":
+        return None
     picture = _picture(_path(value), "", WIDTH, data)
     width, height = picture.size
     if abs(width - 2 * height) > 0.02 * width:

@@ -7,7 +7,8 @@ last window.
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import hypot, inf, radians, remainder
@@ -23,7 +24,7 @@ from pydantic import (
 )
 
 from povgen import limits
-from povgen.errors import InputError, input_errors, one_line, shown
+from povgen.errors import InputError, at_least, at_most, input_errors, one_line, shown
 from povgen.optics import glasses
 from povgen.optics.prism import Prism
 from povgen.record import Record, info
@@ -38,6 +39,7 @@ from povgen.scene.windows import (
     SheetName,
     Window,
     Windows,
+    as_windows,
     has_glass,
     replaced_by,
 )
@@ -130,6 +132,15 @@ PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
 
+@contextmanager
+def _named(where: str) -> Iterator[None]:
+    """Begin the message of a ValueError with the window that it is about."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{where}{error}") from None
+
+
 def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float | None:
     """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
 
@@ -197,7 +208,7 @@ class Scene(ParametersOfSheets):
 
     sky: Annotated[Picture | None, BeforeValidator(pictures.sky)] = Field(
         default=None,
-        description="picture of the surroundings in place of mountains and sky: a PNG, JPEG, WebP, TIFF, HDR or EXR "
+        description="mountains, or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
         "file, equirectangular, whose middle is straight ahead; with background = sky",
     )
 
@@ -373,7 +384,7 @@ class Scene(ParametersOfSheets):
     def default_view(self) -> float:
         """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles.
 
-        It is at least VIEW, and at most MAX_VIEW even if the frame needs more. Pictures are 4:3 or wider.
+        This holds for pictures of 4:3 or wider. It is at least VIEW, and at most MAX_VIEW even if the frame needs more.
         """
         front, slant = -self.depth / 2, min(self.rim, self.depth)
         reach = 0.0
@@ -567,12 +578,12 @@ class Scene(ParametersOfSheets):
         if z1 <= nearest:
             raise ValueError(
                 f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
-                f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {nearest:.4g}"
+                f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {at_least(nearest)}"
             )
         if z1 > self.farthest:
             counts = {sheet.values[sheet.counted]: sheet.counted for sheet in self.layered}
             what = f"with {max(counts)} {counts[max(counts)]}" if counts else f"behind z = {self.places[-1]:g}"
-            raise ValueError(f"z1 = {z1:g}: beyond POV-Ray's range {what}; allowed: z1 <= {self.farthest:.4g}")
+            raise ValueError(f"z1 = {z1:g}: beyond POV-Ray's range {what}; allowed: z1 <= {at_most(self.farthest)}")
 
     @property
     def farthest(self) -> float:
@@ -580,7 +591,7 @@ class Scene(ParametersOfSheets):
         return MAX_DISTANCE / self.tile - self.places[-1]
 
     def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
-        return replaced_by(changes, self.window)
+        return replaced_by(changes, as_windows(changes["window"]) if "window" in changes else self.window)
 
     @model_validator(mode="after")
     def _find_indices(self) -> Self:
@@ -604,10 +615,13 @@ class Scene(ParametersOfSheets):
         return self
 
     @model_validator(mode="after")
-    def _check_prisms_and_eye(self) -> Self:
+    def _check_shapes(self) -> Self:
         # the first window's shape is checked even if no window has prisms
         shapes = [("", self.prism)]
-        shapes += [(f"window {n}, ", x.shape) for n, x in enumerate(self.sheets, 1) if n > 1 and isinstance(x, Prisms)]
+        for number, sheet in enumerate(self.sheets[1:], 2):
+            if isinstance(sheet, Prisms):
+                with _named(where := f"window {number}, "):
+                    shapes.append((where, sheet.shape))
         for where, prism in shapes:
             least = prism.least_aspect
             if prism.aspect == 2:
@@ -615,18 +629,20 @@ class Scene(ParametersOfSheets):
             if prism.aspect <= least:
                 raise ValueError(
                     f"{where}aspect = {prism.aspect:g}: the slanted facets of prisms with index = {prism.index:g} and "
-                    f"base_angle = {prism.base_angle:g} would cross; allowed: {least:.4g} < aspect < 2"
+                    f"base_angle = {prism.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _check_depths_and_eye(self) -> Self:
         for number, sheet in enumerate(self.sheets, 1):
-            if isinstance(sheet, (PrismPair, Lenticular)):
-                sheet.check_errors()
+            where = f"window {number}, " if number > 1 else ""
+            with _named(where):  # errors out of range, lenses of a shape that does not exist
+                if isinstance(sheet, (PrismPair, Lenticular)):
+                    sheet.check_errors()
+                depth = sheet.depth
             if not sheet.is_exact and self.window:
                 raise ValueError("error: only for a single window; allowed: no errors with --window")
-            where = f"window {number}, " if number > 1 else ""
-            try:
-                depth = sheet.depth
-            except ValueError as error:  # lenses of this shape do not exist
-                raise ValueError(f"{where}{error}") from None
             if depth > MAX_DEPTH:
                 assert isinstance(sheet, Layered)  # others have no depth
                 what = "prisms" if isinstance(sheet, Prisms) else "profile"
@@ -637,7 +653,9 @@ class Scene(ParametersOfSheets):
                 )
         nearest = self.depth / 2 + 0.01
         if self.z2 <= nearest:
-            raise ValueError(f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {nearest:.4g}")
+            raise ValueError(
+                f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {at_least(nearest)}"
+            )
         return self
 
     @model_validator(mode="after")
@@ -668,7 +686,7 @@ class Scene(ParametersOfSheets):
             if z <= least:
                 raise ValueError(
                     f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
-                    f"allowed: z > {least:.4g}"
+                    f"allowed: z > {at_least(least)}"
                 )
         if any(sheet.layers for sheet in self.sheets[: len(self.ideal)]):
             raise ValueError(
@@ -786,7 +804,8 @@ class Chess(Scene):
             if apart < least - 1e-9:  # for rounding errors
                 raise ValueError(
                     f"two pieces, at x = {one.x:g}, z1 = {one.z1:g} and at x = {other.x:g}, z1 = {other.z1:g}, "
-                    f"overlap; allowed: at least {least:.4g} tiles apart{' along x or z' if self.pedestal else ''}"
+                    f"overlap; allowed: at least {at_least(least)} tiles apart"
+                    f"{' along x or z' if self.pedestal else ''}"
                 )
         return self
 

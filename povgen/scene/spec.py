@@ -59,7 +59,7 @@ class Sweep(Model):
             raise InputError(f"sweep = {shown(text)}: allowed: NAME=START:STOP, or with :linear or :log")
         parts = dict(zip(("start", "stop", "spacing"), ends.split(":", 2), strict=False))
         try:
-            return cls(parameter=name.replace("-", "_"), **parts)
+            return cls(parameter=name.strip().replace("-", "_"), **parts)
         except InputError as error:
             raise InputError(f"sweep = {shown(text)}: {error}") from None
 
@@ -377,7 +377,8 @@ class MovieSpec(Model):
 
 def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, object]:
     """Return fixed parameters so that relative paths of files start in the folder, also those of windows."""
-    names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES, "sky": (), "floor": ("tiles", "none")}
+    names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES}
+    names |= {"sky": ("mountains",), "floor": ("tiles", "none")}
 
     def moved(table: Mapping[str, object]) -> dict[str, object]:
         return {x: from_folder(value, folder, names[x]) if x in names else value for x, value in table.items()}
@@ -401,7 +402,7 @@ def spec_file(path: str | Path) -> Path | int:
     if str(path) == "-":
         return 0
     file = in_home(Path(path))
-    return file if file.suffix == ".toml" or file.exists() else MOVIES / f"{path}.toml"
+    return file if file.suffix == ".toml" or file.exists() and not file.is_dir() else MOVIES / f"{path}.toml"
 
 
 def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:

@@ -178,7 +178,7 @@ def window_table(value: object) -> object:
         pairs = [part.partition("=") for part in parts]
         values: dict[str, list[str]] = {}
         for name, _, given in pairs:
-            values.setdefault(name.strip(), []).append(given)
+            values.setdefault(name.strip().replace("-", "_"), []).append(given)
         repeated = [name for name, several in values.items() if len(several) > 1 and name not in TABLES]
         if repeated or not all(equals for _, equals, _ in pairs):
             raise ValueError("should be text such as alpha=120,z=2")

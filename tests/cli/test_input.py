@@ -6,6 +6,7 @@ import re
 import shutil
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from conftest import picture, povgen, refused, run_povgen
@@ -15,7 +16,7 @@ from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie
 from povgen.errors import PovrayError
 from povgen.files import output_folder
 from povgen.liveview.view import Live
-from povgen.rendering import auto, povray
+from povgen.rendering import auto, gl_runner, povray
 from povgen.scene.spec import MOVIES
 from povgen.sheets import PARAMETERS, SHEETS, USED_BY
 from povgen.video import build, still
@@ -74,7 +75,7 @@ stop = 180
         (["--index", "1"], ["index = '1'", "1.1 to 4"]),
         (["--index", "4.1"], ["index = '4.1'", "1.1 to 4"]),
         (["--base-angle", "76"], ["base_angle = '76'", "15 to 75"]),
-        (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.249 < aspect < 2"]),
+        (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.25 < aspect < 2"]),
         (["--aspect", "0.4"], ["aspect = 0.4", "index = 1.5", "cross", "0.465"]),
         (["--aspect", "2"], ["aspect = 2", "below 2"]),
         (["--gap", "1e-4"], ["gap = '1e-4'", "0.001 to 0.5"]),
@@ -252,7 +253,11 @@ def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "address", ["", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:65536", 5]
+    "address",
+    [
+        *["", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:65536", 5],
+        *["tcp://::1:8786", "tcp://[::1:8786", "tcp://a]:1"],
+    ],
 )
 def test_an_address_that_is_none(address, unmeasured, tmp_path):
     """It is refused before anything is measured or rendered."""
@@ -383,6 +388,12 @@ def test_the_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
 def test_the_help_says_which_options_can_be_repeated(tmp_path):
     text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
     assert text.count("; can be repeated") == 6  # z1, x, piece, color, window, deviation
+
+
+def test_the_page_is_compared_without_povray(tmp_path, monkeypatch):
+    monkeypatch.setattr(povray, "version", lambda: pytest.fail("POV-Ray draws nothing here"))
+    monkeypatch.setattr(gl_runner, "device", Mock(side_effect=InputError("no OpenGL")))
+    assert "no OpenGL" in refused(["verify", "--live"], tmp_path)
 
 
 @pytest.mark.parametrize(

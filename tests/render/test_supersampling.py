@@ -73,14 +73,14 @@ def test_the_cache_distinguishes_filters(monkeypatch):
 
 def test_the_largest_picture():
     assert Rendering(size=(3840, 2160), antialias="2x").picture_options[1:3] == ["+W7680", "+H4320"]
-    for size, antialias, allowed in (((7680, 4320), "2x", "22.2"), ((7680, 7680), "1.5x", "39.6")):
+    for size, antialias, allowed in (((7680, 4320), "2x", "22.25"), ((7680, 7680), "1.5x", "39.55")):
         with pytest.raises(InputError, match=f"too large for antialias = '{antialias}'; allowed: up to {allowed} mil"):
             Rendering(size=size, antialias=antialias)
     assert Rendering(size=(7680, 7680), antialias="off").sampling == "off"
 
 
 def test_a_damaged_file_stays_as_it_is(tmp_path):
-    """Its reader then says that POV-Ray's picture is not whole."""
+    """Its reader then says that the picture is not whole."""
     file = tmp_path / "frame.png"
     for data in (b"", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"):
         file.write_bytes(data)

@@ -244,7 +244,7 @@ def test_settings_follow_the_maps():
     assert cells(Chess(sheet="ideal", z1=20, z2=20, alpha=175, eye=(0, -0.33))) > 2 * cells(far)  # near the pole
     # POV-Ray's tolerances: finer prisms in a larger scene, which must not end before its farthest object
     assert (Chess().tile, Chess(prisms=3000).tile, Chess(sheet="ideal", prisms=3000).tile) == (1000, 1200, 1000)
-    with pytest.raises(ValueError, match="z1 = 4500.*3000 prisms.*4167"):
+    with pytest.raises(ValueError, match="z1 = 4500.*3000 prisms.*4166"):
         Chess(prisms=3000, z1=4500)
     assert max(Spheres(prisms=3000, z2=150).distances) == 2400
 

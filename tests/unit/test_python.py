@@ -199,7 +199,15 @@ def test_a_live_view_and_its_scene():
     widget.moved = {"eye": [1, 0.5]}
     assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5) and widget.html is page
     widget.moved = {"eye": [100, 0]}  # a browser's message is not trusted
-    assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5)
+    assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5) and widget.scene["back"]
+    told = []
+    widget.observe(lambda change: told.append(change["new"]), "scene")
+    widget.moved = {"eye": [100, 0]}  # the same again is refused again
+    assert told[-1]["eye"] == (1, 0.5)
+    widget.moved = {"alpha": 67}
+    seen.alpha = 66
+    widget.moved = {"alpha": 67}
+    assert seen.alpha == 67
     seen.piece = "king"
     assert widget.html != page and widget.scene["piece"] == "king"  # the new page asks for the scene
     seen.scene = Spheres()

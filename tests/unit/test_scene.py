@@ -5,6 +5,7 @@ import pytest
 from conftest import glass, mirrored_position
 
 from povgen import Chess, InputError, Rendering, Spheres
+from povgen.errors import at_least, at_most
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
@@ -157,8 +158,13 @@ def test_prisms_whose_facets_cross_are_refused(scene):
     least = Prism(1.0, 2, 40).least_aspect
     shape = {"index": 2, "base_angle": 40}
     assert scene(**{**shape, "aspect": least + 1e-9}).prism.top_length == pytest.approx(0, abs=1e-9)
-    with pytest.raises(InputError, match=f"aspect = .*cross; allowed: {least:.4g} < aspect < 2"):
+    with pytest.raises(InputError, match=f"aspect = .*cross; allowed: {at_least(least)} < aspect < 2"):
         scene(**{**shape, "aspect": least - 1e-9})
+
+
+def test_limits_that_messages_name_are_allowed():
+    assert [at_most(limit) for limit in (1.7788, 4166.67, 0.67082, 12)] == ["1.778", "4166", "0.6708", "12"]
+    assert [at_least(limit) for limit in (0.15, 0.1 + 0.2, 0.76531, 1.2491)] == ["0.15", "0.3", "0.7654", "1.25"]
 
 
 def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():

@@ -124,6 +124,11 @@ def test_a_movie_keeps_its_scale():
     assert np.allclose((seconds - firsts) / (firsts - eyes), np.array([0.5, 2, 5]) / 8, atol=0.01)
 
 
+def test_in_a_narrow_picture_z_points_to_the_right():
+    strip = side.side_view(Chess(sheet="ideal", **TWO), 240, 1080)
+    assert middles(strip, side.OBJECT)[-1] > middles(strip, side.SHEET)[0] + 20
+
+
 def test_an_eye_that_moves_sideways_is_seen_from_above():
     scenes = [Chess(sheet="ideal", **TWO, eye=(x, 0)) for x in (-0.8, 0, 0.8)]
     shows = side.extent(scenes)

@@ -8,7 +8,7 @@ from conftest import ALPHA_MOVIE
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.scene.scenes import SCENES
-from povgen.scene.spec import Sweep, swept_numbers
+from povgen.scene.spec import MOVIES, Sweep, swept_numbers
 from povgen.settings import QUALITIES
 from povgen.sheets import PARAMETERS
 
@@ -212,6 +212,18 @@ def test_what_cannot_be_is_refused(text, words):
 
 def test_a_sweep_is_written_as_the_option():
     assert swept("base-angle=40:45", frames=2) == [40, 45]
+    assert Sweep.parse(" base-angle = 40:45") == Sweep.parse("base_angle=40:45")
+
+
+def test_a_folder_with_the_name_of_a_movie_does_not_hide_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "vary-alpha").mkdir()
+    assert MovieSpec.load("vary-alpha") == MovieSpec.load(MOVIES / "vary-alpha.toml")
+
+
+def test_mountains_are_no_file_beside_the_toml_file(tmp_path):
+    text = HEAD + '[fixed]\nsky = "mountains"\n[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n'
+    assert MovieSpec.parse(text, "a.toml", tmp_path).scenes("draft")[0].sky is None
 
 
 def test_a_piece_is_sought_beside_the_toml_file(tmp_path, monkeypatch):

@@ -64,6 +64,9 @@ def test_windows_have_parameters_of_their_own():
         ({"window": "alpha=1,z=0.3"}, "window 2, z = 0.3: its frame would touch that of the window before, at z = 0"),
         ({"window": ["alpha=1,z=3", "alpha=1,z=2"]}, "window 3, z = 2: its frame would touch"),
         ({"window": [f"alpha=1,z={n}" for n in range(1, 6)]}, "should have at most 4 values"),
+        ({"window": "z=2,aspect=0"}, "window 2, aspect = 0; allowed: above 0"),
+        ({"window": "z=2,error=turn=20"}, "window 2, error: turn = 20; allowed: -10 to 10 degrees"),
+        ({"window": "z=2,base-angle=20"}, "window 2, aspect = 1: the slanted facets"),
         ({"window": "z=2,aspect=0.3"}, "window 2, aspect = 0.3: the slanted facets of prisms with index = 1.5"),
         ({"window": "z=90,prisms=1,base_angle=75,aperture=1"}, "'aperture': unknown"),
         (
