@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from povgen import limits
 from povgen.errors import InputError
@@ -171,5 +172,5 @@ def _preset(name: str, spec: MovieSpec, file: Path | None, quality: str) -> dict
         "stop": stop,
         "log": sweep.spacing == "log",
         "seconds": spec.count("standard") / spec.rate("standard"),
-        "movie": file and {"file": file.name, "frames": spec.count(quality)},
+        "movie": file and {"file": quote(file.name), "frames": spec.count(quality)},
     }

@@ -96,11 +96,14 @@ class Live:
 
     def _move(self, moved: dict[str, Any]) -> None:
         """Follow what the user has moved. Where the scene does not allow that, the view goes back."""
+        if not moved:
+            return
         try:
             self._show(self.scene.replace(**moved))
         except InputError:
             self.widget.scene = {}
-            self.widget.scene = values(self.scene)
+            self.widget.scene = {**values(self.scene), "back": True}
+        self.widget.moved = {}  # an equal value would not be told
 
     def _repr_mimebundle_(self, **options: Any) -> Any:  # noqa: ANN401  (as Jupyter declares it)
         if find_spec("anywidget"):

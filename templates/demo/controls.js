@@ -324,7 +324,7 @@ const KEYS = {
   o: () => $("show-position").click(),
   c: () => $("show-circles").click(),
   i: () => $("show-image").click(),
-  f: () => $("full-screen").click(),
+  f: () => document.fullscreenEnabled && $("full-screen").click(),
   q: () => openQuestion(state.question < 0 ? session.lastQuestion : -1),
 };
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);

@@ -119,4 +119,4 @@ view.ready.then(() => {
   if (view.gl && untouched && !reducedMotion.matches && !isFrame) tour.start();
 });
 refresh();
-if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => ($("message").textContent = benchText(view)));
+if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));

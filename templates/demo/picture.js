@@ -5,7 +5,7 @@ import { LiveView } from "../live/view.js";
 import { toHash } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { replace } from "./beyond.js";
-import { drawOther } from "./compare.js";
+import { drawOther, otherView } from "./compare.js";
 import { $, data } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
@@ -37,12 +37,20 @@ view.loading.then(outlinesOf, () => {});
 // Save the picture with its overlay and its numbers, at least 1920 pixels wide.
 async function savePicture() {
   await view.ready;
+  await inSight();
   const width = Math.max(1920, view.canvas.width);
   const canvas = still(view, width, Math.round((width * view.canvas.height) / view.canvas.width));
   const pen = canvas.getContext("2d");
   drawOther(pen, canvas);
   pen.drawImage(await overlayImage(canvas), 0, 0);
   savedAs(canvas.toDataURL("image/png"), "png");
+}
+
+// Return when the views can draw. They cannot while they are out of sight.
+async function inSight() {
+  const lost = () => view.lost || otherView()?.lost;
+  if (lost()) $("stage").scrollIntoView();
+  while (lost()) await new Promise(requestAnimationFrame);
 }
 
 // Save what an address holds as a file, whose name has the numbers.

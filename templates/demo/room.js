@@ -43,6 +43,11 @@ function stopCamera() {
   $("camera").setAttribute("aria-pressed", false);
 }
 
+function noCamera() {
+  stopCamera();
+  $("room-message").textContent = say("share.no_camera");
+}
+
 let photo = null;
 const showPhoto = () => photo && show(around(photo, photo.width, photo.height, $("all-around").checked));
 
@@ -70,16 +75,21 @@ $("camera").addEventListener("click", async () => {
   try {
     stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment" } });
   } catch {
-    $("room-message").textContent = say("share.no_camera");
-    return;
+    return noCamera();
   } finally {
     asking = false;
   }
+  for (const track of stream.getTracks()) track.addEventListener("ended", stopCamera);  // it was unplugged
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);
   photo = null;
   video.srcObject = stream;
-  await video.play();
+  try {
+    await video.play();
+  } catch {
+    if (stream) noCamera();
+    return;
+  }
   const next = () => {
     if (!stream) return;
     show(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));

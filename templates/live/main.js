@@ -14,9 +14,10 @@ const held = movable(view, document.getElementById("area"), (povgen) => {
 });
 window.addEventListener("message", ({ source, data }) => {
   if (source !== window.parent || !data?.povgen) return;
-  const { eye, alpha } = view.scene;
-  view.set(held() ? { ...data.povgen, eye, alpha } : data.povgen);  // the answer to a movement comes while it goes on
+  const { eye, alpha } = view.scene, { back, ...values } = data.povgen;
+  // The answer to a movement comes while it goes on. If the scene does not allow the movement, the view goes back.
+  view.set(held() && !back ? { ...values, eye, alpha } : values);
 });
 if (new URLSearchParams(location.search).has("bench")) {
-  view.ready.then(() => (message.textContent = benchText(view)));
+  view.ready.then(() => view.gl && (message.textContent = benchText(view)));
 }

@@ -1,5 +1,8 @@
 """The live view in a real Chromium, drawn without a GPU. Where WebGL 2 does not work, these tests fail."""
 
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from conftest import NAMES, picture
@@ -8,7 +11,7 @@ import povgen
 from povgen import Chess, InputError, Spheres
 from povgen.liveview import view
 from povgen.measure import verify_live
-from povgen.measure.browser import View
+from povgen.measure.browser import View, chromium
 from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions
 
@@ -199,6 +202,17 @@ def test_at_rest_nothing_is_drawn(page):
     assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
 
 
+def test_a_chromium_that_does_not_start(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: "/bin/false")
+
+    def start():
+        with chromium():
+            pass
+
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="/bin/false does not start: "):
+        pool.submit(start).result()  # in a thread of its own: this one may have a browser
+
+
 def test_the_widget_follows_python_and_python_the_user(browser):
     """The two ends of a widget, with this test in the place of the notebook."""
     seen = povgen.live(Chess(sheet="ideal"), 160, 120)
@@ -228,6 +242,11 @@ def test_the_widget_follows_python_and_python_the_user(browser):
     page.evaluate("model.set('scene', { eye: [0, 0], piece: 'x' }); told['change:scene']()")
     frame.wait_for_function("povgen.main.view.scene.piece === 'x'")
     assert frame.evaluate("povgen.main.view.scene.eye[0]") > 0  # the pointer still holds the view
+    page.mouse.move(80, 110)
+    page.wait_for_function("told.saved.eye[1] < -1")
+    seen.widget.moved = {"eye": [0, -9]}  # below the floor
+    page.evaluate("(scene) => { model.set('scene', scene); told['change:scene'](); }", seen.widget.scene)
+    frame.wait_for_function("povgen.main.view.scene.eye[1] === 0")  # though the pointer holds it
     page.mouse.up()
     page.keyboard.press("Shift+ArrowRight")
     page.wait_for_function("told.saved.alpha === 67")

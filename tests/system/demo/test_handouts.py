@@ -229,6 +229,27 @@ def test_a_camera_that_is_asked_for_is_not_asked_for_again(page):
     assert page.evaluate("streams.map((each) => each.active)") == [False]
 
 
+def test_a_camera_that_does_not_start_or_is_unplugged(page):
+    page.evaluate("$('room').hidden = false")
+    page.evaluate(
+        """async () => {
+          document.body.append(Object.assign(document.createElement("canvas"), { id: "tool-canvas" }));
+          $("tool-canvas").getContext("2d").fillRect(0, 0, 9, 9);
+          navigator.mediaDevices.getUserMedia = async () => (window.made = $("tool-canvas").captureStream());
+          $("camera-video").play = async () => { throw new DOMException("refused", "NotAllowedError"); };
+          $("camera").click();
+        }"""
+    )
+    expect(page.locator("#room-message")).not_to_have_text("")
+    assert page.evaluate("[$('camera').getAttribute('aria-pressed'), made.active]") == ["false", False]
+    page.evaluate("delete $('camera-video').play; $('camera').click()")
+    page.wait_for_function("$('camera').getAttribute('aria-pressed') === 'true'")
+    expect(page.locator("#room-message")).to_have_text("")
+    page.evaluate("made.getTracks()[0].dispatchEvent(new Event('ended'))")
+    assert page.evaluate("$('camera').getAttribute('aria-pressed')") == "false"
+    page.evaluate("$('no-room').click(); $('tool-canvas').remove(); $('room').hidden = true")
+
+
 def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     show(page, sheet="none", z1=2)
     before = picture(page)

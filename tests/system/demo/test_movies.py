@@ -79,8 +79,8 @@ def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch
     own = tmp_path / "<b>'&\"<i>.inc"
     own.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
     options = {"quality": "draft", "size": (64, 48), "antialias": "off", "progress": False}
-    file = demo(tmp_path / "page.html", pieces=[own], movies=True, **options)
-    assert {path.name for path in tmp_path.iterdir()} == {own.name, "page.html", "page-vary-alpha.mp4"}
+    file = demo(tmp_path / "page #1.html", pieces=[own], movies=True, **options)
+    assert {path.name for path in tmp_path.iterdir()} == {own.name, "page #1.html", "page #1-vary-alpha.mp4"}
     page, faults = opened(browser, file, "?bench#scene=chess&sheet=ideal&alpha=60")
     expect(page.locator("#message")).to_contain_text("frames a second", timeout=60_000)
     button = page.get_by_role("button", name="POV-Ray’s picture")
@@ -100,7 +100,7 @@ def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch
     expect(name).to_have_text("<b>'&\"<i>")
     page.locator("#piece").select_option(index=6)
     page.wait_for_function("view.converged()")
-    (tmp_path / "page-vary-alpha.mp4").unlink()
+    (tmp_path / "page #1-vary-alpha.mp4").unlink()
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page.reload()
     expect(page.locator("#message")).to_contain_text("needs WebGL 2")

@@ -135,6 +135,18 @@ def test_the_picture_can_be_saved_with_its_numbers(page):
     assert page.evaluate("state.caption") is False
 
 
+def test_a_picture_that_is_out_of_sight_can_be_saved(page):
+    show(page, sheet="none")
+    before = picture(page)
+    page.evaluate("document.body.style.paddingTop = '3000px'; scrollTo(0, 0)")
+    page.wait_for_function("view.lost")
+    with page.expect_download() as download:
+        page.evaluate("$('save').click()")
+    saved = pixels(download.value.path().read_bytes())
+    page.evaluate("document.body.style.paddingTop = ''; scrollTo(0, 0)")
+    assert abs(saved.mean() - before.mean()) < 10
+
+
 def test_a_lost_context_is_said_and_comes_back(page):
     show(page, sheet="none")
     before = picture(page)
