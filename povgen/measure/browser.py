@@ -48,10 +48,13 @@ def chromium() -> Iterator["Browser"]:
         raise InputError(
             f"the live view is measured with playwright, which is not installed: {remedies.extra('live')}"
         ) from None
+    found = shutil.which("chromium")
     with sync_playwright() as playwright:
         try:
-            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
-        except Error:
+            browser = playwright.chromium.launch(executable_path=found, args=ARGUMENTS)
+        except Error as error:
+            if found:
+                raise InputError(f"{found} does not start: {str(error).partition(chr(10))[0]}") from None
             raise InputError("no Chromium: install it as 'chromium', or by 'playwright install chromium'") from None
         try:
             yield browser

@@ -1,6 +1,7 @@
 """The live view's shaders, run by OpenGL without a browser: for measurements, and for the points that pixels show."""
 
 import json
+import os
 from collections.abc import Callable
 from concurrent.futures import Future
 from functools import cache
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen.errors import InputError
 from povgen.rendering import gl_runner, gl_scene
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
@@ -24,17 +26,21 @@ if TYPE_CHECKING:  # needs moderngl
 
 Size = tuple[int, int]  # width and height, pixels
 T = TypeVar("T")
+FORKED = "this process was forked after its parent had drawn with OpenGL; allowed: the start method spawn or forkserver"
 Asked = SimpleQueue[tuple[Callable[["Drawer"], Any], Future[Any]]]
 
 
 @cache
-def _asked() -> Asked:
-    """Start a thread that draws for all others, because an OpenGL context belongs to one thread. Return its queue."""
+def _asked() -> tuple[Asked, int]:
+    """Start a thread that draws for all others, because an OpenGL context belongs to one thread.
+
+    Return its queue, and the process that it is in.
+    """
     gl_runner.device()  # raises InputError if something is missing
     asked: Asked = SimpleQueue()
     # Python does not wait for a daemon at its end, so Ctrl-C ends a long picture
     Thread(target=_draw, args=(asked,), name="povgen-opengl", daemon=True).start()
-    return asked
+    return asked, os.getpid()
 
 
 def _draw(asked: Asked) -> None:
@@ -52,9 +58,12 @@ def _draw(asked: Asked) -> None:
 
 
 def _drawn(work: "Callable[[Drawer], T]") -> T:
-    """Return what a function of the drawer returns. Raises InputError if this system cannot draw with OpenGL."""
+    """Return what a function of the drawer returns. Raises InputError if this system or process cannot draw."""
+    asked, process = _asked()
+    if process != os.getpid():  # a fork copies no thread: neither povgen's nor those of OpenGL
+        raise InputError(FORKED)
     result: Future[T] = Future()
-    _asked().put((work, result))
+    asked.put((work, result))
     return result.result()
 
 

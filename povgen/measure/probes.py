@@ -153,7 +153,7 @@ def _read(path: Path) -> Floats:
     header = re.match(rb"P6\s(?:#.*\n)*(\d+) (\d+)\s(?:#.*\n)*65535\n", data)
     width, height = (int(header[1]), int(header[2])) if header else (0, 0)
     if header is None or len(data) != header.end() + 6 * width * height:
-        raise PovrayError("POV-Ray's picture is not whole (is the disk full?)")
+        raise PovrayError("the picture is not whole (is the disk full?)")
     return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 

@@ -151,7 +151,7 @@ def choose(
             for sampling in ([antialias] if antialias else samplings)
         ]
         for renderer in renderers
-        if len(renderers) == 1 or renderer == "povray" or _gl_can_draw(scenes)
+        if len(renderers) == 1 or renderer == "povray" or _gl_can_draw(scenes, rendering.timeout)
         for sheet, samplings in (
             (substitute, IDEAL_SAMPLINGS),
             ("detailed", prism_samplings(renderer)),
@@ -191,12 +191,16 @@ def prism_samplings(renderer: str) -> Sequence[str]:
     return PRISM_SAMPLINGS if renderer == "povray" else GL_PRISM_SAMPLINGS
 
 
-def _gl_can_draw(scenes: Sequence[Scene]) -> bool:
-    """Whether the renderer gl shows these scenes on this machine."""
+def _gl_can_draw(scenes: Sequence[Scene], timeout: float) -> bool:
+    """Whether the renderer gl shows these scenes on this machine. POV-Ray measures pieces, `timeout` seconds for each.
+
+    Raises PovrayError if it cannot.
+    """
     try:
         for scene in scenes:
             check_gl(scene)
         gl_runner.device()
+        volumes({name: piece for scene in scenes for name, piece in pieces(scene).items()}, timeout=timeout)
     except (InputError, TransientError):
         return False
     return True

@@ -100,7 +100,7 @@ class Cluster:
             raise
         except distributed.scheduler.KilledWorker as lost:
             number, last = lost.allowed_failures + 1, lost.last_worker.address
-            raise TransientError(f"workers lost while they rendered it: {number}, the last {last}") from None
+            raise TransientError(f"workers lost while they computed it: {number}, the last {last}") from None
         except Exception as error:
             raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
@@ -108,7 +108,7 @@ class Cluster:
 
     def stop(self) -> None:
         """Wait for no more frames. A POV-Ray that runs on a worker finishes its frame."""
-        self._end("POV-Ray was stopped")
+        self._end("the work was stopped")
 
     def _end(self, why: str) -> None:
         with suppress(concurrent.futures.InvalidStateError):  # it has ended already
@@ -151,10 +151,13 @@ class Cluster:
             except Exception:  # of any kind: the scheduler did not answer correctly
                 unanswered += 1
             if unanswered == MAX_SILENT:
-                return self._end(f"scheduler {self._scheduler}: it has not answered for {MAX_SILENT * POLL:g} s")
+                return self._end(self._no_answer(MAX_SILENT * POLL))
             if without_news == MAX_SILENT:
                 return self._end(self._no_workers)
             await pause
+
+    def _no_answer(self, seconds: float) -> str:
+        return f"scheduler {self._scheduler}: it has not answered for {seconds:g} s"
 
     async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
         """Return Dask's description of each worker, by the worker's address. Raises TimeoutError after `seconds`."""
@@ -165,18 +168,20 @@ class Cluster:
         if worker not in self._dismissed:
             self._dismissed.add(worker)
             silence = f"worker {worker}: nothing was heard from it for {MAX_SILENT * POLL:g} s"
-            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; other workers render its frames")
+            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; other workers do its work")
         forgotten = self._client.scheduler.unregister(address=worker, stimulus_id="povgen")
         await asyncio.wait_for(forgotten, POLL)
 
     async def _threads(self) -> int:
         """Return how many threads the workers have, as soon as there is a worker. Raises PovrayError."""
+        answered = False
         try:
             async with asyncio.timeout(PATIENCE):
                 while not (workers := await self._workers(PATIENCE)):
+                    answered = True
                     await asyncio.sleep(0.1)
         except TimeoutError:
-            raise PovrayError(self._no_workers) from None
+            raise PovrayError(self._no_workers if answered else self._no_answer(PATIENCE)) from None
         return sum(worker["nthreads"] for worker in workers.values())
 
     def _check(self) -> None:
@@ -266,11 +271,13 @@ def _connected(scheduler: str) -> distributed.Client:
 
 def _cause(scheduler: str, error: BaseException) -> str:
     """Return why no scheduler answers: what the system says of its address, or otherwise what Dask says."""
-    address = urlsplit(scheduler)
     try:
+        address = urlsplit(scheduler)
         socket.create_connection((address.hostname, address.port or 0), PATIENCE).close()
     except OSError as refused:
         return refused.strerror or str(refused)
+    except ValueError:  # no address can be like this
+        pass
     return _first_line(error)
 
 

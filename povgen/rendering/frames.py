@@ -61,7 +61,7 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
             picture = runner.run(source, rendering, folder)
             png = picture.read_bytes()  # read now: once the file is in the cache, another process can remove it
             if not is_whole(png, rendering.size, rendering.is_light):
-                raise TransientError("POV-Ray's picture is not whole (is the disk full?)")
+                raise TransientError("the picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
 
     try:

@@ -10,7 +10,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from select import select
+from select import POLLIN, poll
 from typing import Any
 
 from povgen import remedies, stopping
@@ -170,8 +170,10 @@ class Runner:
             with suppress(OSError):  # it has ended
                 process.stdin.write(json.dumps(asked).encode() + b"\n")
                 process.stdin.flush()
-        # os.read uses no buffer of Python's: `select` would not see bytes that wait in such a buffer
-        while ready := bool(select([process.stdout], [], [], max(0, end - time.monotonic()))[0]):
+        waiting = poll()  # `select` allows no descriptors from 1024
+        waiting.register(process.stdout, POLLIN)
+        # os.read uses no buffer of Python's: `poll` would not see bytes that wait in such a buffer
+        while ready := bool(waiting.poll(1000 * max(0, end - time.monotonic()))):
             if not (block := os.read(process.stdout.fileno(), 1 << 16)):
                 break
             *lines, text = (text + block).split(b"\n")

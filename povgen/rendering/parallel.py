@@ -48,7 +48,8 @@ def worker_count(value: object) -> int | None:
 
 def checked_scheduler(value: object) -> str | None:
     """Return the address of a Dask scheduler that a user gave, or None if the user gave None. Raises InputError."""
-    found = re.fullmatch(r"(?:tcp|tls)://[^\s/]+:([0-9]{1,5})", value) if isinstance(value, str) else None
+    address = r"(?:tcp|tls)://(?:[^\s/:\[\]]+|\[[^\s/\[\]]+\]):([0-9]{1,5})"
+    found = re.fullmatch(address, value) if isinstance(value, str) else None
     if value is not None and not (found and 0 < int(found[1]) < 2**16):
         raise InputError(f"scheduler = {shown(value)}: allowed: its address, such as tcp://192.0.2.1:8786")
     return None if value is None else str(value)

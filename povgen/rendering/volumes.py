@@ -129,7 +129,7 @@ def _measured(
             text = data.read(MAX_CROSSINGS)
     name = f"piece = {str(piece)!r}"
     if len(text) == MAX_CROSSINGS:
-        raise InputError(f"{name}: too many surfaces for the live view; allowed: a simpler piece")
+        raise InputError(f"{name}: too many surfaces for the live view and for gl; allowed: a simpler piece")
     numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
     place, met = numbers[:4], numbers[4:].reshape(-1, 4)
     distance = distances(met) if len(met) else np.empty(0)

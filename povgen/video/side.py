@@ -125,6 +125,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     shown, there = _shown(scene, from_above)
     rows = 2 * round(HEIGHT * height / 2)
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
+    size = min(size, width / 12)  # in a narrow picture too there is space between the margins
     scale = min((width - 6 * size) / (last - first), (rows - 3.4 * size) / (2 * reach))
     left = (width - scale * (last - first)) / 2 - scale * first
     middle = rows / 2

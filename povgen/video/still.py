@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from povgen import files
-from povgen.errors import InputError, shown
+from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
 from povgen.record import Record, differing, in_png, shell_command
 from povgen.rendering import povray
@@ -93,12 +93,18 @@ def render(
     if linear and rendering.bits != 32:
         raise InputError(f"bits = {rendering.bits}: linear light has 32; allowed: one of them")
     found: dict[int, NDArray[Any]] = {}
+    failures: list[str] = []
     with bar("pictures", len(scenes), one or not progress, "pictures") as done:
         for prisms in (True, False):  # they can have different antialiasing
             alike = [number for number, each in enumerate(scenes) if each.has_prisms is prisms]
             made = pictures([scenes[number] for number in alike], rendering, workers, scheduler, done)
-            with closing(made):
-                found |= zip(alike, (each.copy() for each in made), strict=True)  # the caller may write to them
+            try:
+                with closing(made):
+                    found |= zip(alike, (each.copy() for each in made), strict=True)  # the caller may write to them
+            except TransientError as failure:  # frames of the other scenes are still rendered, and kept
+                failures.append(str(failure))
+    if failures:
+        raise TransientError("\n".join(failures))
     return found[0] if one else [found[number] for number in range(len(scenes))]
 
 

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from povgen import Chess, InputError, PovrayError, Rendering, movie, render, save
+from povgen.errors import TransientError
 from povgen.rendering import frames, povray
 
 SMALL = {"size": (48, 36), "antialias": "off"}
@@ -50,6 +51,25 @@ def test_a_failure_in_one_thread(expected, tmp_path, monkeypatch):
                 future.result()
         with pytest.raises(InputError):
             refused.result()
+
+
+def test_scenes_with_and_without_prisms_fail_on_their_own(monkeypatch, tmp_path):
+    """POV-Ray is killed for the scene with prisms. The others are still rendered."""
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
+    monkeypatch.setattr(povray.Runner, "run", failing(povray.Runner.run))
+    scenes = [SCENES[0], Chess(x=0.3), SCENES[2]]
+    with pytest.raises(TransientError, match="killed"):
+        render(scenes, **SMALL)
+    assert frames.missing(scenes, Rendering(**SMALL)) == 1
+
+
+def failing(run):
+    def run_or_fail(runner, source, *given):
+        if "Prism" in source:
+            raise TransientError("killed")
+        return run(runner, source, *given)
+
+    return run_or_fail
 
 
 def test_movies_in_threads(expected, tmp_path):

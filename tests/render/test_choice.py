@@ -18,6 +18,7 @@ from povgen.optics import equations
 from povgen.rendering import gl_runner
 from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
 from povgen.scene.camera import window
+from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
 
@@ -170,6 +171,8 @@ def test_povray_is_chosen_where_gl_cannot_draw(monkeypatch):
         return choose([Chess(**values)], SMALL, Tolerance(px=0.01), renderers=RENDERERS)[0].renderer
 
     assert renderer() == "gl" and renderer(fresnel=True) == "povray"
+    flat = PieceFile("flat.inc", "#declare Piece = polygon { 4, 0.3*x, 0.3*y, -0.3*x, 0.3*x };")
+    assert renderer(piece=flat) == "povray"
     with monkeypatch.context() as patch:
         patch.setattr(gl_runner, "find_spec", lambda _: None)  # moderngl is not installed
         gl_runner.device.cache_clear()

@@ -1,11 +1,13 @@
 """The renderer gl: its pictures against POV-Ray's, its rays against the ray trace, and its processes."""
 
 import json
+import multiprocessing
 import os
+import resource
 import signal
 import threading
 import tracemalloc
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from io import BytesIO
 from pathlib import Path
 
@@ -16,7 +18,7 @@ from conftest import refused, wait_for
 from PIL import Image
 
 import povgen
-from povgen import Chess, InputError, PovrayError, Spheres, remedies
+from povgen import Chess, InputError, PovrayError, Spheres, remedies, render
 from povgen.cli.report import message_of
 from povgen.errors import TransientError
 from povgen.measure import verify_gl
@@ -229,6 +231,29 @@ def test_every_thread_is_given_the_points_of_a_picture():
     with ThreadPoolExecutor(2) as pool:
         for each in pool.map(lambda _: povgen.points(PLAIN, SIZE), range(4)):
             np.testing.assert_array_equal(each, found)
+
+
+def test_it_draws_with_many_files_open(monkeypatch, tmp_path):
+    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    opened = []
+    try:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(4096, limits[1]), limits[1]))
+        while not opened or opened[-1] < 1030:
+            opened.append(os.dup(0))
+        assert render(PLAIN, size=SIZE, renderer="gl").shape == (*SIZE[::-1], 3)
+    finally:
+        for number in opened:
+            os.close(number)
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+
+
+@pytest.mark.filterwarnings("ignore:.*fork")
+def test_a_process_forked_after_drawing_is_told_so():
+    povgen.points(PLAIN, SIZE)
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+        with pytest.raises(InputError, match="forked"):  # it would wait for ever
+            pool.submit(povgen.points, PLAIN, SIZE).result()
 
 
 def test_tiles_are_the_whole_picture(drawer):

@@ -87,6 +87,8 @@ def test_files_that_a_scene_shows_are_in_the_record(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh, "text_and_note", None)
     assert povgen(["frame", "--quiet", "--from", "frame.png", "-o", "b.png"], tmp_path)[0] == 0
     assert np.array_equal(pixels(tmp_path / "frame.png"), pixels(tmp_path / "b.png"))
+    assert povgen(["frame", "--quiet", "--from", "frame.png", "--sky", "mountains", "-o", "c.png"], tmp_path)[0] == 0
+    assert [info(tmp_path / name).frames[0]["sky"] for name in ("b.png", "c.png")] == [str(path), None]
     said = refused(["frame", "--from", "bare.png"], tmp_path)
     assert "the picture is not in the record; allowed: one of up to 4 MiB" in said
 

@@ -1,5 +1,6 @@
 """Rendering on other machines, with a real scheduler and workers that are killed, cut off or unfit; and shards."""
 
+import asyncio
 import json
 import os
 import re
@@ -350,7 +351,7 @@ def test_workers_or_the_scheduler_lost(soon, tmp_path):
     large = Rendering(size=(2400, 1800))  # takes long
     with Machines(tmp_path) as machines:
         machines.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
-        for name, said in (("one", "lost while they rendered"), ("two", "has no workers"), ("three", "connection was")):
+        for name, said in (("one", "lost while they computed"), ("two", "has no workers"), ("three", "connection was")):
             machines.worker(name)
             machines.addresses(name)
             with Cluster(machines.address) as there:
@@ -403,7 +404,7 @@ def test_a_frozen_worker(when, soon, tmp_path, monkeypatch, caplog):
         monkeypatch.setattr(build, "bar", lambda *_: nullcontext(freeze))
         pool.submit(movie, MovieSpec.parse(SPEC, "x"), tmp_path / "a.gif", **options).result(200)
         warned = [record.message for record in caplog.records if record.name == "povgen"]
-        silent = f"worker {one}: nothing was heard from it for 5 s; other workers render its frames"
+        silent = f"worker {one}: nothing was heard from it for 5 s; other workers do its work"
         assert warned == [f"povgen: warning: {silent}"] and len(list(tmp_path.glob("cache/??/*.png"))) == COUNT
         if when == "in mid-movie":
             with Cluster(machines.address) as there:
@@ -422,7 +423,11 @@ def test_no_scheduler(monkeypatch, tmp_path):
 
 
 def test_why_no_scheduler_answers():
-    for address, why in (("127.0.0.1:1", "Connection refused"), ("no.such.host.invalid:1", "not known|resolution")):
+    for address, why in (
+        ("127.0.0.1:1", "Connection refused"),
+        ("no.such.host.invalid:1", "not known|resolution"),
+        ("10.0.0..1:1", "idna"),
+    ):
         with pytest.raises(PovrayError, match=f"no Dask scheduler answers .*({why})"):
             cluster.ask(f"tcp://{address}")
 
@@ -439,6 +444,15 @@ def test_a_worker_with_other_code_is_named(monkeypatch):
     monkeypatch.setattr(distributed, "get_worker", lambda: SimpleNamespace(address="tcp://one:2"))
     with pytest.raises(PovrayError, match="worker tcp://one:2: .*missing 1 required positional argument"):
         cluster.call("", None, lambda x: x)
+
+
+def test_a_scheduler_that_stops_answering(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 2)
+    with Machines(tmp_path) as machines:
+        machines.scheduler()
+        monkeypatch.setattr(Cluster, "_workers", lambda *_: asyncio.sleep(9))
+        with pytest.raises(PovrayError, match="it has not answered for 2 s"):
+            Cluster(machines.address)
 
 
 def test_no_workers_and_no_address(tmp_path):

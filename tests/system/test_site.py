@@ -42,6 +42,13 @@ def page(site):
         assert not faults and not [url for url in asked if not url.startswith((site.as_uri(), "data:", "blob:"))]
 
 
+def test_a_folder_that_exists_is_kept(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(SystemExit, match="it exists; allowed: a new folder"):
+        website.main(tmp_path)
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
 class Read(HTMLParser):
     """A page's links, its anchors, and what it loads."""
 

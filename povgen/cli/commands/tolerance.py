@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from povgen.cli.options import SceneName, Scheduler, Workers, output_to, scene_of, takes
+from povgen.cli.options import SceneName, Scheduler, output_to, scene_of, takes
 from povgen.cli.report import warn_unused
 from povgen.errors import InputError, one_line
 from povgen.progress import tell
@@ -25,7 +25,12 @@ def command(
     builds: Annotated[
         str | None, typer.Option(metavar="N", help="how many random builds, 1 to 100000 (default 200)")
     ] = None,
-    workers: Workers = None,
+    workers: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N", help="how many processes compute at once, 1 to 256", show_default="one for each core"
+        ),
+    ] = None,
     scheduler: Scheduler = None,
     output: Annotated[
         Path | None,

@@ -56,7 +56,7 @@ def command(
         json_file = checked_output(json_file, [".json"], "json")
     if html:
         html = checked_output(html, [".html"], "html")
-    versions = {"povgen": __version__, "POV-Ray": povray.version()}
+    versions = {"povgen": __version__} | ({} if live else {"POV-Ray": povray.version()})
     if gl or live:
         versions["OpenGL by"] = gl_runner.device()
     title = ", ".join(f"{name} {version}" for name, version in versions.items())
