@@ -121,7 +121,7 @@ $(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
 	$(VENV)/bin/python docs/panels.py $* -o $@
 docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready gl-deps
 	$(VENV)/bin/python docs/first_picture.py -o $@
-docs/gallery/page.png: $(SOURCES) | $(VENV)/live-ready
+docs/gallery/page.png: docs/page_picture.py $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 
 docs/tolerances/builds.png: DEVIATIONS = --builds 300 --deviation turn=0.05 --deviation tilt_x=0.01 --deviation tilt_y=0.01 \
@@ -161,12 +161,15 @@ verify: $(VENV)/charts-ready  ## pictures against the equations, and where metho
 	$(call note,build/verify.html build/stability.html)
 
 chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
-	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > benchmarks/mitsuba.csv
+	@mkdir -p build
+	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > build/mitsuba.csv
+	@mv build/mitsuba.csv benchmarks/mitsuba.csv
 	$(POVGEN) chart --baselines benchmarks -o docs/chart
 	$(VENV)/bin/python docs/lenticulars.py
 
 site: | $(VENV)/docs-ready  ## the site, build/site/index.html: these pages, the gallery, the live page, the Python interface
 	$(begin)
+	@rm -rf build/site
 	$(VENV)/bin/python docs/website.py build/site
 	$(call note,build/site)
 

@@ -50,4 +50,4 @@ def _show(commands: str) -> str:
 
 
 if __name__ == "__main__":
-    nbformat.write(notebook(SEMINAR.read_text()), SEMINAR.with_suffix(".ipynb"))
+    nbformat.write(notebook(SEMINAR.read_text("utf-8")), SEMINAR.with_suffix(".ipynb"))

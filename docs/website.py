@@ -1,4 +1,4 @@
-"""Build the site: `make site`, or `python docs/website.py FOLDER`. It needs povgen[docs], and no network.
+"""Build the site: `make site`, or `python docs/website.py FOLDER`, a new folder. It needs povgen[docs], and no network.
 
 Sphinx makes the pages from the same Markdown files that are read in the repository, in a copy of their folders, so the
 links between them stay as they are. The script adds the live page, the gallery's exhibits and the Python interface.
@@ -225,6 +225,11 @@ def _add_exhibits(output: Path, shown: dict[str, Exhibit]) -> None:
         encode.encode(frames, movie, RATE, {})
 
 
+def main(output: Path) -> None:
+    if output.exists():
+        sys.exit(f"folder = {str(output)!r}: it exists; allowed: a new folder")
+    build(output)
+
+
 if __name__ == "__main__":
-    shutil.rmtree(sys.argv[1], ignore_errors=True)
-    build(Path(sys.argv[1]))
+    main(Path(sys.argv[1]))
