@@ -193,11 +193,13 @@ def check_encoder() -> None:
     try:
         imageio_ffmpeg.get_ffmpeg_version()
     except RuntimeError:
-        raise InputError(f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: .gif") from None
+        raise InputError(
+            f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: .gif, frames/%04d.png"
+        ) from None
     except (OSError, subprocess.SubprocessError):  # only IMAGEIO_FFMPEG_EXE is not tested by imageio_ffmpeg itself
         named = os.environ.get("IMAGEIO_FFMPEG_EXE")
         raise InputError(
-            f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; allowed: an ffmpeg, or without it .gif"
+            f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; allowed: an ffmpeg, or without it .gif, frames/%04d.png"
         ) from None
 
 

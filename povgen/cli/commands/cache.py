@@ -15,7 +15,7 @@ def command(
 ) -> None:
     """Print what the cache holds, or empty it.
 
-    The cache keeps frames, ray traces and the live view's chess pieces for later runs. POVGEN_CACHE names its folder.
+    The cache keeps frames, ray traces and the shapes of your own pieces for later runs. POVGEN_CACHE names its folder.
     It holds up to POVGEN_CACHE_SIZE GiB (default 2). If it is full, the least recently used files are removed. The
     command also counts or removes unfinished files, in the cache and among temporary files, that povgen left because
     it was killed.

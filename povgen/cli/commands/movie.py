@@ -66,7 +66,7 @@ def command(
     ] = None,
     hold: Annotated[
         str | None,
-        typer.Option(metavar="SECONDS", help="how long both ends stay, 0 to 10"),
+        typer.Option(metavar="SECONDS", help="how long both ends, and the frame at via, stay, 0 to 10"),
     ] = None,
     loop: Annotated[
         bool | None, typer.Option("--loop/--no-loop", help="whether the movie goes there and back", show_default=False)

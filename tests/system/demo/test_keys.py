@@ -23,9 +23,7 @@ def test_keys_and_their_off_switch(page):
         page.keyboard.press(key)
         assert page.evaluate(test), key
     page.evaluate("Object.defineProperty(document, 'fullscreenEnabled', { value: false, configurable: true })")
-    page.evaluate(
-        "void (document.documentElement.requestFullscreen = () => Promise.reject(new TypeError('refused')))"
-    )
+    page.evaluate("void (document.documentElement.requestFullscreen = () => Promise.reject(new TypeError('refused')))")
     page.keyboard.press("f")  # nothing is shown in full screen, and nothing fails
     page.evaluate("delete document.fullscreenEnabled; delete document.documentElement.requestFullscreen")
     show(page, sheet="ideal")
