@@ -18,7 +18,6 @@ from povgen.scene.scenes import Chess, Scene
 
 ALPHA, Z1 = 66, 2.0  # degrees, tiles
 PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres
-WAVELENGTH = 550e-9  # metres
 DRAWN_RADII = {0.2: 8, 0.6: 18}  # of circles on the sheet, tiles, and how many rays are drawn through each
 
 Floats = NDArray[np.float64]

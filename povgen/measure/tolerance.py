@@ -127,7 +127,8 @@ def drawn(scene: Scene, spread: Spread) -> list[Scene]:
     another `seed`. Raises InputError for other sheets than one pair of prisms, and for an error outside its range.
     """
     _check(scene)
-    deviation = {name: value for name, value in spread.deviation.items() if name not in RANDOM}
+    # in one order, however the user gave them: else a seed would stand for several builds
+    deviation = {name: spread.deviation[name] for name in STEPS if name in spread.deviation}
     random = {name: value for name, value in spread.deviation.items() if name in RANDOM}
     normal = np.random.default_rng(spread.seed).normal(size=(spread.builds, len(deviation)))
     seeds = np.random.default_rng([spread.seed, 1]).integers(10**9, size=spread.builds).tolist()

@@ -43,7 +43,7 @@ def blur(pitch: ArrayLike, wavelength: ArrayLike, z1: ArrayLike, z2: ArrayLike, 
     """
     pitch, waves = real("pitch", pitch, 0), _metres(wavelength)
     z1, z2 = np.minimum(real("z1", z1, 0), FARTHEST), real("z2", z2, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         blur = np.hypot(SHIFT * pitch, SPREAD * waves * z1 / pitch) / np.abs(depth(z1, z2, alpha))
     return np.where(pitch == 0, np.inf, blur)[()]
 
@@ -54,7 +54,7 @@ def best_pitch(wavelength: ArrayLike, z1: ArrayLike) -> Floats:
     All lengths are in metres. The place of the eye and alpha do not matter: they scale both kinds of blur equally.
     Raises ValueError for a negative length, and for a wavelength above a millimetre.
     """
-    return np.sqrt(SPREAD / SHIFT * _metres(wavelength) * real("z1", z1, 0))
+    return np.sqrt(SPREAD / SHIFT * _metres(wavelength) * np.minimum(real("z1", z1, 0), FARTHEST))
 
 
 def _metres(wavelength: ArrayLike) -> Floats:

@@ -50,12 +50,13 @@ def p2(z2: ArrayLike, theta: ArrayLike) -> Floats:
 def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
     """Return eq. 3: the ratio of distances z2/z1 = p2/p1. It is infinite for z1 = 0, and NaN if z2 = 0 as well."""
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.divide(z2, z1)
 
 
 def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
     """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P, and 1 for infinite P."""
+    P, L, E = _complex(P, L, E)
     infinite = np.isinf(P)
     P = np.where(infinite, 0, P)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -148,7 +149,7 @@ def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, b
     to the light: it has no wave fronts (docs/beyond.md). NaN if Z = 0.
     """
     Z = depth(z1, real("z2", z2, 0), alpha, behind)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return (1 + np.cos(radians("theta", theta)) ** 2) * np.divide(-np.imag(Z) / np.abs(Z), np.abs(Z))
 
 
@@ -162,7 +163,8 @@ def apparent_position(
     then sees L in every direction.
     """
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
-    return np.asarray(E) + _divide(np.subtract(L, E) * z2, depth(z1, z2, alpha, behind))
+    L, E = _complex(L, E)
+    return E + _divide((L - E) * z2, depth(z1, z2, alpha, behind))
 
 
 def object_position(
@@ -173,8 +175,9 @@ def object_position(
     P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
+    P, E = _complex(P, E)
     with np.errstate(invalid="ignore"):  # complex NaN would warn
-        return np.asarray(E) + np.subtract(P, E) * depth(z1, z2, alpha, behind) / z2
+        return E + (P - E) * depth(z1, z2, alpha, behind) / z2
 
 
 def rotate(direction: ArrayLike, alpha: ArrayLike) -> Floats:
@@ -216,6 +219,11 @@ def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.flo
     return values
 
 
+def _complex(*places: ArrayLike) -> tuple[Complexes, ...]:
+    """Return places as complex numbers of double precision. Differences of whole numbers could overflow."""
+    return tuple(np.asarray(place, complex) for place in places)
+
+
 def radians(name: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return the values of an angle as floats. Raises what `real` raises, and ValueError for angles beyond 10 pi."""
     values = real(name, values)
@@ -248,7 +256,7 @@ def _sum(a: Floats, b: Floats, alpha: Floats) -> Complexes:
     cosine = np.cos(half)
     at_pi = np.abs(cosine) <= np.spacing(np.abs(half)) / 2  # alpha is the double nearest to an odd multiple of pi
     cosine = np.where(at_pi & (a == b), 0, cosine)
-    return (a - b) + b * (2 * cosine * np.exp(1j * half))
+    return 2 * ((a - b) / 2 + b * (cosine * np.exp(1j * half)))  # 2b could overflow
 
 
 def _divide(a: Complexes, b: Complexes) -> Complexes:

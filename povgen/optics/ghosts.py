@@ -4,9 +4,10 @@ Points, slopes and lengths are as in `apparent`. Matrices are as in `paraxial`. 
 `paraxial.small_angles`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from itertools import product
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ _ROUNDS = 3  # iterations: a ghost's matrix depends on its slopes, and the slope
 
 
 @lru_cache(10_000)
-def shares(profile: Profile, slope: float) -> dict[int, float]:
+def shares(profile: Profile, slope: float) -> Mapping[int, float]:
     """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
 
     The keys are the orders, as for `small_angles`. Orders without light are left out. The light fills a period. Before
@@ -29,7 +30,8 @@ def shares(profile: Profile, slope: float) -> dict[int, float]:
     count = 200
     rays, taken = over_a_period(profile, 1j * slope, count)
     orders, counts = np.unique(rays.orders[taken, 0], return_counts=True)
-    return {int(order): number / count for order, number in zip(orders, counts, strict=True)}
+    found = zip(orders.tolist(), counts.tolist(), strict=True)
+    return MappingProxyType({order: number / count for order, number in found})
 
 
 def field(profile: Profile) -> float:

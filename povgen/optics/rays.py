@@ -113,7 +113,7 @@ class Bundle(_Lines):
             ) from None
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
-        if (abs(self.direction[..., 2]) < 1e-300).any():  # slopes would be infinite
+        if (abs(self.direction[..., 2]) < 1e-100).any():  # squares of slopes would be infinite
             raise ValueError("direction: dz is too small, parallel to the sheets; allowed: dz farther from 0")
 
 

@@ -51,6 +51,7 @@ def crossings(P: ArrayLike, E: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behin
     All are linear in P, so that a straight line stays one.
     """
     behind = tuple(behind)
-    s = np.subtract(P, E) / z2
+    P, E = np.asarray(P, complex), np.asarray(E, complex)
+    s = (P - E) / z2
     later = [np.add(E, s * depth(d, z2, alpha, behind[:k])) for k, (d, _) in enumerate(behind)]
     return np.stack(np.broadcast_arrays(P, *later))

@@ -400,8 +400,8 @@ class Scene(ParametersOfSheets):
     ) -> "Complexes":
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `apparent.position` finds.
 
-        L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own if this window rotates
-        light. `near` is for sheets without a ray-transfer matrix: light that passes the point at up to this distance,
+        L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own, if its sheet has an
+        alpha. `near` is for sheets without a ray-transfer matrix: light that passes the point at up to this distance,
         in tiles, also counts. Arrays broadcast. The result is the complex infinity if the point appears at infinity. It
         is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN, or L
         or alpha is infinite. Raises InputError for a z1 that is infinite or below 0.

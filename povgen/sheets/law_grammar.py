@@ -84,8 +84,8 @@ class Law:
     def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
-        `direction` (..., 3) are vectors with z > 0, of any length. `place` is complex, X + iY, and broadcasts.
-        `values` has a number or an array for each name of a parameter in the law; angles are in radians.
+        `direction` (..., 3) are vectors with z > 0, of lengths from 1e-150 to 1e150. `place` is complex, X + iY, and
+        broadcasts. `values` has a number or an array for each name of a parameter in the law; angles are in radians.
         """
         import numpy as np
 

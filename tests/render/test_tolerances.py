@@ -228,6 +228,14 @@ def test_random_builds_of_a_scene_with_an_error():
     assert (change.turned < 0.05).all() and (change.displaced < 0.2).all()
 
 
+def test_random_builds_do_not_depend_on_the_order_of_the_errors():
+    one, other = (
+        tolerance.Spread(deviation={name: 0.1 for name in names}, builds=2)
+        for names in (("turn", "tilt_x"), ("tilt_x", "turn"))
+    )
+    assert tolerance.drawn(FINE, one) == tolerance.drawn(FINE, other)
+
+
 def test_random_builds_agree_with_the_sensitivities(found):
     spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
     change = tolerance.builds(FINE, tolerance.drawn(FINE, spread))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import equations
+from povgen.optics import diffraction, equations, series
 
 mpmath.mp.dps = 50
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
@@ -212,6 +212,25 @@ def test_complex_numbers_are_refused_nan_is_kept(function, name):
 def test_complex_windows_are_refused(window):
     with pytest.raises(TypeError, match="is complex; allowed: real numbers"):
         equations.depth(2.0, 6.0, 1.0, [(1.0, 0.5), window])
+
+
+def test_places_of_any_type_of_number_are_exact():
+    P, E = np.uint8([2]), np.uint8([3])
+    assert equations.r_from_P(P) == 0.5 and equations.apparent_position(P, E, 1, 1, 0) == 2.5
+    assert equations.object_position(P, E, 1, 1, 0) == 1
+    assert series.crossings(P, 3, 1, 0, [(1, 0)]).tolist() == [[2], [1]]
+    assert equations.apparent_position(np.complex64(1), 0.1, 1, 1, 0.5) == equations.apparent_position(
+        1, 0.1, 1, 1, 0.5
+    )
+
+
+def test_numbers_near_the_ends_of_their_range(recwarn):
+    assert equations.P(1e308, 0) == pytest.approx(1e-308) and equations.P(1e308, 1) == pytest.approx(
+        1e-308 * np.exp(-1j)
+    )
+    assert equations.r(1e-300, 1e300) == np.inf and equations.curl(1e-320, 1e-320, 1) == np.inf
+    assert diffraction.blur(1e-320, 5e-7, 1, 1, 1) == np.inf and diffraction.best_pitch(0, np.inf) == 0
+    assert not recwarn.list
 
 
 def test_light_parallel_to_the_sheet_is_refused():
