@@ -91,7 +91,7 @@ class Model(BaseModel):
         given = {name: getattr(self, name) for name in self.model_fields_set - self._replaced_by(changes)}
         return type(self)(*unnamed, **{**given, **changes})
 
-    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:  # noqa: ARG002
+    def _replaced_by(self, changes: dict[str, object]) -> set[str]:  # noqa: ARG002
         """Return the names of the values that changes of other names replace."""
         return set()
 

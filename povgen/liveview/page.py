@@ -3,6 +3,7 @@
 The page's text and scripts are in templates/demo/. It needs no network. POV-Ray's movies are files beside it.
 """
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -172,5 +173,5 @@ def _preset(name: str, spec: MovieSpec, file: Path | None, quality: str) -> dict
         "stop": stop,
         "log": sweep.spacing == "log",
         "seconds": spec.count("standard") / spec.rate("standard"),
-        "movie": file and {"file": quote(file.name), "frames": spec.count(quality)},
+        "movie": file and {"file": quote(os.fsencode(file.name)), "frames": spec.count(quality)},
     }

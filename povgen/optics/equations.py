@@ -56,7 +56,7 @@ def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
 
 def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
     """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P, and 1 for infinite P."""
-    P, L, E = _complex(P, L, E)
+    P, L, E = doubles(P, L, E)
     infinite = np.isinf(P)
     P = np.where(infinite, 0, P)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -163,7 +163,7 @@ def apparent_position(
     then sees L in every direction.
     """
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
-    L, E = _complex(L, E)
+    L, E = doubles(L, E)
     return E + _divide((L - E) * z2, depth(z1, z2, alpha, behind))
 
 
@@ -175,7 +175,7 @@ def object_position(
     P and E are complex. z1 >= 0 and z2 > 0 are finite. All are in one unit. At the pole L is E for every P.
     """
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
-    P, E = _complex(P, E)
+    P, E = doubles(P, E)
     with np.errstate(invalid="ignore"):  # complex NaN would warn
         return E + (P - E) * depth(z1, z2, alpha, behind) / z2
 
@@ -219,9 +219,9 @@ def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.flo
     return values
 
 
-def _complex(*places: ArrayLike) -> tuple[Complexes, ...]:
-    """Return places as complex numbers of double precision. Differences of whole numbers could overflow."""
-    return tuple(np.asarray(place, complex) for place in places)
+def doubles(*places: ArrayLike) -> tuple[NDArray[Any], ...]:
+    """Return places as real or complex numbers of double precision. Differences of whole numbers could overflow."""
+    return tuple(place.astype(np.result_type(place, float)) for place in map(np.asarray, places))
 
 
 def radians(name: str, values: ArrayLike) -> NDArray[np.float64]:

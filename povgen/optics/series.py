@@ -12,7 +12,7 @@ does not depend on the eye. All points of a plane have the same W, so the image 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.equations import ROUNDING, Complexes, Floats, Windows, depth
+from povgen.optics.equations import ROUNDING, Complexes, Floats, Windows, depth, doubles
 
 
 def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
@@ -51,7 +51,7 @@ def crossings(P: ArrayLike, E: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behin
     All are linear in P, so that a straight line stays one.
     """
     behind = tuple(behind)
-    P, E = np.asarray(P, complex), np.asarray(E, complex)
+    P, E = doubles(P, E)
     s = (P - E) / z2
     later = [np.add(E, s * depth(d, z2, alpha, behind[:k])) for k, (d, _) in enumerate(behind)]
     return np.stack(np.broadcast_arrays(P, *later))

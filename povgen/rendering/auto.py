@@ -192,9 +192,10 @@ def prism_samplings(renderer: str) -> Sequence[str]:
 
 
 def _gl_can_draw(scenes: Sequence[Scene], timeout: float) -> bool:
-    """Whether the renderer gl shows these scenes on this machine. POV-Ray measures pieces, `timeout` seconds for each.
+    """Whether the renderer gl shows these scenes on this machine.
 
-    Raises PovrayError if it cannot.
+    POV-Ray measures pieces of a user's own for that, for at most `timeout` seconds each. Raises PovrayError if POV-Ray
+    fails.
     """
     try:
         for scene in scenes:

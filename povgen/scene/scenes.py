@@ -149,10 +149,8 @@ def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float 
     given: float | None = window.index
     if not has_glass(window):
         return given
-    try:
+    with _named(where):
         index = glasses.index(window.glass, wavelength * 1e-9)
-    except ValueError as error:
-        raise ValueError(f"{where}{error}") from None
     if "index" in window.model_fields_set and given != index:
         raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
     return index
@@ -208,7 +206,7 @@ class Scene(ParametersOfSheets):
 
     sky: Annotated[Picture | None, BeforeValidator(pictures.sky)] = Field(
         default=None,
-        description="mountains, or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
+        description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
         "file, equirectangular, whose middle is straight ahead; with background = sky",
     )
 
@@ -590,8 +588,11 @@ class Scene(ParametersOfSheets):
         """The greatest z1, tiles."""
         return MAX_DISTANCE / self.tile - self.places[-1]
 
-    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
-        return replaced_by(changes, as_windows(changes["window"]) if "window" in changes else self.window)
+    def _replaced_by(self, changes: dict[str, object]) -> set[str]:
+        if "window" not in changes:
+            return replaced_by(changes, self.window)
+        changes["window"] = windows = as_windows(changes["window"])  # once: they can be given as an iterator
+        return replaced_by(changes, windows)
 
     @model_validator(mode="after")
     def _find_indices(self) -> Self:
@@ -620,7 +621,8 @@ class Scene(ParametersOfSheets):
         shapes = [("", self.prism)]
         for number, sheet in enumerate(self.sheets[1:], 2):
             if isinstance(sheet, Prisms):
-                with _named(where := f"window {number}, "):
+                where = f"window {number}, "
+                with _named(where):
                     shapes.append((where, sheet.shape))
         for where, prism in shapes:
             least = prism.least_aspect

@@ -127,7 +127,7 @@ class Window(_OfWindow):
     )
     sheet: SheetName | None = Field(default=None, description="kind of its sheet (default: the first window's)")
 
-    def _replaced_by(self, changes: Mapping[str, object]) -> set[str]:
+    def _replaced_by(self, changes: dict[str, object]) -> set[str]:
         return replaced_by(changes)
 
     if TYPE_CHECKING:  # the fields that come from the sheets' parameters

@@ -93,7 +93,7 @@ def render(
     if linear and rendering.bits != 32:
         raise InputError(f"bits = {rendering.bits}: linear light has 32; allowed: one of them")
     found: dict[int, NDArray[Any]] = {}
-    failures: list[str] = []
+    failure: TransientError | None = None
     with bar("pictures", len(scenes), one or not progress, "pictures") as done:
         for prisms in (True, False):  # they can have different antialiasing
             alike = [number for number, each in enumerate(scenes) if each.has_prisms is prisms]
@@ -101,10 +101,10 @@ def render(
             try:
                 with closing(made):
                     found |= zip(alike, (each.copy() for each in made), strict=True)  # the caller may write to them
-            except TransientError as failure:  # frames of the other scenes are still rendered, and kept
-                failures.append(str(failure))
-    if failures:
-        raise TransientError("\n".join(failures))
+            except TransientError as error:  # the other scenes are still rendered, and kept
+                failure = failure or error
+    if failure:
+        raise failure
     return found[0] if one else [found[number] for number in range(len(scenes))]
 
 

@@ -36,8 +36,7 @@ view.loading.then(outlinesOf, () => {});
 
 // Save the picture with its overlay and its numbers, at least 1920 pixels wide.
 async function savePicture() {
-  await view.ready;
-  await inSight();
+  await drawable();
   const width = Math.max(1920, view.canvas.width);
   const canvas = still(view, width, Math.round((width * view.canvas.height) / view.canvas.width));
   const pen = canvas.getContext("2d");
@@ -46,11 +45,12 @@ async function savePicture() {
   savedAs(canvas.toDataURL("image/png"), "png");
 }
 
-// Return when the views can draw. They cannot while they are out of sight.
-async function inSight() {
-  const lost = () => view.lost || otherView()?.lost;
-  if (lost()) $("stage").scrollIntoView();
-  while (lost()) await new Promise(requestAnimationFrame);
+// Return when the views have drawn. They cannot while they are out of sight, or hidden as the other one without a curtain.
+async function drawable() {
+  if (!view.inSight) $("stage").scrollIntoView();
+  await view.ready;
+  const drawn = (each) => each.gl && !each.lost && each.context.shown;
+  while (!drawn(view) || (state.compare !== "off" && otherView() && !drawn(otherView()))) await new Promise(requestAnimationFrame);
 }
 
 // Save what an address holds as a file, whose name has the numbers.

@@ -79,7 +79,8 @@ $("camera").addEventListener("click", async () => {
   } finally {
     asking = false;
   }
-  for (const track of stream.getTracks()) track.addEventListener("ended", stopCamera);  // it was unplugged
+  const own = stream;  // after a pause it can be another
+  for (const track of own.getTracks()) track.addEventListener("ended", stopCamera);  // it was unplugged
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);
   photo = null;
@@ -87,11 +88,11 @@ $("camera").addEventListener("click", async () => {
   try {
     await video.play();
   } catch {
-    if (stream) noCamera();
+    if (stream === own) noCamera();
     return;
   }
   const next = () => {
-    if (!stream) return;
+    if (stream !== own) return;
     show(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));
     setTimeout(next, STEP);
   };

@@ -182,8 +182,8 @@ REAL = {
 SIGNED = {(equations.depth, "z1"), (equations.depth, "z2"), (equations.curl, "z1")}  # take distances of either sign
 OTHER = ("P", "L", "E", "behind")
 ARGUMENTS = [(function, name) for function, values in REAL.items() for name in values if name not in OTHER]
-# the first takes complex numbers, the others refuse them for all others
-OTHERS = {equations.r_from_P, equations.real, equations.radians}
+# the first two take complex numbers, the others refuse them for all others
+OTHERS = {equations.r_from_P, equations.doubles, equations.real, equations.radians}
 
 
 def test_every_public_function_is_tried_with_what_it_does_not_take():
@@ -219,6 +219,9 @@ def test_places_of_any_type_of_number_are_exact():
     assert equations.r_from_P(P) == 0.5 and equations.apparent_position(P, E, 1, 1, 0) == 2.5
     assert equations.object_position(P, E, 1, 1, 0) == 1
     assert series.crossings(P, 3, 1, 0, [(1, 0)]).tolist() == [[2], [1]]
+    assert equations.apparent_position(np.inf, 0, 1, 1, 0.5) == np.inf * (1 + 1j)
+    with pytest.raises(TypeError):
+        equations.apparent_position("1", 0, 1, 1, 0.5)
     assert equations.apparent_position(np.complex64(1), 0.1, 1, 1, 0.5) == equations.apparent_position(
         1, 0.1, 1, 1, 0.5
     )

@@ -53,6 +53,7 @@ def test_a_glass_is_an_index():
     other = Chess(glass="BK7", wavelength=450, window="z=2,glass=N-SF11").replace(index=1.7)
     assert (other.glass, other.wavelength, other.index) == ("none", 450, 1.7)
     assert other.replace(index=1.4, window=()) == Chess(index=1.4)  # the new windows count
+    assert scene.replace(window=(text for text in ["z=2"])).window == Chess(window="z=2").window
     then = scene.replace(wavelength=450).replace(index=1.7, window="z=2,glass=N-SF11")
     assert then.wavelength == 450 and then.window[0].index == index("N-SF11", 450e-9)
     assert Chess(index=1.7).replace(glass="BK7") == scene

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess
-from povgen.optics import apparent, paraxial
+from povgen.optics import apparent, ghosts, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
@@ -269,3 +269,9 @@ def test_crossed_lenticular_sheets_are_lenslets():
     lenslets = Chess(sheet="lenslets", alpha=180, ratio=1.5).sheets[0]
     s = np.array([0.3 + 0.1j, -0.2j, 0.5])
     np.testing.assert_allclose(crossed.slope(s), lenslets.slope(s), atol=1e-12)
+
+
+def test_shares_of_ghosts_are_kept_and_cannot_be_changed():
+    with pytest.raises(TypeError):
+        ghosts.shares(confocal(), 0.0)[0] = 1
+    assert 0.8 < ghosts.shares(confocal(), 0.0)[0] < 1

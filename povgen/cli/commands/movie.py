@@ -204,7 +204,7 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values
     from povgen.scene.spec import MOVIES, MovieSpec
 
     if not sweeps:
-        if spec in SCENES and not Path(spec).exists() and not (MOVIES / f"{spec}.toml").exists():
+        if spec in SCENES and not Path(spec).is_file() and not (MOVIES / f"{spec}.toml").exists():
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
         return MovieSpec.load(spec, fixed).replace(**values)
     if spec not in SCENES:

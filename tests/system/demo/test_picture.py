@@ -147,6 +147,18 @@ def test_a_picture_that_is_out_of_sight_can_be_saved(page):
     assert abs(saved.mean() - before.mean()) < 10
 
 
+def test_a_picture_without_its_curtain_can_be_saved(page):
+    """The other view, which is hidden, has no context any more."""
+    page.get_by_label("compare with").select_option("no sheet")
+    page.evaluate("draw()")
+    page.wait_for_function("otherView().gl && otherView().converged()")
+    page.get_by_label("compare with").select_option("nothing")
+    page.evaluate("draw()")
+    page.wait_for_function("otherView().lost")
+    with page.expect_download():
+        page.evaluate("$('save').click()")
+
+
 def test_a_lost_context_is_said_and_comes_back(page):
     show(page, sheet="none")
     before = picture(page)
