@@ -147,7 +147,17 @@ def test_the_mathematics_needs_numpy_only():
     assert {module.split(".")[0] for module in imports(MODULES["optics.prism"])} == {"dataclasses", "math"}
     for name in {name for name in MODULES if name.startswith("optics.")}:
         external = {module.split(".")[0] for module in imports(MODULES[name])} - {"povgen"}
-        standard = {"collections", "dataclasses", "enum", "functools", "itertools", "math", "numbers", "typing"}
+        standard = {
+            "collections",
+            "dataclasses",
+            "enum",
+            "functools",
+            "itertools",
+            "math",
+            "numbers",
+            "types",
+            "typing",
+        }
         assert external <= {"numpy", *standard}
         assert all(module.startswith("optics.") for module in own(name))
 
