@@ -52,6 +52,13 @@ def blocks(page):
     return re.findall(BLOCK, page.read_text(), re.M | re.S)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_commands_after_a_paragraph_are_a_block(page):
+    """Without a blank line between them they are a part of the paragraph. Items of lists have indented lines."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
+    assert not re.findall(r"^(?!\s|[-*] |\d+\. ).+\n {4}\S.*", text, re.M)
+
+
 def smaller(code):
     """Return code that renders smaller pictures, and fewer for a movie, with nothing else changed."""
     code = re.sub(r"(povgen movie .*--quality draft)", r"\1 --frames 4", code)
