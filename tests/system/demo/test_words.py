@@ -125,6 +125,7 @@ def test_questions_are_predicted_and_revealed(page):
     for n in range(count):
         expect(page.locator("#question-count")).to_have_text(f"Question {n + 1} of {count}")
         expect(page.locator("#answer")).to_be_empty()
+        page.evaluate("draw()")  # the fields show the question's values, and do not change while they are filled
         choices = page.locator("#prediction input[type=radio]")
         right = page.evaluate(f"QUESTIONS[{n}].answer()")
         wrong = n % 2
