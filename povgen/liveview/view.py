@@ -103,7 +103,7 @@ class Live:
         except InputError:
             self.widget.scene = {}
             self.widget.scene = {**values(self.scene), "back": True}
-        self.widget.moved = {}  # an equal value would not be told
+        self.widget.moved = {}  # else the widget would not report the same movement again
 
     def _repr_mimebundle_(self, **options: Any) -> Any:  # noqa: ANN401  (as Jupyter declares it)
         if find_spec("anywidget"):

@@ -31,7 +31,7 @@ BT709 = (
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
 REMEDY = f"pip install --force-reinstall imageio-ffmpeg, or {remedies.system('ffmpeg')}"
-WITHOUT = ".gif, frames/%04d.png"
+NEED_NO_FFMPEG = ".gif, frames/%04d.png"
 REC709 = 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329  # x and y of red, green, blue and white: those of sRGB
 FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 # Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
@@ -195,13 +195,13 @@ def check_encoder() -> None:
         imageio_ffmpeg.get_ffmpeg_version()
     except RuntimeError:
         raise InputError(
-            f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: {WITHOUT}"
+            f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: {NEED_NO_FFMPEG}"
         ) from None
     except (OSError, subprocess.SubprocessError):  # only IMAGEIO_FFMPEG_EXE is not tested by imageio_ffmpeg itself
         named = os.environ.get("IMAGEIO_FFMPEG_EXE")
         raise InputError(
             f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; "
-            f"allowed: an ffmpeg, or without it {WITHOUT}"
+            f"allowed: an ffmpeg, or without it {NEED_NO_FFMPEG}"
         ) from None
 
 

@@ -45,7 +45,7 @@ async function savePicture() {
   savedAs(canvas.toDataURL("image/png"), "png");
 }
 
-// Return when the views have drawn. They cannot while they are out of sight, or hidden as the other one without a curtain.
+// Return when the views have drawn. A view does not draw while it is out of sight. Without a curtain the other view is hidden.
 async function drawable() {
   if (!view.inSight) $("stage").scrollIntoView();
   await view.ready;

@@ -79,7 +79,7 @@ $("camera").addEventListener("click", async () => {
   } finally {
     asking = false;
   }
-  const own = stream;  // after a pause it can be another
+  const own = stream;  // if the camera is switched off and on, `stream` is another one
   for (const track of own.getTracks()) track.addEventListener("ended", stopCamera);  // it was unplugged
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);
