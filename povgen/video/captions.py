@@ -17,6 +17,7 @@ from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Said
+from povgen.video.side import image_of
 from povgen.video.text import text_width
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
@@ -49,7 +50,7 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
     if rendering.caption == "full":
         rows = [_all_said(scene, facts(scene), full=True) for scene in scenes]
     elif rendering.caption == "short":
-        rows = _moving(scenes) if len(scenes) > 1 else [_still(scenes[0])]
+        rows = _moving(scenes, rendering.side_view) if len(scenes) > 1 else [_still(scenes[0])]
         size = MOVING if len(scenes) > 1 else 1.0
     else:
         rows = [[] for _ in scenes]
@@ -82,12 +83,16 @@ def _all_said(scene: Scene, values: Mapping[str, str], full: bool = False) -> li
     return [_said(scene, name, text, full) for name, text in values.items() if f"{{{name}}}" not in words]
 
 
-def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
+def _moving(scenes: Sequence[Scene], side_view: bool = False) -> list[list[str]]:
     """Return the short caption of each frame.
 
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
-    changes, it states this too, and how large the object appears if this changes.
+    changes, it states this too, and how large the object appears if this changes. With a side view, numbers have enough
+    decimals that a frame in which the object has an image reads differently from one in which it has none.
     """
+    imaged = [
+        tuple(side_view and bool(np.isnan(image_of(scene, [L], z1)[0])) for L, z1 in scene.objects) for scene in scenes
+    ]
     used = {name for scene in scenes for name in scene.used_parameters}
     rows = [_numbers(scene, used) for scene in scenes]
     found: list[list[str]] = []
@@ -103,8 +108,10 @@ def _moving(scenes: Sequence[Scene]) -> list[list[str]]:
         elif len({*values}) > 1:
             plain, _, kind = name.rstrip(SUBSCRIPTS).partition(" ")
             unit = "" if kind == "law" else _unit(plain)
-            digits = _digits(values, unit.startswith("°"))
-            texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+            for digits in range(_digits(values, unit.startswith("°")), 5):
+                texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+                if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
+                    break
             texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
             found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
     turned, sizes = zip(*[_image(scene) for scene in scenes], strict=True)

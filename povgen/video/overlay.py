@@ -174,11 +174,15 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
         return np.empty((0, width, 3), np.uint8)
     size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
     free = (1 - 2 * MARGIN) * width
-    items = [part for item in items for part in _broken(item, free / size)]
-    # the widths of items, each with the gap after it, in units of the text's height
-    widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
-    rows, widest = _rows(tuple(widths), free / size)
-    size = min(size, free / widest)
+    whole = items
+    while True:
+        items = [part for item in whole for part in _broken(item, free / size)]
+        # the widths of items, each with the gap after it, in units of the text's height
+        widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
+        rows, widest = _rows(tuple(widths), free / size)
+        if widest <= free / size:
+            break
+        size *= 0.95  # smaller text breaks at other words
     step = 2 * ceil(0.8 * size)  # even, because a movie stores pixels in blocks of 2x2
     image = Image.new("RGB", (width, len(rows) * step), STRIP)
     draw = ImageDraw.Draw(image)

@@ -95,19 +95,27 @@ def _discs(scene: Scene, from_above: bool) -> bool:
     return from_above or not isinstance(scene, Chess)
 
 
+def image_of(scene: Scene, points: Sequence[complex], z1: float) -> tuple[float, NDArray[np.complex128]]:
+    """Return z of the image of points at the distance z1, tiles, and the points' images (`apparent.image`).
+
+    The image is that of ideal sheets, of which prisms are an approximation. Without an image z is NaN.
+    """
+    distances = np.diff((-scene.z2, *scene.places))
+    windows = [(float(d), sheet.thin) for d, sheet in zip(distances, scene.sheets, strict=True)]
+    return apparent.image(points, z1, windows)
+
+
 def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Drawn]]:
     """Return the objects that are not too far (FARTHEST), and the images that are not too far or too high (HIGHEST).
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
     """
     most, last, discs = FARTHEST * scene.z2, scene.places[-1], _discs(scene, from_above)
-    distances = np.diff((-scene.z2, *scene.places))
-    windows = [(float(d), sheet.thin) for d, sheet in zip(distances, scene.sheets, strict=True)]
     shown, high = [], [scene.aperture / 2]
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if z1 <= most:
             points = [L, L + 1j * ARROW * isinstance(scene, Chess), L + radius]
-            z, places = apparent.image(points, z1, windows)
+            z, places = image_of(scene, points, z1)
             shown.append(Shown(Drawn(last + z1, *points), Drawn(z, *map(complex, places)), z1))
             high += map(abs, shown[-1].thing.heights(from_above, discs))
     there = [each.image for each in shown if -most <= each.image.z <= last + most and not scene.is_empty]
@@ -250,10 +258,12 @@ def _labels(
 ) -> None:
     """Write texts in a row at the height `middle`, each centred on its x. Texts that would overlap are moved apart.
 
-    All stay within the picture, which has this width. Lengths are in pixels.
+    All stay within the picture, which has this width. If they do not fit, they are smaller. Lengths are in pixels.
     """
     labels = sorted(labels, key=lambda each: each[0])  # of two at the same place the first one is on the left
-    widths = [size * text_width(text) for _, text in labels]
+    relative = [text_width(text) for _, text in labels]
+    size = min(size, width / (sum(relative) + 0.7 * (len(labels) - 1) + 0.61))  # the gaps and margins below
+    widths = [size * wide for wide in relative]
     starts = [x - wide / 2 for (x, _), wide in zip(labels, widths, strict=True)]
     gap, margin = 0.7 * size, 0.3 * size
     for _ in range(100):  # a pair that is too near moves apart by equal steps

@@ -534,6 +534,13 @@ def test_a_short_caption_says_what_moves(scenes, texts):
     assert [", ".join(caption.texts) for caption in captions.captions(scenes, Rendering(caption="short"))] == texts
 
 
+def test_a_number_is_not_rounded_to_that_of_a_frame_with_an_image():
+    """At a gap of 2 tiles the rays meet, and at 1.97 they do not, as the side view says."""
+    scenes = [Chess(sheet="ideal", alpha=120, z2=8, z1=2, window=f"z={z},alpha=120") for z in (1, 1.97, 2, 4)]
+    for side_view, text in ((True, "windows 1.97 tiles apart"), (False, "windows 2.0 tiles apart")):
+        assert captions.captions(scenes, Rendering(caption="short", side_view=side_view))[1].texts[0] == text
+
+
 def test_a_strip_has_no_line_without_text():
     long = overlay.Item("w" * 60, "w" * 60)
     one, two = (overlay.strip([long] * count, 320, 240) for count in (1, 2))
@@ -559,6 +566,8 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
     items = [overlay.Item("α = 66°", "α = 166°"), overlay.Item(note, note)]
     found, size = rows_of(monkeypatch, items, 320)
     assert size == 12 and found[0] == ["α = 66°"] and " ".join(text for (text,) in found[1:]) == note
+    found, _ = rows_of(monkeypatch, [overlay.Item(note, note)] * 6, 160)  # the text is made smaller
+    assert len(found) <= overlay.LINES and {text for line in found for text in line} == {note}
     widest = "the knight appears turned by 160.55 degrees and magnified 222 times"
     for text in (widest, widest.replace("160.55", "1").replace("222", "2"), "none", ""):
         broken = overlay._broken(overlay.Item(text, widest), 20)

@@ -195,13 +195,14 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
         (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "no common point of rays", "from the side"}),
         (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):
-        texts.clear()
-        side.side_view(scene, *SIZE)
-        assert {text for _, text, *_ in texts} == expected
-        for above in (True, False):
-            ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if (y < 80) == above)
-            assert ends[0][0] >= 0 and ends[-1][1] <= SIZE[0]
-            assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
+        for width in (SIZE[0], 96):
+            texts.clear()
+            side.side_view(scene, width, SIZE[1])
+            assert {text for _, text, *_ in texts} == expected
+            for line in {y for *_, y in texts}:
+                ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if y == line)
+                assert ends[0][0] >= 0 and ends[-1][1] <= width
+                assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
 
 
 def test_an_image_does_not_make_the_rest_small_and_covers_no_text():
