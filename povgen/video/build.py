@@ -209,5 +209,5 @@ def checked_movie(
     if output.suffix.lower() == ".gif":
         encode.check_gif(frames, rate)
     else:
-        encode.check_encoder()
+        encode.check_encoder(output.suffix.lower())
     return output

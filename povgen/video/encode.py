@@ -8,6 +8,7 @@ import subprocess
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import cache
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
@@ -189,8 +190,12 @@ def check_gif(frames: int, rate: float) -> None:
         )
 
 
-def check_encoder() -> None:
-    """Raise InputError if there is no ffmpeg, or if it cannot be started. GIFs and PNG files need none."""
+def check_encoder(ending: str) -> None:
+    """Raise InputError if there is no ffmpeg that can write a movie's file with this ending (.mp4).
+
+    GIFs and PNG files need none.
+    """
+    named = os.environ.get("IMAGEIO_FFMPEG_EXE")
     try:
         imageio_ffmpeg.get_ffmpeg_version()
     except RuntimeError:
@@ -198,11 +203,31 @@ def check_encoder() -> None:
             f"a movie needs ffmpeg, which is not installed: {REMEDY}; allowed without it: {NEED_NO_FFMPEG}"
         ) from None
     except (OSError, subprocess.SubprocessError):  # only IMAGEIO_FFMPEG_EXE is not tested by imageio_ffmpeg itself
-        named = os.environ.get("IMAGEIO_FFMPEG_EXE")
         raise InputError(
             f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; "
             f"allowed: an ffmpeg, or without it {NEED_NO_FFMPEG}"
         ) from None
+    ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
+    if not _can_write(ending, ffmpeg):
+        others = [kind for kind in FORMATS if kind not in (ending, ".gif") and _can_write(kind, ffmpeg)]
+        raise InputError(
+            f"output = *{ending}: {ffmpeg} cannot encode it (by {FORMATS[ending][0]}): "
+            f"{'unset IMAGEIO_FFMPEG_EXE' if named else REMEDY}; "
+            f"allowed without that: {', '.join([*others, NEED_NO_FFMPEG])}"
+        )
+
+
+@cache
+def _can_write(ending: str, ffmpeg: str) -> bool:
+    """Whether this ffmpeg, which is imageio's, writes movies with this ending: it is tried."""
+    with temporary_folder() as folder:
+        try:
+            encode([np.zeros((32, 32, 3), np.uint8)], folder / f"trial{ending}", 10, {})
+        except OSError as error:
+            if error.errno:  # of the disk
+                raise
+            return False
+    return True
 
 
 def png(picture: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:

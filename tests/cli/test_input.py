@@ -3,11 +3,13 @@
 import errno
 import os
 import re
+import shlex
 import shutil
 import sys
 from pathlib import Path
 from unittest.mock import Mock
 
+import imageio_ffmpeg
 import pytest
 from conftest import picture, povgen, refused, run_povgen
 from PIL import Image
@@ -437,6 +439,28 @@ def test_an_ffmpeg_that_cannot_be_started_is_refused_before_a_frame_is_rendered(
     monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
     said = refused(["movie", "vary-z1"], tmp_path)
     assert said.startswith(f"povgen: IMAGEIO_FFMPEG_EXE = '{program}': no ffmpeg that can be started; allowed: ")
+
+
+@pytest.mark.parametrize(
+    ("lacks", "ending", "others"),
+    [("libx264", ".mp4", ".webm, .webp"), ("libvpx-vp9", ".webm", ".mp4, .webp"), ("libwebp_anim", ".webp", ".mp4")],
+)
+def test_an_ffmpeg_without_the_encoder_is_refused_before_a_frame_is_rendered(
+    lacks, ending, others, tmp_path, monkeypatch
+):
+    """As the ffmpeg of Fedora, which has no encoder for H.264."""
+    program = tmp_path / "ffmpeg"
+    program.write_text(
+        f'#!/bin/sh\nfor word in "$@"; do [ "$word" = {lacks} ] && exit 8; done\n'
+        f'exec {shlex.quote(imageio_ffmpeg.get_ffmpeg_exe())} "$@"\n'
+    )
+    program.chmod(0o700)
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
+    monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
+    said = refused(["movie", "vary-z1", "-o", f"a{ending}"], tmp_path)
+    assert f"output = *{ending}: {program} cannot encode it (by {lacks}): unset IMAGEIO_FFMPEG_EXE" in said
+    assert f"allowed without that: {others}" in said and ".gif, frames/%04d.png" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
 
 
 @pytest.mark.parametrize(("kind", "most"), [("mp4", "16384x16384"), ("webp", "16383x16383")])

@@ -213,7 +213,7 @@ def place(tmp_path_factory):
         patch.setattr(frames, "is_whole", lambda *_: True)  # though smaller than was asked for
         patch.setattr(light, "unpacked", lambda *_: np.zeros((48, 64, 3), np.float32))
         patch.setattr(encode, "encode", encoded)
-        patch.setattr(encode, "check_encoder", lambda: None)
+        patch.setattr(encode, "check_encoder", lambda ending: None)
         patch.setattr(quantities, "RAYS", 500)
         patch.setattr(results, "PATIENCE", np.inf)  # no other process: it takes longer to start than most cases
         patch.setattr(cluster, "_connected", lambda _: mock.MagicMock())
