@@ -31,6 +31,12 @@ spheres = Spheres(z1=np.array([2.0, 5.0]), line=0.3 + 0.2j)
 windows = Chess(window=[{"alpha": 120, "z": 2}], z2=8, alpha=120)
 law = Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.3}, window="z=2,sheet=none")
 turned = scene.replace(alpha=90)
+alphas: list[float | None] = [turned.alpha, windows.window[0].alpha]
+Chess(alhpa=3)  # type: ignore[call-arg]
+Chess(fresnel=3)  # type: ignore[arg-type]
+scene.replace(alpa=3)  # type: ignore[call-arg]
+scene.replace(alpha=3).nonsense()  # type: ignore[attr-defined]
+print(windows.window[0].alpa)  # type: ignore[union-attr]
 height: int = render(scene, quality="draft").shape[0]
 heights: list[int] = [each.shape[0] for each in render([scene, turned], size=(64, 48), workers=2)]
 render(scene, qualty="draft")  # type: ignore[call-overload]
@@ -42,6 +48,7 @@ made: Movie = movie("vary-alpha", "alpha.mp4", quality="draft")
 movie((scene.replace(z2=z2) for z2 in (6, 7, 8)), Path("away.gif"), frame_rate=5, antialias=(1, 0.1, 2))
 rendering = Rendering(size=(64, 48), antialias="off")
 Rendering(sice=(64, 48))  # type: ignore[call-arg]
+rendering.replace(sice=(64, 48))  # type: ignore[call-arg]
 count: int = len(MovieSpec.load("vary-alpha").scenes("draft"))
 live(scene).save("view.html")
 mean: float = float(results([scene, turned], "nu", "M")["nu"].mean())

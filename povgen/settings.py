@@ -84,6 +84,11 @@ Pixels = Annotated[int, Field(ge=32, le=MAX_SIDES["gl"]), AfterValidator(_even)]
 class Sampling(Model):
     """What POV-Ray's options decide. Size and antialiasing follow from the quality if they are not given."""
 
+    if TYPE_CHECKING:  # the names of changes are those of the fields
+
+        @property
+        def replace(self) -> type[Self]: ...
+
     quality: Quality = Field(default="standard", description=", ".join(QUALITIES))
     size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
         default=QUALITIES["standard"].size,

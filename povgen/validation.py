@@ -11,8 +11,6 @@ from pydantic_core import ErrorDetails
 
 from povgen.errors import InputError, shown
 
-# Not in the class, where the plugin for mypy would read it: it would refuse the fields that sheets add to scenes.
-CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 # povgen's words for those of pydantic's errors whose own words are Python's
 WORDS = {
     "missing": "has too few parts",
@@ -33,7 +31,7 @@ class Model(BaseModel):
     Values may be text. A value that is not allowed raises InputError, with one line about the first such value.
     """
 
-    model_config = CONFIG
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     def __init__(self, /, *unnamed: object, **values: object) -> None:
         if unnamed:

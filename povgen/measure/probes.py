@@ -84,7 +84,7 @@ class Positions(_Probe):
 
     name: ClassVar[str] = "probes/positions"
     subject: ClassVar[str] = "a square whose colours encode positions on it"
-    z1: float
+    z1: float = 2
     L: complex = 0j
     extent: float = Field(default=0.3, description="half the square's side, tiles")
 

@@ -160,8 +160,10 @@ def shows_the_same(view: Drawn, scene: Scene, size: Size) -> Mask:
     piece's colour does. Elsewhere are floor and frame, spheres, and lost rays: there the colours are compared.
     """
     variants = [scene, scene.replace(background="white"), scene.replace(background="black")]
-    count = len(scene.pieces) if isinstance(scene, Chess) else 0
-    if count:  # in each picture one piece is green and the others are orange; in the last picture all are orange
+    count = 0
+    if isinstance(scene, Chess):
+        # in each picture one piece is green and the others are orange; in the last picture all are orange
+        count = len(scene.pieces)
         colours = [["#008000" if n == k else "#ff8000" for n in range(count)] for k in range(count + 1)]
         variants += [scene.replace(color=tuple(several)) for several in colours]
     plain, white, black, *coloured = (picture.astype(int) for picture in rendered(variants, size))

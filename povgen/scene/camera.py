@@ -17,9 +17,14 @@ Size = tuple[int, int]  # width and height, pixels
 class Scene(Protocol):
     """What the camera needs of a scene. The module `povgen.scene.scenes` describes these numbers."""
 
-    z2: float
-    view: float
-    aperture: float
+    @property
+    def z2(self) -> float: ...
+
+    @property
+    def view(self) -> float: ...
+
+    @property
+    def aperture(self) -> float: ...
 
     @property
     def E(self) -> complex: ...

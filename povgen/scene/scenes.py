@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import hypot, inf, radians, remainder
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -75,9 +75,6 @@ MAX_ASIDE = 10  # tiles
 Aside = Annotated[float, Field(ge=-MAX_ASIDE, le=MAX_ASIDE)]
 
 
-Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
-
-
 def _listed(value: object) -> object:
     """Return an array or another collection as a list, but one of a single value as this value. Other values stay."""
     value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
@@ -122,12 +119,19 @@ def rgb(colour: str) -> tuple[float, float, float]:
     return parts[0] / 255, parts[1] / 255, parts[2] / 255
 
 
-# one value, or one for each object
-OneOrMore = Annotated[
-    Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
-    Discriminator(_kind),
-    BeforeValidator(_listed),
-]
+if TYPE_CHECKING:  # what is read; a user may give anything that becomes such a value, as an array or text
+    Point = tuple[float, float] | Any
+    OneOrMore: TypeAlias = T | tuple[T, ...] | Any
+    PictureFile = Picture | Any
+else:
+    Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
+    # one value, or one for each object
+    OneOrMore = Annotated[
+        Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
+        Discriminator(_kind),
+        BeforeValidator(_listed),
+    ]
+    PictureFile = Picture
 PieceValue = Annotated[Piece, BeforeValidator(_piece)]
 Colour = Annotated[str, AfterValidator(_colour)]
 
@@ -150,7 +154,7 @@ def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float 
     if not has_glass(window):
         return given
     with _named(where):
-        index = glasses.index(window.glass, wavelength * 1e-9)
+        index = glasses.index(str(window.glass), wavelength * 1e-9)
     if "index" in window.model_fields_set and given != index:
         raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
     return index
@@ -204,15 +208,16 @@ class Scene(ParametersOfSheets):
         default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
     )
 
-    sky: Annotated[Picture | None, BeforeValidator(pictures.sky)] = Field(
+    sky: Annotated[PictureFile | None, BeforeValidator(pictures.sky)] = Field(
         default=None,
         description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
         "file, equirectangular, whose middle is straight ahead; with background = sky",
     )
 
-    if TYPE_CHECKING:  # the fields that come from the sheets' parameters
+    if TYPE_CHECKING:  # the names of changes are those of the parameters
 
-        def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
+        @property
+        def replace(self) -> type[Self]: ...
 
     name: ClassVar[str]
     subject: ClassVar[str]
@@ -742,7 +747,7 @@ class Chess(Scene):
         description="height of the pieces' pedestals, 0 to 10 tiles; the pieces move with it; "
         "0: they stand on the floor",
     )
-    floor: Annotated[Picture | Literal["tiles", "none"], BeforeValidator(pictures.floor)] = Field(
+    floor: Annotated[PictureFile | Literal["tiles", "none"], BeforeValidator(pictures.floor)] = Field(
         default="tiles",
         description="the floor: tiles, none, or a picture's file, of which copies cover the floor, 2 tiles wide or as "
         "wood.jpg,width=4 says",

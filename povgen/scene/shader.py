@@ -70,12 +70,12 @@ def uniforms(
     centres = [[layer.centre for layer in several] + [0.0] * (2 - len(several)) for several in layers]
     plain = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     axes = [[layer.axes.tolist() for layer in several] + [plain] * (2 - len(several)) for several in layers]
-    prisms = [_prism(scene, window) for window in (scene, *scene.window)]
+    prisms = [_prism(scene, window) for window in [scene, *scene.window]]
     profiles = _profiles(scene)
     shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
     # two shapes for each window, one for each sheet: with errors of building they differ
     own = [([layer.shape for layer in several] + [plan] * 2)[:2] for several, plan in zip(layers, shapes, strict=True)]
-    pieces = scene.pieces if isinstance(scene, Chess) else ()
+    pieces, pedestal = (scene.pieces, scene.pedestal) if isinstance(scene, Chess) else ((), 0.0)
     spheres = scene.objects if isinstance(scene, Spheres) else ()
     radii = scene.radii if spheres else ()
     ball = [(L.real, L.imag, last + z1, radius) for (L, z1), radius in zip(spheres, radii, strict=True)]
@@ -119,8 +119,8 @@ def uniforms(
         "blackTops": [sheet.values.get("tops") == "black" for sheet in scene.sheets],
         "maxFaces": max_trace_level(scene, found),
         "volumes": 1,
-        "pieceFoot": [(piece.x, floor + scene.pedestal, last + piece.z1) for piece in pieces],
-        "pedestal": scene.pedestal if isinstance(scene, Chess) else 0.0,
+        "pieceFoot": [(piece.x, floor + pedestal, last + piece.z1) for piece in pieces],
+        "pedestal": pedestal,
         "pedestalHalf": [piece.radius + PEDESTAL_EDGE for piece in pieces],
         "pieceColour": [piece.colour for piece in pieces],
         "pieceVolume": [names.index(str(piece.piece)) for piece in pieces],

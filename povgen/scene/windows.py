@@ -4,7 +4,8 @@ Those of each further window are fields of a `Window`. A `Window` can be given a
 """
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, NoReturn, Self
+from os import PathLike
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Literal, NamedTuple, Never, NoReturn, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
@@ -112,8 +113,43 @@ if TYPE_CHECKING:  # mypy accepts only a Literal with values that are written ou
     SheetName = str
 else:
     SheetName = Literal[tuple(SHEETS)]
-_OfWindow: Any = create_model("_OfWindow", __base__=Model, **_fields(first=False))
-ParametersOfSheets: Any = create_model("ParametersOfSheets", __base__=Model, **_fields(first=True))
+if TYPE_CHECKING:
+    # The sheets' parameters, for type checkers: at run time `_fields` makes them from PARAMETERS. A value that a window
+    # behind the first one does not state is Absent: None.
+    Absent = TypeVar("Absent")
+    _default: Any = None
+
+    class _Parameters(Model, Generic[Absent]):
+        alpha: float | Absent = _default
+        prisms: int | Absent = _default
+        index: float | Absent = _default
+        glass: str | Absent = _default
+        base_angle: float | Absent = _default
+        gap: float | Absent = _default
+        aspect: float | Absent = _default
+        tops: str | Absent = _default
+        error: dict[str, float] | Absent = _default
+        axis: tuple[float, float, float] | Any = _default
+        focal_length: float | Absent = _default
+        object_focal_length: float | Absent = _default
+        law: str | Absent = _default
+        parameter: dict[str, float] | Absent = _default
+        ratio: float | Absent = _default
+        lenses: int | Absent = _default
+        f_number: float | Absent = _default
+        profile: str | PathLike[str] | ProfileFile | Absent = _default
+        periods: int | Absent = _default
+        arrangement: str | Absent = _default
+        twist: float | Absent = _default
+        view_distance: float | Absent = _default
+
+    class _OfWindow(_Parameters[None]): ...
+
+    class ParametersOfSheets(_Parameters[Never]): ...
+
+else:
+    _OfWindow = create_model("_OfWindow", __base__=Model, **_fields(first=False))
+    ParametersOfSheets = create_model("ParametersOfSheets", __base__=Model, **_fields(first=True))
 
 
 class Window(_OfWindow):
@@ -129,10 +165,6 @@ class Window(_OfWindow):
 
     def _replaced_by(self, changes: dict[str, object]) -> set[str]:
         return replaced_by(changes)
-
-    if TYPE_CHECKING:  # the fields that come from the sheets' parameters
-
-        def __getattr__(self, name: str) -> Any: ...  # noqa: ANN401
 
 
 def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first window, or a Window)
@@ -201,11 +233,14 @@ WINDOW = (
     "keys: sheet, and its parameters; the first window's value is the default. "
     f"Can be given up to {MAX_WINDOWS - 1} times, in order of z"
 )
-Windows = Annotated[
-    tuple[Annotated[Window, BeforeValidator(_window)], ...],
-    Field(max_length=MAX_WINDOWS - 1),
-    BeforeValidator(_windows),
-]
+if TYPE_CHECKING:  # read as windows; a user may give anything that becomes such a tuple
+    Windows = tuple[Window, ...] | Any
+else:
+    Windows = Annotated[
+        tuple[Annotated[Window, BeforeValidator(_window)], ...],
+        Field(max_length=MAX_WINDOWS - 1),
+        BeforeValidator(_windows),
+    ]
 
 
 class _Windows(Model):

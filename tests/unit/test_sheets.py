@@ -1,5 +1,8 @@
 """Kinds of sheets: their laws against independent formulas, the grammar of laws, and what is derived from them."""
 
+import ast
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +13,7 @@ from povgen.optics import apparent, equations, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, pair
+from povgen.scene import windows
 from povgen.scene.laws import to_pov
 from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.law_grammar import Law
@@ -261,6 +265,15 @@ def test_kinds_that_share_a_parameter_agree():
         assert len({(p.default if p.kind != "table" else 0, p.least, p.most, p.unit, p.kind) for p in several}) == 1
     assert set(USED_BY["alpha"]) > {"detailed", "ideal", "axis"} and USED_BY["twist"] == ("twist",)
     assert {"lens", "glens", "twist", "view-rotator", "law"} < set(OTHER) < set(IDEAL)
+
+
+def test_type_checkers_know_every_parameter():
+    tree = ast.parse(Path(windows.__file__).read_text("utf-8"))
+    [declared] = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "_Parameters"]
+    types = {"number": "float", "whole number": "int", "direction": "tuple", "table": "dict"}
+    assert {each.target.id: ast.unparse(each.annotation).split(" | ")[0].split("[")[0] for each in declared.body} == {
+        name: types.get(first.kind, "str") for name, (first, *_) in PARAMETERS.items()
+    }
 
 
 @pytest.mark.parametrize("name", SHEETS)
