@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from povgen.errors import InputError, shown
 from povgen.files import in_home
@@ -27,6 +27,8 @@ from povgen.validation import Model
 FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have
+MAX_PICTURES = 4  # decoded, each can need 134 MB
+MAX_VALUES = 1000  # of any other list or table in a record: povgen's have up to about 50
 FIRST_LINE = re.compile(rb"povgen record ([0-9]{1,9})(?: ([0-9a-f]{8}))?\n")
 NAME = b"povgen"  # of the part that holds a record
 PNG, EXR, GIF, WEBM = b"\x89PNG\r\n\x1a\n", b"v/1\x01", b"GIF8", b"\x1aE\xdf\xa3"  # how these files begin
@@ -44,7 +46,9 @@ class Record(Model):
     povgen: str = Field(description="povgen's version")
     renderer: str = Field(description="the renderer's version: POV-Ray's, or the device that drew")
     command: str | None = Field(default=None, description="the command, if a shell's command made the file")
-    rendering: Rendering = Field(description="how the scenes were rendered")
+    rendering: Annotated[Rendering, AfterValidator(Rendering.in_default_time)] = Field(
+        description="how the scenes were rendered, without the time limit"
+    )
     title: str | None = Field(default=None, description="a movie's title")
     frame_rate: Annotated[float, Field(ge=0.1, le=120)] | None = Field(
         default=None, description="a movie's frames a second, 0.1 to 120"
@@ -114,9 +118,24 @@ def info(path: str | Path) -> Record:
     if not isinstance(values, dict):
         raise InputError(f"{name}: its record is no JSON object; allowed: {KINDS}")
     try:
+        _check_lengths(values)
         return Record(**values)
     except InputError as error:
         raise InputError(f"{name}: its record: {error}") from None
+
+
+def _check_lengths(values: dict[str, Any]) -> None:
+    """Raise InputError for a list or a table with too many values: of each wrong one, pydantic would make an error."""
+    longest = {"frames": MAX_FRAMES, "pieces": MAX_FRAMES, "pictures": MAX_PICTURES}
+    waiting: list[tuple[str, object, int]] = [("record", values, MAX_VALUES)]
+    while waiting:
+        name, part, most = waiting.pop()
+        if not isinstance(part, (list, dict)):
+            continue
+        if len(part) > most:
+            raise InputError(f"{shown(name)}: {len(part)} values; allowed: up to {most}")
+        pairs = part.items() if isinstance(part, dict) else ((name, value) for value in part)
+        waiting += [(key, x, longest.get(key, MAX_VALUES) if part is values else MAX_VALUES) for key, x in pairs]
 
 
 def _name_and_data(path: str | Path) -> tuple[str, bytes | None]:

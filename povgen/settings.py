@@ -206,7 +206,9 @@ class Rendering(Sampling):
         "1 is white, and highlights are brighter)",
     )
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
-        default=1800, description="time limit for a frame, above 0 to 1e6 seconds"
+        default=1800,
+        description="time limit for a frame, above 0 to 1e6 seconds",
+        exclude=True,  # no part of a file's record
     )
 
     caption: Literal["none", "short", "full"] | None = Field(
@@ -240,6 +242,10 @@ class Rendering(Sampling):
             drawn = next(name for name in ("overlay", "side_view", "note", "caption") if getattr(self, name))
             raise ValueError(f"bits = {self.bits}: {drawn} is drawn with 8 bits; allowed: bits = 8, or without {drawn}")
         return self
+
+    def in_default_time(self) -> Self:
+        """Return the rendering with the default time limit."""
+        return type(self)(**self.model_dump(exclude_unset=True))
 
     @property
     def is_light(self) -> bool:

@@ -1,16 +1,18 @@
 """The scenes in a file's record (povgen.record). The file can be a stranger's: every value is checked."""
 
 import base64
-from collections.abc import Collection, Mapping
+import time
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, TypeVar
 
 from povgen.errors import InputError, shown
-from povgen.record import Record
+from povgen.record import MAX_PICTURES, Record
 from povgen.scene import mesh, pictures
-from povgen.scene.pieces import MAX_BYTES, PIECES, PieceFile, checked
+from povgen.scene.pieces import PIECES, PieceFile, checked
 from povgen.sheets.profile import NAMES, ProfileFile
 
 T = TypeVar("T")
+PATIENCE = 120  # CPU seconds in which all frames are checked; 10,000 frames of one window of prisms take 4
 
 
 def scenes(record: Record, known: Mapping[str, type[T]]) -> list[T]:
@@ -18,48 +20,60 @@ def scenes(record: Record, known: Mapping[str, type[T]]) -> list[T]:
 
     No file is read: the record has the text of every piece and every profile that is not povgen's own.
     """
-    for name, text in record.pieces.items():
-        if len(text) > MAX_BYTES and not mesh.is_own(text):
-            raise InputError(f"piece = {shown(name)}: should be a file of at most {MAX_BYTES} bytes")
-    return [_scene(_with_pictures(values, record.pictures), record.pieces, known) for values in record.values]
+    files, end = _Files(record), time.process_time() + PATIENCE
+    made: list[T] = []
+    for values in record.values:
+        if time.process_time() > end:
+            count = f"{len(made)} of {len(record.frames)}"
+            raise InputError(f"frames: {count} were checked within {PATIENCE} s; allowed: frames that take less time")
+        made.append(_scene(values, files, known))
+    return made
 
 
-def _with_pictures(values: dict[str, Any], files: Mapping[str, str]) -> dict[str, Any]:
-    """Return a scene's values with the pictures of sky and floor that the record holds, in place of their names."""
-    found = dict(values)
-    for part, read in (("sky", pictures.sky), ("floor", pictures.floor)):
-        name = values.get(part)
-        if name is None or part == "floor" and name in ("tiles", "none"):
-            continue
-        if not isinstance(name, str) or name not in files:
-            raise InputError(f"{part} = {shown(name)}: the picture is not in the record; allowed: one of up to 4 MiB")
-        try:
-            found[part] = read(name, base64.b64decode(files[name]))
-        except ValueError as error:
-            raise InputError(f"{part} = {shown(name)}: {error}") from None
-    return found
+class _Files:
+    """The pieces, profiles and pictures that a record holds. Each is checked once, when a frame first names it."""
+
+    def __init__(self, record: Record) -> None:
+        self._record = record
+        self._made: dict[tuple[str, str], object] = {}
+
+    def __call__(self, kind: str, name: object) -> object:
+        """Return what the record holds under a name. None and povgen's own names stay as they are.
+
+        `kind` is the parameter that has the name: piece, profile, sky or floor. Raises InputError.
+        """
+        own, make = _KINDS[kind]
+        is_picture = kind in ("sky", "floor")
+        texts = self._record.pictures if is_picture else self._record.pieces
+        if name is None or isinstance(name, str) and name in own:
+            return name
+        if not isinstance(name, str) or name not in texts:
+            missing = f"the picture is not in the record; allowed: up to {MAX_PICTURES}, of 4 MiB together"
+            missing = missing if is_picture else f"its text is not in the record; allowed: {', '.join(own)}"
+            raise InputError(f"{kind} = {shown(name)}: {missing}")
+        if (kind, name) not in self._made:
+            try:
+                self._made[kind, name] = make(name, texts[name])
+            except ValueError as error:
+                raise InputError(f"{kind} = {shown(name)}: {error}") from None
+        return self._made[kind, name]
 
 
-def _text_of(kind: str, name: object, texts: Mapping[str, str], own: Collection[str]) -> tuple[str, str]:
-    """Return the path and the text of a file that the record has."""
-    if isinstance(name, str) and name in texts:
-        return name, texts[name]
-    raise InputError(f"{kind} = {shown(name)}: its text is not in the record; allowed: {', '.join(own)}")
+def _piece(path: str, text: str) -> PieceFile:
+    is_mesh = mesh.is_own(text)
+    return PieceFile(path, text if is_mesh else checked(text), is_mesh=is_mesh)
 
 
-def _piece(name: object, texts: Mapping[str, str]) -> str | PieceFile:
-    if isinstance(name, str) and name in PIECES:
-        return name
-    path, text = _text_of("piece", name, texts, PIECES)
-    if mesh.is_own(text):
-        return PieceFile(path, text, is_mesh=True)
-    try:
-        return PieceFile(path, checked(text))
-    except ValueError as error:
-        raise InputError(f"piece = {shown(name)}: {error}") from None
+# for each parameter that names a file, povgen's own names, and what makes its value from the record's name and text
+_KINDS: dict[str, tuple[Collection[str], Callable[[str, str], object]]] = {
+    "piece": (PIECES, _piece),
+    "profile": (NAMES, ProfileFile),
+    "sky": ((), lambda name, text: pictures.sky(name, base64.b64decode(text))),
+    "floor": (("tiles", "none"), lambda name, text: pictures.floor(name, base64.b64decode(text))),
+}
 
 
-def _window(values: object, texts: Mapping[str, str]) -> dict[str, Any]:
+def _window(values: object, files: _Files) -> dict[str, Any]:
     """Return the values of a scene or of a window, with the text of its profile.
 
     The index is left out if a glass is named: it follows from the glass.
@@ -69,20 +83,20 @@ def _window(values: object, texts: Mapping[str, str]) -> dict[str, Any]:
     found = dict(values)
     if found.get("glass") not in (None, "none"):
         found.pop("index", None)
-    name = found.get("profile")
-    if name is not None and not (isinstance(name, str) and name in NAMES):
-        found["profile"] = ProfileFile(*_text_of("profile", name, texts, NAMES))
+    if "profile" in found:
+        found["profile"] = files("profile", found["profile"])
     return found
 
 
-def _scene(values: dict[str, Any], texts: Mapping[str, str], known: Mapping[str, type[T]]) -> T:
+def _scene(values: dict[str, Any], files: _Files, known: Mapping[str, type[T]]) -> T:
     name, values = values.get("scene"), {key: value for key, value in values.items() if key != "scene"}
     if not isinstance(name, str) or name not in known:
         raise InputError(f"scene = {shown(name)}: allowed: {', '.join(known)}")
-    if "piece" in values:
-        given = values["piece"]
-        values["piece"] = [_piece(each, texts) for each in given] if isinstance(given, list) else _piece(given, texts)
+    for kind in {"piece", "sky", "floor"} & values.keys():
+        given = values[kind]
+        several = isinstance(given, list) and kind == "piece"
+        values[kind] = [files(kind, each) for each in given] if several else files(kind, given)
     if not isinstance(windows := values.get("window", []), list):
         raise InputError(f"window = {shown(windows)}: should be a list of tables")
-    values["window"] = [_window(each, texts) for each in windows]
-    return known[name](**_window(values, texts))
+    values["window"] = [_window(each, files) for each in windows]
+    return known[name](**_window(values, files))

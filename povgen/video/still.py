@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
-from povgen.record import Record, differing, in_png, shell_command
+from povgen.record import MAX_PICTURES, Record, differing, in_png, shell_command
 from povgen.rendering import povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
@@ -261,10 +261,10 @@ def record_of(
 
 
 def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
-    """Return the pictures of sky and floor for the record, if all together have up to MAX_LARGE bytes."""
+    """Return the pictures of sky and floor for the record: up to MAX_PICTURES, with up to MAX_LARGE bytes."""
     shown = {str(picture): picture.name for scene in scenes for picture in surroundings(scene).values()}
     files = {name: used(file)[file] for name, file in shown.items()}
-    small = sum(map(len, files.values())) <= MAX_LARGE
+    small = len(files) <= MAX_PICTURES and sum(map(len, files.values())) <= MAX_LARGE
     return {name: base64.b64encode(png).decode() for name, png in files.items()} if small else {}
 
 

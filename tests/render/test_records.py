@@ -1,9 +1,11 @@
 """The record in a file: how it was made. With it the same picture is made again, and a stranger's file does no harm."""
 
+import base64
 import io
 import json
 import os
 import struct
+import tomllib
 import zlib
 
 import numpy as np
@@ -15,7 +17,9 @@ from povgen import Chess, InputError, Scene, Spheres, info, movie, render, save
 from povgen import record as records
 from povgen.cli import options as cli_options
 from povgen.rendering import povray
-from povgen.scene import mesh
+from povgen.scene import mesh, pictures
+from povgen.scene import recorded as recorded_scenes
+from povgen.scene.scenes import SCENES as SCENE_CLASSES
 from povgen.scene.scenes import recorded
 from povgen.version import __version__
 from povgen.video import still
@@ -90,7 +94,7 @@ def test_files_that_a_scene_shows_are_in_the_record(tmp_path, monkeypatch):
     assert povgen(["frame", "--quiet", "--from", "frame.png", "--sky", "mountains", "-o", "c.png"], tmp_path)[0] == 0
     assert [info(tmp_path / name).frames[0]["sky"] for name in ("b.png", "c.png")] == [str(path), None]
     said = refused(["frame", "--from", "bare.png"], tmp_path)
-    assert "the picture is not in the record; allowed: one of up to 4 MiB" in said
+    assert "the picture is not in the record; allowed: up to 4, of 4 MiB together" in said
 
 
 def test_a_strangers_mesh_is_checked():
@@ -109,7 +113,7 @@ def test_what_a_record_says(tmp_path, monkeypatch):
     assert (status, err) == (0, "")
     assert (said["povgen"], said["renderer"]) == (__version__, f"POV-Ray {povray.version()}")
     assert said["command"] == "povgen frame chess --sheet none --size 32x32 -o 'a b.png'"
-    assert said["rendering"]["antialias"] == [1, 0.1, 2] and said["rendering"]["timeout"] == 1800  # defaults
+    assert said["rendering"]["antialias"] == [1, 0.1, 2] and said["rendering"]["bits"] == 8  # defaults
     assert said["frames"][0]["scene"] == "chess" and said["frames"][0]["z2"] == 6 and said["frames"][0]["view"] == 3.7
     with Image.open(tmp_path / "a b.png") as image:
         assert image.info["srgb"] == 0 and image.info["gamma"] == 0.45455 and image.info["povgen"]
@@ -210,17 +214,66 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     text = '#fopen File "a" write\n' + PIECE
     said = with_record(made, frame={"piece": "mine"}, pieces={"mine": text})
     assert "line 1: '#fopen', which could change the rest of the scene" in said
-    assert "should be a file of at most" in with_record(made, pieces={"mine": " " * 2**21})
+    assert "should be a file of at most" in with_record(made, frame={"piece": "a"}, pieces={"a": " " * 2**21})
     assert "alpha = 361.0: should be less than" in with_record(made, frame={"alpha": 361.0})
     assert "alpha = nan: should be a finite number" in with_record(made, frame={"alpha": float("nan")})
     assert "'roughness': unknown in the scene chess" in with_record(made, frame={"roughness": 1})
     assert "'sharpness': unknown" in with_record(made, rendering={"sharpness": 1})
     assert "scene = 'castle': allowed: chess, spheres" in with_record(made, frame={"scene": "castle"})
-    assert "frames = [" in with_record(made, frames=[{}] * (records.MAX_FRAMES + 1))
     assert "frames = []" in with_record(made, frames=[])
     assert "the record of a newer povgen, of format 2; allowed: up to 1" in with_text(made, b"?", form=2)
     for text in (b"[" * 10**6, b"[]", b"null", b"{", b"", b"\xff"):
         assert "its record is no JSON object" in with_text(made, text)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"frames": [1] * 30_001}, "'frames': 30001 values; allowed: up to 30000"),
+        ({"pieces": dict.fromkeys(map(str, range(30_001)))}, "'pieces': 30001 values; allowed: up to 30000"),
+        ({"pictures": dict.fromkeys("abcde", "")}, "'pictures': 5 values; allowed: up to 4"),
+        ({"rendering": {"size": [[]] * 1001}}, "'size': 1001 values; allowed: up to 1000"),
+        ({"frame": {"x": ["a"] * 1001}}, "'x': 1001 values"),
+        ({"frame": {"window": [{"parameter": dict.fromkeys(map(str, range(1001)))}]}}, "'parameter': 1001 values"),
+        ({"frame": dict.fromkeys(map(str, range(1001)))}, "'frames': 1042 values"),
+        (dict.fromkeys(map(str, range(1001))), "'record': 1010 values"),
+    ],
+)  # fmt: skip
+def test_what_a_record_holds_is_counted_before_it_is_checked(changes, words, made):
+    """pydantic would make an error of each wrong value."""
+    assert f"'changed.png': its record: {words}" in with_record(made, **changes)
+
+
+def test_each_file_in_a_record_is_checked_once(made, tmp_path, monkeypatch):
+    """However many pieces, windows and frames name it."""
+    with open(picture(tmp_path), "rb") as file:
+        png = base64.b64encode(file.read()).decode()
+    calls = []
+    for module, name in ((recorded_scenes, "checked"), (pictures, "_picture"), (tomllib, "loads")):
+        function = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *a, f=function, n=name, **b: calls.append(n) or f(*a, **b))
+    window = {"z": 30, "sheet": "profile", "profile": "own.toml"}
+    shape = "path=[1, 2]\n[[outline]]\ncorners=[[0, -0.2], [1, -0.2]]\n[[outline]]\ncorners=[[1, 0.2], [0, 0.2]]\n"
+    first = info(made / "a.png").frames[0] | {"sky": "a", "floor": "b", "window": [window, window | {"z": 60}]}
+    first |= {"piece": ["mine"] * 3, "x": [-2, 0, 2], "profile": "own.toml", "sheet": "profile"}
+    record = info(made / "a.png").replace(
+        frames=[first, {"z1": 3}, {"z1": 4}],
+        pieces={"mine": PIECE, "own.toml": shape},
+        pictures={"a": png, "b": png},
+    )
+    scenes = recorded_scenes.scenes(record, SCENE_CLASSES)
+    assert [scene.z1 for scene in scenes] == [2, 3, 4] and scenes[0].piece[0] is scenes[2].piece[2]
+    assert sorted(calls) == ["_picture", "_picture", "checked", "loads"]
+    monkeypatch.setattr(recorded_scenes, "PATIENCE", -1)
+    with pytest.raises(InputError, match="frames: 0 of 3 were checked within -1 s; allowed: "):
+        recorded_scenes.scenes(record, SCENE_CLASSES)
+
+
+def test_a_time_limit_is_no_part_of_a_record(made):
+    values = info(made / "a.png").model_dump(mode="json")
+    assert "timeout" not in values["rendering"]
+    record = records.Record(**values | {"rendering": values["rendering"] | {"timeout": 1e6}})
+    assert record.rendering == info(made / "a.png").rendering and record.rendering.timeout == 1800
 
 
 @pytest.mark.parametrize("kind", ["png", "mp4", "webm", "webp", "gif"])
