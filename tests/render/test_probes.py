@@ -156,6 +156,31 @@ def test_the_ideal_sheet_in_a_picture_of_any_shape(size, E):
     assert (~np.isnan(off)).sum() > 0.8 * inside.sum()  # the window frame hides the rest
 
 
+NEAR = {"z2": 150, "eye": (10, 5), "view": 0.1}  # rays of one pixel differ by 1e-5
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"sheet": "lens", "focal_length": 4, "z2": 4},
+        {"sheet": "lens", "focal_length": 4, "z2": 4.00001, "eye": (1, 0.5)},
+        {"sheet": "law", "law": "0.3, -0.1, 1"},
+        {"sheet": "ideal", "alpha": 66, **NEAR},
+        {"sheet": "ideal", "alpha": 40, "window": "alpha=26,z=2", **NEAR},
+    ],
+)
+def test_parallel_rays(values, monkeypatch):
+    """POV-Ray takes a triangle for flat whose corners' rays are parallel, and its rays have another direction."""
+    text = to_pov(scene := Directions(**values)).partition("// ---- The window frame")[0]
+    monkeypatch.setattr(probes, "to_pov", lambda _: text)
+    (decoded,) = probes.decoded([scene], (64, 48))
+    inside, direction = camera.rays(scene, (64, 48))
+    place = camera.pixels(scene, (64, 48))[inside]
+    for sheet in scene.ideal:
+        direction = sheet.bend(direction, place)
+    assert np.linalg.norm(decoded[inside] - direction, axis=-1).max() < 5e-5
+
+
 @pytest.mark.parametrize("size", [(32, 32), (32, 7680), (7680, 32), (96, 240)])
 def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     """POV-Ray keeps a table of triangles for each tenth of U and of V. It uses int(10 U) as an index, unchecked."""
