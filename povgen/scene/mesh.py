@@ -9,9 +9,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from povgen import remedies
 from povgen.errors import at_most
-from povgen.scene.mesh_reader import NO_TRIMESH
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import NDArray
@@ -24,6 +22,7 @@ OWN = re.compile(
 )
 MAX_BYTES = 50 * 10**6  # of a file
 PATIENCE = 120  # seconds
+LEAST_HEIGHT = 0.01  # tiles
 MAX_HEIGHT = 1.7  # tiles, of a piece whose height is not stated
 TALLEST = 4.0  # tiles, that can be stated
 
@@ -47,15 +46,18 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     height, up = _checked(kind, options)
     import numpy as np  # slow to load
 
-    vertices, triangles, (count, moved, is_open) = _read(data, kind)
+    vertices, triangles, (count, moved, is_open), left_out = _read(data, kind)
     x, y, z = vertices.T
     points = np.column_stack((x, y, -z) if up == "y" else (x, z, y))  # POV-Ray is left-handed: z points away
     low, high = points.min(axis=0), points.max(axis=0)
     points -= [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
     reach, tall = float(np.hypot(points[:, 0], points[:, 2]).max()), float(points[:, 1].max())
-    if not tall:
-        raise ValueError("should have a height: all its corners are in one horizontal plane; allowed: another up=")
-    most = min(radius / reach if reach else np.inf, TALLEST / tall)
+    most = min(radius / reach if reach else np.inf, TALLEST / tall if tall else np.inf)
+    if most * tall < LEAST_HEIGHT:  # rounding errors are no height
+        raise ValueError(
+            f"should have a height: as wide as it can be, it is {most * tall:.2g} tiles high; allowed: from "
+            f"{LEAST_HEIGHT:g} tiles, or another up="
+        )
     scale = min(most, MAX_HEIGHT / tall)
     if height is not None:
         if height / tall > most * (1 + 1e-9):
@@ -68,6 +70,8 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (height= states another)"]
     if len(triangles) < count and moved * scale > 1e-5:
         note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
+    if left_out:
+        note.append(left_out)
     if is_open:
         note.append(
             "its surface is not closed: parts may be missing in outlines, with the renderer gl, and on the page"
@@ -89,13 +93,15 @@ def _checked(kind: str, text: str) -> tuple[float | None, str]:
         height = float(options["height"])
     except ValueError:
         height = 0
-    if not 0.01 <= height <= TALLEST:
-        raise ValueError(f"should have a height from 0.01 to {TALLEST:g} tiles, not height={options['height']}")
+    if not LEAST_HEIGHT <= height <= TALLEST:
+        raise ValueError(
+            f"should have a height from {LEAST_HEIGHT:g} to {TALLEST:g} tiles, not height={options['height']}"
+        )
     return height, up
 
 
-def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], ...]":
-    """Return the three arrays of `mesh_reader`."""
+def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], NDArray[Any], NDArray[Any], str]":
+    """Return the three arrays of `mesh_reader`, and what it left out of the mesh."""
     import numpy as np
 
     path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
@@ -105,13 +111,12 @@ def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], ...]":
         done = subprocess.run(command, input=data, capture_output=True, timeout=PATIENCE, cwd="/", env=environment)
     except subprocess.TimeoutExpired:
         raise ValueError(f"should be a mesh that is read within {PATIENCE} s") from None
-    if done.returncode == NO_TRIMESH:
-        raise ValueError(f"needs trimesh, which is not installed: {remedies.extra('mesh')}")
+    said = done.stderr.decode(errors="replace").rpartition("\n")[2]
     if done.returncode:
-        said = done.stderr.decode(errors="replace").rpartition("\n")[2] if done.returncode == 1 else ""
-        raise ValueError(said or "should be a mesh that needs less time and memory")
+        raise ValueError(said if done.returncode == 1 and said else "should be a mesh that needs less time and memory")
     output = BytesIO(done.stdout)
-    return tuple(np.load(output, allow_pickle=False) for _ in range(3))
+    vertices, triangles, numbers = (np.load(output, allow_pickle=False) for _ in range(3))
+    return vertices, triangles, numbers, said
 
 
 def is_own(text: str) -> bool:

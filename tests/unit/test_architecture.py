@@ -98,7 +98,6 @@ def test_there_is_no_circle_of_imports():
                 "video.encode",
             },
         ),
-        ("trimesh", {"scene.mesh_reader"}),
         ("imageio", {"video.encode"}),
         ("matplotlib", {"measure.plotting"}),
         (
