@@ -66,6 +66,11 @@ def changed(shape: Prism | Profile, other: Prism | Profile) -> float:
     return float(60 * np.degrees(np.sqrt(np.mean(abs(slopes(one)[both] - slopes(two)[both]) ** 2))))
 
 
+def coloured(shape: Prism | Profile, n: float) -> Prism | Profile:
+    """Return the shape with its index for light of another colour."""
+    return shape.with_length_kept(index=n) if isinstance(shape, Prism) else replace(shape, index=n)
+
+
 def thicker(shape: Prism | Profile, part: float) -> Prism | Profile:
     """Return the shape with its faces farther apart by a part of its thickness: lenses are then out of focus."""
     if isinstance(shape, Prism):
@@ -92,7 +97,7 @@ def table() -> None:
             f"{100 * part.stray:.0f} %",
             "–" if np.isnan(limit) else f"±{np.degrees(np.arctan(limit)):.1f}°",
             f"{seen(blur(found, direction)):.1f}′",
-            f"{changed(replace(shape, index=F), replace(shape, index=C)):.1f}′",
+            f"{changed(*(coloured(shape, n) for n in (F, C))):.1f}′",
             f"{changed(shape, thicker(shape, 0.01)):.1f}′",
             f"{100 * shape.thickness(2):.1f} mm",
         )

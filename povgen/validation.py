@@ -84,7 +84,7 @@ class Model(BaseModel):
         """Return a copy with these values changed. Raises InputError if the copy is not allowed.
 
         In scenes and windows, a new glass replaces the index, and a new index the glass. A scene's new index also
-        replaces the wavelength, unless a further window has a glass.
+        replaces the wavelengths of light and design, unless a further window has a glass.
         """
         given = {name: getattr(self, name) for name in self.model_fields_set - self._replaced_by(changes)}
         return type(self)(*unnamed, **{**given, **changes})

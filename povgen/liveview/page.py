@@ -35,7 +35,7 @@ MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its orde
 # the kinds of sheets that the page shows beyond the paper's: ideal ones, and sheets of lenses
 KINDS = {name: kind for name, kind in OTHER.items() if name != "law"}
 ALL_KINDS = {**KINDS, "lenticular": SHEETS["lenticular"]}
-KEPT = {"index", "glass", "gap", "error"}  # parameters that have their defaults on the page
+KEPT = {"index", "glass", "design_wavelength", "gap", "error"}  # parameters that have their defaults on the page
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 

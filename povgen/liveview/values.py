@@ -8,6 +8,7 @@ from povgen.scene import shader
 from povgen.scene.pictures import Picture, as_png
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, rgb
 from povgen.scene.survey import max_trace_level
+from povgen.sheets.parameters import design_index
 from povgen.sheets.profile import ProfileSheets
 
 
@@ -26,6 +27,7 @@ def values(scene: Scene) -> dict[str, Any]:
             shape = sheet.shape
             edges = [(*edge.start, *edge.end, edge.radius) for edge in shape.edges]
             own["profile"] = {"edges": edges, "half": shape.half, "index": shape.index, "gap": shape.gap}
+        own["design_index"] = design_index(found | {name: value for name, value in own.items() if value is not None})
     found["pictures"] = {
         part: {"data": _data(picture), "tiles": picture.tiles, "mean": picture.mean}
         for part, picture in shader.surroundings(scene).items()

@@ -3,7 +3,7 @@
 The paper states neither the base angle nor the refractive index. povgen's defaults are the usual values.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import asin, cos, inf, radians, tan
 
 MOST_DEVIATION = 4  # standard deviations: no single facet's angle and no single prism's height differs by more
@@ -79,6 +79,11 @@ class Prism:
     def separation(self) -> float:
         """Distance between the middle planes of two parallel sheets: the air between the sheets is as wide as a gap."""
         return self.length + self.gap * self.pitch
+
+    def with_length_kept(self, **changes: float) -> "Prism":
+        """Return a prism of the same length with another index or base angle. Its aspect is found."""
+        other = replace(self, **changes)
+        return replace(other, aspect=self.aspect * (self.full_aperture / other.full_aperture))
 
     def thickness(self, sheets: int) -> float:
         """Extent along z of one sheet, or of two parallel sheets and the air between them."""

@@ -47,7 +47,8 @@ from povgen.sheets import SHEETS
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
 from povgen.sheets.lenticular import Lenticular
-from povgen.sheets.prisms import PrismPair, Prisms
+from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
+from povgen.sheets.prisms import SHAPE, PrismPair, Prisms, shape_of
 from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
 from povgen.validation import as_pair
@@ -63,7 +64,6 @@ if TYPE_CHECKING:  # numpy is slow to load
 
 T = TypeVar("T")
 APERTURE = 3.0  # the default side of the window, tiles
-WAVELENGTH = 587.6  # nm, the default: the yellow line d of helium
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
 MAX_VIEW = 100
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
@@ -160,6 +160,10 @@ def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float 
     return index
 
 
+def _for_no_glass(name: str, wavelength: float) -> str:
+    return f"{name} = {wavelength:g}: for no glass; allowed: with glass, such as glass = BK7"
+
+
 def _distances(z1: "ArrayLike") -> "Floats":
     """Return distances of objects as floats. Raises ValueError for one that is infinite or below 0."""
     from povgen.optics import equations
@@ -191,8 +195,8 @@ class Scene(ParametersOfSheets):
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         default=APERTURE,
-        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all that stands on it moves "
-        "with the lower edge",
+        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all on it moves with the "
+        "lower edge",
     )
     view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
         default=VIEW,
@@ -278,7 +282,16 @@ class Scene(ParametersOfSheets):
     @property
     def prism(self) -> Prism:
         """The shape of the prisms in the first window. Lengths are in tiles. Windows behind it can have others."""
-        return Prism(self.aperture / self.prisms, self.index, self.base_angle, self.gap, self.aspect)
+        return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
+
+    @property
+    def states(self) -> "tuple[Scene | Window, ...]":
+        """What states the parameters of each window, the first one first: the scene, and each further `Window`."""
+        return self, *self.window
+
+    def values_of(self, window: "Scene | Window", names: Iterable[str]) -> dict[str, Any]:
+        """Return parameters of one of `states`, by their names. What it does not state is the first window's."""
+        return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
 
     @cached_property
     def windows(self) -> tuple[Placed, ...]:
@@ -286,8 +299,7 @@ class Scene(ParametersOfSheets):
 
         def sheet(window: Scene | Window) -> Sheet:
             kind = SHEETS[window.sheet or self.sheet]
-            own = {each.name: getattr(window, each.name) for each in kind.parameters}
-            return kind({name: getattr(self, name) if x is None else x for name, x in own.items()}, self.aperture)
+            return kind(self.values_of(window, [each.name for each in kind.parameters]), self.aperture)
 
         return (Placed(0.0, sheet(self)), *(Placed(window.z, sheet(window)) for window in self.window))
 
@@ -601,7 +613,7 @@ class Scene(ParametersOfSheets):
 
     @model_validator(mode="after")
     def _find_indices(self) -> Self:
-        """Set the index of prisms of a named glass. Checks, renderers and predictions then need the index alone."""
+        """Set the index of named glasses for light. Checks, renderers and predictions then need the index alone."""
         object.__setattr__(self, "index", _index_of(self, "", self.wavelength))  # the model is frozen
         self.model_fields_set.discard("index" if self.glass != "none" else "")
         found: list[Window] = []
@@ -609,34 +621,34 @@ class Scene(ParametersOfSheets):
             own = window.model_copy()
             if own.glass is None and own.index is not None:  # else it would get the first window's glass, and its index
                 object.__setattr__(own, "glass", "none")
+            if own.glass == "none" and own.index is None and has_glass(self):  # the first window's index is its glass's
+                object.__setattr__(own, "index", INDEX.default)
             object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
             if has_glass(own):  # the index is found, not given
                 own.model_fields_set.discard("index")
             found.append(own)
         object.__setattr__(self, "window", tuple(found))
-        if self.wavelength != WAVELENGTH and not (has_glass(self) or any(map(has_glass, found))):
-            raise ValueError(
-                f"wavelength = {self.wavelength:g}: for no glass; allowed: with glass, such as glass = BK7"
-            )
+        for name in ("wavelength", "design_wavelength") if not any(map(has_glass, (self, *found))) else ():
+            if (value := getattr(self, name)) != WAVELENGTH:
+                raise ValueError(_for_no_glass(name, value))
         return self
 
     @model_validator(mode="after")
     def _check_shapes(self) -> Self:
-        # the first window's shape is checked even if no window has prisms
-        shapes = [("", self.prism)]
-        for number, sheet in enumerate(self.sheets[1:], 2):
-            if isinstance(sheet, Prisms):
-                where = f"window {number}, "
-                with _named(where):
-                    shapes.append((where, sheet.shape))
-        for where, prism in shapes:
-            least = prism.least_aspect
-            if prism.aspect == 2:
+        for number, (window, sheet) in enumerate(zip(self.states, self.sheets, strict=True), 1):
+            values, where = self.values_of(window, SHAPE), f"window {number}, " if number > 1 else ""
+            with _named(where):
+                if number > 1 and window.design_wavelength is not None and values["glass"] == "none":
+                    raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
+                planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
+            if number > 1 and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
+                continue
+            if planned.aspect == 2:
                 raise ValueError(f"{where}aspect = 2: no light would take the designed path; allowed: below 2")
-            if prism.aspect <= least:
+            if planned.aspect <= (least := planned.least_aspect):
                 raise ValueError(
-                    f"{where}aspect = {prism.aspect:g}: the slanted facets of prisms with index = {prism.index:g} and "
-                    f"base_angle = {prism.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
+                    f"{where}aspect = {planned.aspect:g}: the slanted facets of prisms with index = {planned.index:g} "
+                    f"and base_angle = {planned.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
                 )
         return self
 
@@ -674,11 +686,8 @@ class Scene(ParametersOfSheets):
     @model_validator(mode="after")
     def _check_sheets(self) -> Self:
         # a law is checked even if no window has it
-        for number, window in enumerate((self, *self.window), 1):
-            text, parameters = (
-                getattr(self, name) if getattr(window, name) is None else getattr(window, name)
-                for name in ("law", "parameter")
-            )
+        for number, window in enumerate(self.states, 1):
+            text, parameters = self.values_of(window, ("law", "parameter")).values()
             try:
                 Law(text, parameters).check_divisions(parameters)
             except ValueError as error:
@@ -916,8 +925,7 @@ def input_files(scenes: Iterable[Scene]) -> set[str]:
 
 def profile_files(scene: Scene) -> list[ProfileFile]:
     """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
-    windows: tuple[Scene | Window, ...] = (scene, *scene.window)
-    return [window.profile for window in windows if isinstance(window.profile, ProfileFile)]
+    return [window.profile for window in scene.states if isinstance(window.profile, ProfileFile)]
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

@@ -13,11 +13,11 @@ from povgen.scene.laws import Text, to_live
 from povgen.scene.pictures import Picture
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
 from povgen.scene.survey import Survey, max_trace_level
+from povgen.scene.windows import Window
 from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
-from povgen.sheets.prisms import SHAPE
+from povgen.sheets.prisms import SHAPE, shape_of
 from povgen.sheets.sheet import Ideal, Sheet
-from povgen.validation import Model
 
 if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.profile import Profile
@@ -70,7 +70,7 @@ def uniforms(
     centres = [[layer.centre for layer in several] + [0.0] * (2 - len(several)) for several in layers]
     plain = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     axes = [[layer.axes.tolist() for layer in several] + [plain] * (2 - len(several)) for several in layers]
-    prisms = [_prism(scene, window) for window in [scene, *scene.window]]
+    prisms = [_prism(scene, window) for window in scene.states]
     profiles = _profiles(scene)
     shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
     # two shapes for each window, one for each sheet: with errors of building they differ
@@ -147,12 +147,10 @@ def _edges(profiles: "Sequence[Profile | None]") -> dict[str, Any]:
     return {"profileCounts": [*map(len, several)], "profileEdges": sum(lines, []), "profileRadii": sum(radii, [])}
 
 
-def _prism(scene: Scene, window: Model) -> Prism:
+def _prism(scene: Scene, window: Scene | Window) -> Prism:
     """Return the shape of the prisms in a window. A window without prisms has values for them too."""
-    values = {
-        name: getattr(scene, name) if (own := getattr(window, name)) is None else own for name in ("prisms", *SHAPE)
-    }
-    return Prism(scene.aperture / values["prisms"], **{name: values[name] for name in SHAPE})
+    values = scene.values_of(window, ("prisms", *SHAPE))
+    return shape_of(values, scene.aperture / values["prisms"])
 
 
 def _frame_section(scene: Scene) -> list[tuple[float, float]]:

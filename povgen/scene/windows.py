@@ -124,6 +124,7 @@ if TYPE_CHECKING:
         prisms: int | Absent = _default
         index: float | Absent = _default
         glass: str | Absent = _default
+        design_wavelength: float | Absent = _default
         base_angle: float | Absent = _default
         gap: float | Absent = _default
         aspect: float | Absent = _default
@@ -175,15 +176,15 @@ def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first win
 def replaced_by(changes: Mapping[str, object], windows: Iterable[Window] = ()) -> set[str]:
     """Return the names of the values that new ones replace. A new glass replaces the index.
 
-    A new index, or the glass "none", replaces the glass. It also replaces the wavelength, unless one of these further
-    windows has a glass.
+    A new index, or the glass "none", replaces the glass. It also replaces the wavelengths of the light and of the
+    design, unless one of these further windows has a glass.
     """
     glass = changes.get("glass")
     if isinstance(glass, str) and glass != "none":
         return {"index"}
     if glass is None and changes.get("index") is None:
         return set()
-    return {"glass"} if any(map(has_glass, windows)) else {"glass", "wavelength"}
+    return {"glass"} if any(map(has_glass, windows)) else {"glass", "wavelength", "design_wavelength"}
 
 
 class Placed(NamedTuple):

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING
 from povgen.limits import MAX_PRISMS
 from povgen.sheets.crossed import Crossed
 from povgen.sheets.layered import Layered
-from povgen.sheets.parameters import ALPHA, FOCAL_LENGTHS, GAP, GLASS, INDEX, RATIO, of
+from povgen.sheets.parameters import (
+    ALPHA,
+    DESIGN_WAVELENGTH,
+    FOCAL_LENGTHS,
+    GAP,
+    GLASS,
+    INDEX,
+    RATIO,
+    design_index,
+    of,
+)
 from povgen.sheets.prisms import ERROR, OF_LENSES, check_ranges
 from povgen.sheets.rotation import Rotation
 from povgen.sheets.sheet import Ideal, Parameter, Said
@@ -52,6 +62,7 @@ class Lenticular(Layered):
         ),
         INDEX,
         GLASS,
+        DESIGN_WAVELENGTH,
         GAP,
         ERROR,
     )
@@ -93,10 +104,10 @@ class Lenticular(Layered):
 
         ratio, f_number = self.values["ratio"], self.values["f_number"]
         try:
-            shape = confocal(ratio, f_number, self.values["index"], self.values["gap"], mismatch)
+            shape = confocal(ratio, f_number, design_index(self.values), self.values["gap"], mismatch)
         except ValueError as error:
             raise ValueError(f"f_number = {f_number:g} and ratio = {ratio:g}: {error}") from None
-        return shape.scaled(self.pitch)
+        return replace(shape, index=self.values["index"], pitch=self.pitch)
 
     @property
     def thin(self) -> Ideal:

@@ -1,12 +1,15 @@
 """Parameters that several kinds of sheets share."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from povgen.limits import MIN_GAP
-from povgen.optics.glasses import GLASSES
+from povgen.optics import glasses
 from povgen.optics.prism import Prism
 from povgen.sheets.sheet import Parameter, Said
 
+WAVELENGTH = 587.6  # nm, the default of light and of the design: the yellow line d of helium
 ALPHA = Parameter(
     "alpha",
     "ray-rotation angle alpha, -360 to 360 degrees",
@@ -27,7 +30,15 @@ GLASS = Parameter(
     "glass of the prisms or lenses, such as BK7, in place of index; povgen list shows the glasses with their n",
     "none",
     kind="choice",
-    choices=("none", *GLASSES),
+    choices=("none", *glasses.GLASSES),
+)
+DESIGN_WAVELENGTH = Parameter(
+    "design_wavelength",
+    "wavelength the sheets are made for, 180 to 10000 nm",
+    WAVELENGTH,
+    180,
+    10000,
+    "nm",
 )
 GAP = Parameter(
     "gap",
@@ -39,6 +50,19 @@ GAP = Parameter(
 
 
 FOCAL_LENGTHS = Said("lenses' focal lengths f₁/f₂ = {}")  # of lenses in two arrays
+
+
+def design_index(values: Mapping[str, Any]) -> float:
+    """Return the index for which prisms or lenses with these values are made; `index` is that for light.
+
+    Raises ValueError if the glass's formula does not hold at the design wavelength.
+    """
+    if values["glass"] == "none":
+        return float(values["index"])
+    try:
+        return glasses.index(values["glass"], values["design_wavelength"] * 1e-9)
+    except ValueError as error:
+        raise ValueError(f"design_{error}") from None
 
 
 def of(parameter: Parameter, text: str = "", said: Said | None = None) -> Parameter:

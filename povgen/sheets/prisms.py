@@ -10,7 +10,7 @@ from povgen.limits import MAX_PRISMS
 from povgen.optics.prism import MOST_DEVIATION, Prism
 from povgen.sheets.layered import Layered
 from povgen.sheets.mirror import Mirror
-from povgen.sheets.parameters import ALPHA, GAP, GLASS, INDEX
+from povgen.sheets.parameters import ALPHA, DESIGN_WAVELENGTH, GAP, GLASS, INDEX, design_index
 from povgen.sheets.rotation import Rotation
 from povgen.sheets.sheet import Parameter, Said
 
@@ -29,9 +29,10 @@ PRISMS = (
     ),
     INDEX,
     GLASS,
+    DESIGN_WAVELENGTH,
     Parameter(
         "base_angle",
-        "angle between a prism's base and its slanted facets, 15 to 75 degrees",
+        "angle between base and facets, 15 to 75 degrees",
         Prism.base_angle,
         15,
         75,
@@ -106,7 +107,16 @@ def check_ranges(errors: Mapping[str, float], allowed: Sequence[str], of: str) -
             raise ValueError(f"error: {name} = {value:g}; allowed: {least:g} to {most:g}{unit and ' '}{unit}")
 
 
-SHAPE = ("index", "base_angle", "gap", "aspect")  # of a prism, beside its pitch
+SHAPE = ("index", "glass", "design_wavelength", "base_angle", "gap", "aspect")  # decide a prism's, beside its pitch
+
+
+def shape_of(values: Mapping[str, Any], pitch: float) -> Prism:
+    """Return the shape of prisms with these values of `SHAPE`, with their index for light.
+
+    The prisms are made for the design wavelength, at which they have the stated aspect.
+    """
+    made = Prism(pitch, design_index(values), values["base_angle"], values["gap"], values["aspect"])
+    return made.with_length_kept(index=values["index"])
 
 
 class Prisms(Layered):
@@ -117,7 +127,7 @@ class Prisms(Layered):
 
     @cached_property
     def shape(self) -> Prism:
-        return Prism(self.pitch, **{name: self.values[name] for name in SHAPE})
+        return shape_of(self.values, self.pitch)
 
 
 class PrismPair(Prisms):
@@ -141,8 +151,7 @@ class PrismPair(Prisms):
     def _shape_of(self, index: float, base_angle: float) -> Prism:
         """Return the shape of a sheet's prisms, for these errors. The base has the planned length."""
         plan = self.shape
-        wrong = replace(plan, index=plan.index + index, base_angle=plan.base_angle + base_angle)
-        return replace(wrong, aspect=plan.aspect * plan.full_aperture / wrong.full_aperture)
+        return plan.with_length_kept(index=plan.index + index, base_angle=plan.base_angle + base_angle)
 
     def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
         from povgen.optics import trace

@@ -15,6 +15,7 @@ from povgen.scene.scenes import Scene
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS
+from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Said
 from povgen.video.side import image_of
@@ -268,9 +269,13 @@ def facts(scene: Scene) -> dict[str, str]:
         texts = {**_values(scene), **texts}
     glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
     if glasses:
-        found = dict.fromkeys(f"{values['index']:.4f} ({values['glass']})" for values in glasses)
-        texts["n"] = f"{', '.join(found)} at {scene.wavelength:.1f} nm"
+        texts["n"] = f"{', '.join(dict.fromkeys(map(_glass, glasses)))} at {scene.wavelength:.1f} nm"
     return texts
+
+
+def _glass(values: Mapping[str, Any]) -> str:
+    made = values["design_wavelength"]
+    return f"{values['index']:.4f} ({values['glass']}{f', made for {made:g} nm' if made != WAVELENGTH else ''})"
 
 
 def _values(scene: Scene) -> dict[str, str]:

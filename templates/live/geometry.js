@@ -7,12 +7,13 @@ export const radians = (degrees) => degrees * (Math.PI / 180);
 
 // The shape of the prisms with these values of a scene or a window: povgen/optics/prism.py.
 export function prism(values) {
-  const { aperture, prisms, index, base_angle, gap, aspect } = values;
+  const { aperture, prisms, index, design_index = index, base_angle, gap } = values;
   const pitch = aperture / prisms;
   const base = radians(base_angle);
-  const slope = Math.PI / 2 - base - Math.asin(Math.cos(base) / index);
+  const fullAperture = (n) => 1 / Math.tan(base) + 1 / Math.tan(Math.PI / 2 - base - Math.asin(Math.cos(base) / n));
   const height = pitch * (1 - gap);
-  const length = height * aspect * (1 / Math.tan(base) + 1 / Math.tan(slope));
+  const length = height * values.aspect * fullAperture(design_index);
+  const aspect = values.aspect * (fullAperture(design_index) / fullAperture(index));
   return {
     pitch, height, length, index,
     slab_shift: height * aspect * Math.tan(base),
@@ -33,8 +34,8 @@ function lenses(vertex, focal, index, side) {
 function profile({ sheet, values }) {
   if (sheet === "profile") return { ...values.profile, count: values.periods };
   if (sheet !== "lenticular") return null;
-  const { index, gap, ratio, f_number, lenses: count } = values, half = (1 + ratio) * f_number / 2;
-  const edges = [lenses(-half, f_number, index, -1), lenses(half, ratio * f_number, index, 1)];
+  const { index, design_index = index, gap, ratio, f_number, lenses: count } = values, half = (1 + ratio) * f_number / 2;
+  const edges = [lenses(-half, f_number, design_index, -1), lenses(half, ratio * f_number, design_index, 1)];
   return { edges, half, index, gap, count };
 }
 

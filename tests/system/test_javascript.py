@@ -461,6 +461,14 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
         Spheres(z1=tuple(np.linspace(1, 40, 14)), background="black", line=(0.2, 0.1)),
         Spheres(sheet="ideal", window=("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), prisms=2500, z2=12),
         Spheres(sheet="none", window="z=3,sheet=ideal", alpha=50),
+        Chess(
+            glass="BK7",
+            wavelength=450,
+            aspect=0.9,
+            z2=9,
+            window=("z=3,sheet=lenticular,glass=N-SF11,design_wavelength=500", "z=6,sheet=lenticular,index=1.6"),
+        ),
+        Chess(sheet="ideal", glass="N-SF11", wavelength=450, window="z=3,sheet=single"),
         *(Chess(**{"sheet": name, **kind.examples[0]}) for name, kind in SHEETS.items()),
     ]
     started = Node(None, scripts.script("live/values.js", laws=to_live(scenes)))

@@ -1,13 +1,17 @@
 """Glasses by name: the catalogue's indices, and scenes whose prisms have them."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
 
 from povgen import Chess, InputError, MovieSpec, to_pov
 from povgen.optics.glasses import GLASSES, index
+from povgen.optics.prism import Prism
 from povgen.scene.shader import uniforms
+from povgen.scene.survey import Survey
+from povgen.sheets import USED_BY
 from povgen.video.captions import facts
 
 # n of the yellow line d and Abbe's number, as Schott's data sheets state them; of the others, as their papers do
@@ -74,6 +78,105 @@ def test_windows_can_have_glass_of_their_own():
     assert scene.replace(wavelength=600).sheets[3].values["index"] == pytest.approx(index("N-SF11", 600e-9), abs=1e-12)
 
 
+def built(scene):
+    """Return the numbers of what is built, and the indices: of the ray trace, of the shaders, and of the .pov text."""
+    shapes = [layer.shape for sheet in scene.sheets for layer in sheet.layers_at(0.0, 0)]
+    edges = [edge for shape in shapes for edge in getattr(shape, "edges", ())]
+    numbers = [scene.depth, *(x for edge in edges for x in (*edge.start, *edge.end, edge.radius, edge.period))]
+    numbers += [x for shape in shapes for x in (shape.pitch, shape.length)]
+    given, text = (
+        to(scene, *names, found=Survey(20, 0.5)) for to, *names in ((uniforms, ["knight"], [[0] * 4]), (to_pov,))
+    )
+    indices = [shape.index for shape in shapes] + given.pop("glassIndices")
+    numbers += [x for name in sorted(given) for x in np.ravel(given[name])]
+    for line in re.sub("//.*", "", text).splitlines():
+        values = [float(x) for x in re.findall(r"-?\b\d[\d.]*(?:e-?\d+)?", line)]
+        if re.search(r"Index\w* += [\d.]+;", line):
+            indices += values
+        elif re.fullmatch(r" +\{ \d+(, [\d.]+){6} \},?", line) and values[0]:  # the prisms of a window
+            _, n, base_angle, aspect, gap, *_ = values
+            indices.append(n)
+            numbers += [*values[4:], Prism(1.0, n, base_angle, gap, aspect).length]
+        elif "Aspect  " in line:
+            n, base_angle = (float(re.search(rf"{name} += ([\d.]+)", text)[1]) for name in ("GlassIndex", "BaseAngle"))
+            numbers.append(Prism(1.0, n, base_angle, aspect=values[0]).length)
+        else:
+            numbers += values
+    return np.array(numbers, float), np.array(indices)
+
+
+@pytest.mark.parametrize("name", USED_BY["glass"])
+@pytest.mark.parametrize(
+    ("values", "glasses"),
+    [
+        ({}, ["BK7"]),
+        ({"design_wavelength": 486, "aspect": 0.9, "f_number": 4}, ["BK7"]),
+        ({"window": "z=3"}, ["BK7"]),
+        ({"window": ("z=3,design_wavelength=650", "z=6,glass=N-SF11")}, ["BK7", "N-SF11"]),
+        ({"sheet": "ideal", "window": "z=3,sheet={}"}, ["BK7"]),
+        ({"sheet": "none", "glass": "none", "window": "z=3,sheet={},glass=N-SF11"}, ["N-SF11"]),
+    ],
+    ids=str,
+)
+def test_sheets_are_made_once_for_light_of_every_colour(name, values, glasses):
+    """The ray trace, the shaders and the .pov text have one shape, and the indices of each wavelength."""
+    values = {"sheet": name, "glass": "BK7", "z2": 9, **values}
+    values = {key: value.format(name) if isinstance(value, str) else value for key, value in values.items()}
+    scene = Chess(**values)
+    planned, _ = built(scene)
+    for w in (400, 1000):
+        shape, indices = built(scene.replace(wavelength=w))
+        assert shape == pytest.approx(planned, rel=1e-12, abs=1e-12)
+        assert {*indices.round(9)} - {1.5} == {round(index(glass, w * 1e-9), 9) for glass in glasses}
+
+
+@pytest.mark.parametrize(
+    ("sheet", "error"),
+    [("detailed", {"far_index": 0.05, "base_angle": 2, "facets": 0.1}), ("lenticular", {"pitch": 0.01})],
+)
+def test_sheets_with_errors_of_building_are_made_once(sheet, error):
+    """An error of the index adds to the index of the light. The design's length or radius stays."""
+    shapes = [
+        [
+            layer.shape
+            for layer in Chess(sheet=sheet, glass="BK7", wavelength=w, error=error).sheets[0].layers_at(0.0, 0)
+        ]
+        for w in (400, 1000)
+    ]
+    for blue, red in zip(*shapes, strict=True):
+        assert blue.length == pytest.approx(red.length, rel=1e-14) and getattr(blue, "edges", 0) == getattr(
+            red, "edges", 0
+        )
+        assert blue.index - red.index == pytest.approx(index("BK7", 400e-9) - index("BK7", 1e-6))
+
+
+def test_a_design_wavelength_is_that_of_an_index():
+    """Sheets made for 486 nm, in light of 486 nm, are those of the index for 486 nm."""
+    blue = {"glass": "BK7", "design_wavelength": 486, "wavelength": 486}
+    for sheet in USED_BY["glass"]:
+        scene = Chess(sheet=sheet, **blue)
+        assert scene.sheets[0].shape == Chess(sheet=sheet, index=scene.index).sheets[0].shape
+        assert scene.sheets[0].shape != Chess(sheet=sheet, **blue | {"design_wavelength": 600}).sheets[0].shape
+    assert (
+        Chess(**blue).replace(index=1.7) == Chess(**blue).replace(glass="none").replace(index=1.7) == Chess(index=1.7)
+    )
+    assert Chess(**blue).replace(glass="F2").design_wavelength == 486
+    assert Chess(**Chess(**blue).model_dump()) == Chess(**blue)
+    plain = Chess(**blue, window="z=2,glass=none").sheets[1]  # without a glass, it has the index that is usual
+    assert plain.shape == Chess().sheets[0].shape
+
+
+@pytest.mark.parametrize(("f_number", "minutes"), [(3, 16.2), (6, 5.7)])
+def test_lenses_turn_light_of_each_colour_differently(f_number, minutes):
+    """The RMS change of directions from F to C on the designed path, as another program's ray trace finds it."""
+    scene = Chess(sheet="lenticular", glass="BK7", f_number=f_number)
+    assert scene.sheets[0].shape.edges[0].radius == pytest.approx(f_number / 3 * 1.02215, abs=1e-5)
+    F, C = (scene.replace(wavelength=w).trace(scene.rays((200, 150))) for w in (486.1327, 656.2725))
+    both = F.designed & C.designed
+    change = np.linalg.norm((F.direction - C.direction)[both], axis=1)
+    assert 60 * np.degrees(np.sqrt(np.mean(change**2))) == pytest.approx(minutes, abs=0.15)
+
+
 def test_a_new_index_replaces_the_glass_of_a_window_and_of_a_movie():
     scene = Chess(window=["z=2,glass=BK7", "z=3,index=1.6"])
     glass, plain = scene.window
@@ -115,6 +218,24 @@ def test_a_wavelength_can_be_swept():
     [
         ({"glass": "BK7", "index": 1.6}, "index = 1.6, glass = 'BK7': allowed: one of them"),
         ({"wavelength": 500}, "wavelength = 500: for no glass; allowed: with glass, such as glass = BK7"),
+        ({"design_wavelength": 500}, "design_wavelength = 500: for no glass; allowed: with glass, such as glass = BK7"),
+        (
+            {"glass": "BK7", "z2": 9, "window": "z=2,index=1.6,design_wavelength=500"},
+            "window 2, design_wavelength = 500: for no glass; allowed: with glass, such as glass = BK7",
+        ),
+        (
+            {"glass": "PMMA", "design_wavelength": 400},
+            "design_wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
+        ),
+        (
+            {"sheet": "none", "window": "z=2,glass=PMMA,design_wavelength=400"},
+            "window 2, design_wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
+        ),
+        (
+            {"glass": "N-SF11", "wavelength": 400, "aspect": 0.3},
+            "aspect = 0.3: the slanted facets of prisms with index = 1.78471 and base_angle = 45 would cross; "
+            "allowed: 0.5685 < aspect < 2",
+        ),
         (
             {"glass": "PMMA", "wavelength": 400},
             "wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
@@ -134,3 +255,5 @@ def test_what_cannot_be_is_refused(values, message):
 def test_the_caption_says_n_only_of_a_named_glass():
     assert "n" not in facts(Chess()) and "n" not in facts(Chess(glass="BK7", sheet="ideal"))
     assert facts(Chess(glass="BK7"))["n"] == "1.5168 (BK7) at 587.6 nm"
+    blue = Chess(glass="BK7", design_wavelength=500, wavelength=600)
+    assert facts(blue)["n"] == "1.5163 (BK7, made for 500 nm) at 600.0 nm"

@@ -8,9 +8,10 @@ def command() -> None:
     from povgen.cli.options import columns, described, item
     from povgen.optics.glasses import GLASSES, index
     from povgen.scene.pieces import PIECES
-    from povgen.scene.scenes import SCENES, WAVELENGTH
+    from povgen.scene.scenes import SCENES
     from povgen.scene.spec import MOVIES, MovieSpec
     from povgen.sheets import SHEETS
+    from povgen.sheets.parameters import WAVELENGTH
 
     def show(name: str, about: str) -> None:
         tell("\n".join(item(name, about, columns())))
