@@ -15,6 +15,7 @@ from povgen import (
     MovieSpec,
     Rendering,
     Spheres,
+    cheapest,
     live,
     movie,
     points,
@@ -55,6 +56,9 @@ mean: float = float(results([scene, turned], "nu", "M")["nu"].mean())
 share: float = float(scene.trace(scene.rays((64, 48))).designed.mean())
 spot: complex = scene.spot((0, 0, 2), -2, 1000).centre
 z: float = scene.trace(Bundle((0, 0, -6), [(0.1, 0, 1)])).convergence().z
+drawn, options = cheapest(scene, "1px", renderer="auto")
+render(drawn, **options)
+render(drawn, renderer="auto")  # type: ignore[call-overload]
 depth = points(scene, (64, 48))[..., 2]
 try:
     Chess(alpha=400)

@@ -10,6 +10,7 @@ from povgen.errors import at_most
 from povgen.validation import Model
 
 Factor = Literal["1.5x", "2x", "3x", "4x"]
+Renderer = Literal["povray", "gl"]
 
 
 class Preset(NamedTuple):
@@ -45,7 +46,8 @@ def _even(pixels: int) -> int:
     return pixels
 
 
-def _size(value: object) -> object:
+def as_size(value: object) -> object:
+    """Return text such as '64x48' as a list of texts, and other values as they are."""
     return value.lower().split("x") if isinstance(value, str) else value
 
 
@@ -90,7 +92,7 @@ class Sampling(Model):
         def replace(self) -> type[Self]: ...
 
     quality: Quality = Field(default="standard", description=", ".join(QUALITIES))
-    size: Annotated[tuple[Pixels, Pixels], BeforeValidator(_size)] = Field(
+    size: Annotated[tuple[Pixels, Pixels], BeforeValidator(as_size)] = Field(
         default=QUALITIES["standard"].size,
         description="WIDTHxHEIGHT, even numbers of pixels from 32 to 7680, with --renderer gl to 16384 "
         "(default: the quality's)",
@@ -176,13 +178,10 @@ def preset_of(quality: str) -> Preset:
     return QUALITIES[Sampling(quality=quality).quality]
 
 
-class Options(TypedDict, total=False):
-    """The fields of `Rendering`, for type checkers: the options of `render` and of other functions."""
-
+class _Shared(TypedDict, total=False):
     quality: str
     size: str | Sequence[int]
     antialias: Antialias
-    renderer: Literal["povray", "gl"]
     bits: Literal[8, 16, 32]
     timeout: float
     caption: Literal["none", "short", "full"]
@@ -193,10 +192,22 @@ class Options(TypedDict, total=False):
     eye_distance: float
 
 
+class Options(_Shared, total=False):
+    """The fields of `Rendering`, for type checkers: the options of `render` and of other functions."""
+
+    renderer: Renderer
+
+
+class AutoOptions(_Shared, total=False):
+    """The options of `cheapest`."""
+
+    renderer: Renderer | Literal["auto"]
+
+
 class Rendering(Sampling):
     """How a scene is rendered. Size and antialiasing follow from the quality if they are not given."""
 
-    renderer: Literal["povray", "gl"] = Field(
+    renderer: Renderer = Field(
         default="povray",
         description="povray, or gl: the live view's shaders, on a graphics processor if there is one; no --fresnel",
     )

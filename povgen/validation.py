@@ -48,6 +48,8 @@ class Model(BaseModel):
             if name in self.model_fields_set and (value := getattr(self, name)) != field.default:
                 yield name, value
 
+    __str__ = BaseModel.__repr__
+
     def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]
         """Return an iterator over the fields' names and values. The class makes an equal model from dict(model)."""
         return ((name, getattr(self, name)) for name in type(self).model_fields)

@@ -52,6 +52,13 @@ class _Lines:
         """The shape of the bundle, such as (height, width) if there is a ray for each pixel."""
         return self.position.shape[:-1]
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {' x '.join(map(str, self.shape)) or 1} rays>"
+
+    def __len__(self) -> int:
+        """Return the length of the first axis, as numpy does."""
+        return len(self.position[..., 0])
+
     @property
     def slope(self) -> Complexes:
         """(dx + i dy)/dz of each ray, without a unit. It is the same whichever way the ray runs."""

@@ -43,7 +43,7 @@ class End(IntEnum):
     BLOCKED = 5  # meets an ideal sheet through which no light of this direction passes
 
 
-@dataclass
+@dataclass(eq=False)  # arrays have no single answer to ==
 class Rays:
     """Where and how n rays end."""
 

@@ -15,7 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
-from typing import Unpack
+from typing import Any, Unpack, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from povgen.rendering.volumes import volumes
 from povgen.scene import camera
 from povgen.scene.scenes import Scene, checked_scene, pieces
 from povgen.scene.sdl import Mosaic, to_pov
-from povgen.settings import Options, Rendering
+from povgen.settings import AutoOptions, Options, Rendering
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
@@ -103,21 +103,24 @@ class _MosaicRendering(Rendering):
     size: tuple[int, int]
 
 
-def cheapest(scene: Scene, tolerance: str, **options: Unpack[Options]) -> tuple[Scene, Options]:
+def cheapest(scene: Scene, tolerance: str, **options: Unpack[AutoOptions]) -> tuple[Scene, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
     This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
     Example: `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, and `render(scene, **options)`.
     The tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
-    Options are the fields of `Rendering`; with antialias, no other sampling is tried. Raises InputError if an argument
-    is not allowed, for several windows, if no choice meets the tolerance, and for a tolerance of FLIP if flip-evaluator
-    is missing. Raises PovrayError if POV-Ray fails.
+    Options are the fields of `Rendering`. With antialias, no other sampling is tried. With renderer="auto", the
+    renderer is chosen too. Raises InputError if an argument is not allowed, for several windows, if no choice meets
+    the tolerance, and for a tolerance of FLIP if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
-    limit, rendering = Tolerance.parse(tolerance), Rendering(**options)
+    renderer: Any = options.get("renderer", "povray")
+    renderers = RENDERERS if renderer == "auto" else (renderer,)
+    limit, rendering = Tolerance.parse(tolerance), Rendering(**{**options, "renderer": renderers[-1]})
     prisms = checked_scene(scene).replace(sheet="detailed")
     antialias = rendering.sampling if "antialias" in options else None
-    choice, _ = choose(views(prisms, rendering), rendering, limit, antialias, (rendering.renderer,))
-    return prisms.replace(sheet=choice.sheet), {**options, "antialias": choice.antialias}
+    choice, _ = choose(views(prisms, rendering), rendering, limit, antialias, renderers)
+    chosen = {**options, "antialias": choice.antialias, "renderer": choice.renderer}
+    return prisms.replace(sheet=choice.sheet), cast(Options, chosen)
 
 
 def choose(

@@ -7,7 +7,7 @@ last window.
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -43,6 +43,7 @@ from povgen.scene.windows import (
     has_glass,
     replaced_by,
 )
+from povgen.settings import as_size
 from povgen.sheets import SHEETS
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
@@ -51,7 +52,7 @@ from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
 from povgen.sheets.prisms import SHAPE, PrismPair, Prisms, shape_of
 from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
-from povgen.validation import as_pair
+from povgen.validation import Model, as_pair
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.random import Generator
@@ -70,6 +71,7 @@ PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tile
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 MAX_SIDE = 16384  # of a picture, pixels
+Side = Annotated[int, Field(ge=1, le=MAX_SIDE)]
 Z1 = Annotated[float, Field(gt=0, le=5000)]
 MAX_ASIDE = 10  # tiles
 Aside = Annotated[float, Field(ge=-MAX_ASIDE, le=MAX_ASIDE)]
@@ -172,6 +174,12 @@ def _distances(z1: "ArrayLike") -> "Floats":
     if (checked == inf).any():
         raise ValueError("z1 = inf; allowed: finite numbers, tiles")
     return checked
+
+
+class _Picture(Model):
+    size: Annotated[tuple[Side, Side], BeforeValidator(as_size)] = Field(
+        description=f"WIDTHxHEIGHT, whole numbers of pixels from 1 to {MAX_SIDE}"
+    )
 
 
 class Scene(ParametersOfSheets):
@@ -516,20 +524,15 @@ class Scene(ParametersOfSheets):
         return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @input_errors()
-    def rays(self, size: tuple[int, int]) -> "Bundle":
-        """Return a ray from the eye for each pixel of a picture: `size` is its width and height in pixels.
+    def rays(self, size: str | Sequence[int]) -> "Bundle":
+        """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
 
         The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
         one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE.
         """
-        from povgen.optics.rays import checked_count
         from povgen.scene import camera
 
-        try:
-            width, height = size
-        except (TypeError, ValueError):
-            raise InputError(f"size = {shown(size)}: allowed: width and height, in pixels") from None
-        return camera.bundle(self, (checked_count("width", width, MAX_SIDE), checked_count("height", height, MAX_SIDE)))
+        return camera.bundle(self, _Picture(size=size).size)
 
     @input_errors()
     def pencil(

@@ -614,6 +614,17 @@ def test_what_tolerance_cannot_do_is_said_before_it_traces(tmp_path, monkeypatch
     assert "errors.csv" in refused(["tolerance", "chess", "-o", "errors.png"], tmp_path)
 
 
+def test_the_seed_of_random_builds(tmp_path, monkeypatch):
+    from povgen.measure import tolerance
+
+    def drawn(scene, spread):
+        raise InputError(f"the seed is {spread.seed}")
+
+    monkeypatch.setattr(tolerance, "drawn", drawn)
+    assert "the seed is 5" in refused(["tolerance", "chess", "--deviation", "turn=0.1", "--seed", "5"], tmp_path)
+    assert "seed = 5: no build has an error" in refused(["tolerance", "chess", "--seed", "5"], tmp_path)
+
+
 def test_tolerance_says_which_options_have_no_effect(tmp_path):
     said = refused(["tolerance", "chess", "--focal-length", "4", "--deviation", "turn=2"], tmp_path)
     assert "focal_length = 4: no effect" in said and "turn = 2; allowed" in said

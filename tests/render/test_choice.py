@@ -152,11 +152,15 @@ def test_the_renderer_is_chosen_too(tolerance, drawing):
     assert not place or error(GL_PRISM_SAMPLINGS[place - 1]) > tolerance
 
 
-def test_the_choice_in_python():
+def test_the_choice_in_python(monkeypatch):
     scene, options = cheapest(Chess(prisms=300), "2px", size=(160, 120), antialias="off")
-    assert (scene.sheet, options) == ("ideal", {"size": (160, 120), "antialias": "off"})
+    assert (scene.sheet, options) == ("ideal", {"size": (160, 120), "antialias": "off", "renderer": "povray"})
     assert cheapest(Chess(sheet="ideal"), "0.001px", antialias=(1, 0.3, 2))[0].sheet == "detailed"
     assert cheapest(Chess(alpha=0), "5px")[0].sheet == "none"
+    monkeypatch.setattr("povgen.rendering.auto._gl_can_draw", lambda *_: True)
+    assert cheapest(Chess(), "5px", renderer="auto")[1] == {"antialias": "off", "renderer": "gl"}
+    monkeypatch.setattr("povgen.rendering.auto._gl_can_draw", lambda *_: False)
+    assert cheapest(Chess(), "5px", renderer="auto")[1]["renderer"] == "povray"
     with pytest.raises(InputError, match="tolerance = '1': not a tolerance"):
         cheapest(Chess(), "1")
 

@@ -265,7 +265,7 @@ def test_equal_values_have_equal_hashes(tmp_path):
 
 
 def test_repr_shows_what_differs_from_the_default():
-    assert repr(Chess()) == repr(Chess(alpha=66)) == "Chess()"
+    assert repr(Chess()) == str(Chess()) == repr(Chess(alpha=66)) == "Chess()"
     assert repr(Chess(alpha="90", sheet="ideal")) == "Chess(alpha=90.0, sheet='ideal')"
     assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
     assert repr(Chess(prisms=3, z1=9)) == "Chess(prisms=3, z1=9.0)"  # also if the picture's height follows from it

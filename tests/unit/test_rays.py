@@ -38,6 +38,7 @@ def test_light_takes_the_path_of_the_cameras_rays(values):
 def test_a_ray_for_each_pixel():
     scene = Chess(sheet="none", eye=(0.5, -0.3), z2=5)
     rays = scene.rays((8, 6))
+    assert (scene.rays("8x6").direction == rays.direction).all()
     np.testing.assert_allclose(rays.at(0), camera.pixels(scene, (8, 6)))
     np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=-1), 1)
     assert (rays.position == (0.5, -0.3, -5)).all()
@@ -94,6 +95,9 @@ def test_a_bundle_keeps_its_own_numbers():
     ):
         Bundle(np.zeros((2, 3)), np.ones((3, 3)))
     assert (Spot(np.zeros(2), 0.0, 1.0) == Spot(np.zeros(2), 0.0, 1.0)) is False
+    for bundle in (pixels, Chess().trace(pixels)):
+        assert bundle == bundle and bundle != Chess().trace(pixels) and len({bundle, bundle}) == 1
+        assert len(bundle) == 4 and repr(bundle[:3]) == str(bundle[:3]) == f"<{type(bundle).__name__}: 3 x 4 rays>"
 
 
 @pytest.mark.filterwarnings("error")
@@ -272,8 +276,8 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda s: s.rays(64), "size = 64: allowed: width and height, in pixels"),
-        (lambda s: s.rays((64, 4.5)), "height = 4.5: allowed: a whole number from 1 to 16384"),
+        (lambda s: s.rays(64), "size = 64: should be a list (WIDTHxHEIGHT, whole numbers of pixels from 1 to 16384)"),
+        (lambda s: s.rays((64, 4.5)), "size = (64, 4.5): 4.5 should be a whole number (WIDTHxHEIGHT, whole numbers"),
         (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
         (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
         (lambda s: s.pencil(0.5), "allowed: x, y and z"),
@@ -320,8 +324,8 @@ def test_wrong_values_are_refused(call, words):
         (lambda scene: scene.apparent_position(0, np.inf), "z1 = inf; allowed: finite"),
         (lambda scene: scene.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
         (lambda scene: scene.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
-        (lambda scene: scene.rays((1, 2, 3)), r"size = \(1, 2, 3\): allowed: width and height, in pixels"),
-        (lambda scene: scene.rays(()), r"size = \(\): allowed: width and height, in pixels"),
+        (lambda scene: scene.rays((1, 2, 3)), r"size = \(1, 2, 3\): .*WIDTHxHEIGHT"),
+        (lambda scene: scene.rays(()), r"size = \(\): .*WIDTHxHEIGHT"),
     ],
 )
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "refraction"])

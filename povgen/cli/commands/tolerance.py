@@ -25,6 +25,9 @@ def command(
     builds: Annotated[
         str | None, typer.Option(metavar="N", help="how many random builds, 1 to 100000 (default 200)")
     ] = None,
+    seed: Annotated[
+        str | None, typer.Option(metavar="N", help="of the random numbers of the builds (default 1)")
+    ] = None,
     workers: Annotated[
         str | None,
         typer.Option(
@@ -54,9 +57,11 @@ def command(
 
     made, count = scene_of(scene, values), worker_count(workers)
     warn_unused(values, [made])
-    spread = tolerance.Spread(deviation=deviation or [], **{} if builds is None else {"builds": builds})
-    if builds and not deviation:
-        raise InputError(f"builds = {builds}: no build has an error; allowed with --deviation")
+    given = {name: value for name, value in (("builds", builds), ("seed", seed)) if value is not None}
+    spread = tolerance.Spread(deviation=deviation or [], **given)
+    if given and not deviation:
+        name = next(iter(given))
+        raise InputError(f"{name} = {given[name]}: no build has an error; allowed with --deviation")
     random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
@@ -74,11 +79,11 @@ def command(
         charts.save_sensitivities(found, output)
     if random:
         differing = tolerance.builds(made, random, count, scheduler)
-        given = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
+        deviations = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
         table = Table(
             "of the builds",
             *columns,
-            title=f"{spread.builds} build{'s' * (spread.builds > 1)} with the standard deviations {given}",
+            title=f"{spread.builds} build{'s' * (spread.builds > 1)} with the standard deviations {deviations}",
         )
         for percentile in tolerance.PERCENTILES:
             row = (f"{tolerance.percentile(change, percentile):.3g}" for change in differing)
