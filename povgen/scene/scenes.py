@@ -199,7 +199,7 @@ class Scene(ParametersOfSheets):
         "the picture's colours do not change",
     )
     fresnel: bool = Field(
-        default=False, description="partial reflection at every face of the prisms; takes seven to nine times as long"
+        default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"
     )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         default=APERTURE,

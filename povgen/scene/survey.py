@@ -188,8 +188,11 @@ def _level(
 def max_trace_level(scene: Scene, found: Survey | None = None) -> int:
     """Return POV-Ray's max_trace_level (5 or more). A ray that meets this many faces is black.
 
-    `found` is the scene's survey; without it, rays are traced. A probe (a scene for measuring) can set the level with
-    `trace_level`.
+    `found` is the scene's survey; without it, rays are traced. Surveys leave partial reflection out. With it, the light
+    that a ray carries ends the ray (`limits.LEAST_LIGHT`), and the level is as high as it may be. A probe (a scene for
+    measuring) can set the level with `trace_level`.
     """
     level: int | None = getattr(scene, "trace_level", None)
-    return level or ((found or survey(scene)).trace_level if scene.has_prisms else 5)
+    if level or not scene.has_prisms:
+        return level or 5
+    return MAX_FACES if scene.fresnel else (found or survey(scene)).trace_level

@@ -8,7 +8,7 @@ from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
-from povgen.scene import survey, warnings
+from povgen.scene import camera, survey, warnings
 from povgen.scene.cells import camera_cells, grid_error
 from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import VIEW
@@ -101,6 +101,26 @@ def test_the_trace_level_leaves_few_pixels_black():
         assert lost.mean() <= limits.MAX_LOST_FRACTION, (scene, lost.mean())
         levels.append(survey.max_trace_level(scene))
     assert levels[-1] < 40 < 100 < max(levels) <= limits.MAX_FACES + 1
+
+
+@pytest.mark.parametrize(
+    ("values", "brightness"),
+    [
+        ({}, 0.807),
+        ({"sheet": "single", "z2": 60}, 0.937),
+        ({"z2": 60}, 0.873),
+        ({"sheet": "lenticular"}, 0.947),
+        ({"sheet": "profile", "profile": "lenticulars"}, 0.924),
+        ({"index": 3, "z2": 60}, 0.455),
+    ],
+)
+def test_the_trace_level_costs_no_partially_reflected_light(values, brightness, rng):
+    """The values are the brightness of the window in white surroundings, by another ray tracer, without a level."""
+    scene = Chess(fresnel=True, **values)
+    P = rng.uniform(-1.2, 1.2, (20_000, 2)) @ (1, 1j)  # not close to the frame, which is black
+    found = scene.trace(camera.through(scene, P), survey.max_trace_level(scene), partial=rng)
+    seen = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
+    assert abs(seen.mean() - brightness) < 0.02
 
 
 def told_aside(scene):
