@@ -63,5 +63,5 @@ def reflected_light(size: Size = SMALL) -> Iterator[Measured]:
         found = scene.trace(camera.along(scene, directions), most, partial=np.random.default_rng(1))
         followed = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
         share = 100 * found.reflected[followed].mean()
-        what = f"--fresnel, z2 = {z2}: brightness of the window ({seen:.3f}, {share:.1f} % of it by reflections), ray trace"
+        what = f"--fresnel, z2 = {z2}: brightness of the window ({seen:.3f}, {share:.1f} % reflected), ray trace"
         yield Measured(sheet, what, abs(seen - followed.mean()), 0.005)
