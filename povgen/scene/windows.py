@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, Literal, NamedTuple, 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
 from povgen.errors import InputError
+from povgen.optics.glasses import named
 from povgen.sheets import PAPER, PARAMETERS, SHEETS
 from povgen.sheets.profile import NAMES, ProfileFile, as_profile
 from povgen.sheets.sheet import Parameter, Sheet
@@ -61,6 +62,11 @@ def _checked_size(parameter: Parameter) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _as_glass(value: object) -> object:
+    """Return the name of a glass as povgen writes it. Raises ValueError for an unknown name."""
+    return named(value) if isinstance(value, str) and value != "none" else value
+
+
 def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is composed here)
     """Return the type of a sheet's parameter, for pydantic."""
     bounds = Field(ge=parameter.least, le=parameter.most)
@@ -70,6 +76,8 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
             return Annotated[tuple[number, number, number], BeforeValidator(as_pair), _checked_size(parameter)]
         case "choice":
             return Literal[parameter.choices]
+        case "glass":
+            return Annotated[Literal[parameter.choices], BeforeValidator(_as_glass)]
         case "text":
             return str
         case "profile":

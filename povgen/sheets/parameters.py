@@ -29,7 +29,7 @@ GLASS = Parameter(
     "glass",
     "glass of the prisms or lenses, such as BK7, in place of index; povgen list shows the glasses with their n",
     "none",
-    kind="choice",
+    kind="glass",
     choices=("none", *glasses.GLASSES),
 )
 DESIGN_WAVELENGTH = Parameter(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics import faces
     from povgen.optics.paraxial import Matrix
 
-Kind = Literal["number", "whole number", "direction", "choice", "text", "table", "profile"]
+Kind = Literal["number", "whole number", "direction", "choice", "glass", "text", "table", "profile"]
 
 
 class Said(NamedTuple):

@@ -149,6 +149,7 @@ def test_the_mathematics_needs_numpy_only():
         standard = {
             "collections",
             "dataclasses",
+            "difflib",
             "enum",
             "functools",
             "itertools",
