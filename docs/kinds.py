@@ -14,7 +14,7 @@ the laws. [Adding](adding.md#a-sheet) says how to add a kind.
 
 A law is the direction (x, y, z) behind the sheet of a ray that runs away from the eye. Before the sheet the ray has
 the direction (x, y, z), of length 1. It meets the sheet at (X, Y), in tiles from the window's centre. Angles are in
-radians. No light passes where the new z is not above 0.
+radians. Light passes only where z of the new direction, divided by the direction's length, is above 1e-6.
 
 | `--sheet` | it | parameters | law | source |
 |---|---|---|---|---|

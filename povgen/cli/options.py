@@ -48,7 +48,13 @@ Scheduler = Annotated[
     typer.Option(metavar="ADDRESS", help="address of a Dask scheduler, tcp://HOST:PORT, whose workers compute"),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="print errors only")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="print how many frames, and about how long; render nothing")]
+DryRun = Annotated[
+    bool,
+    typer.Option(
+        "--dry-run",
+        help="print how many frames, and about how long they take, as small pictures show; render nothing else",
+    ),
+]
 Source = Annotated[
     Path | None,
     typer.Option(

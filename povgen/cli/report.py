@@ -92,7 +92,7 @@ def _unused_in_windows(scenes: list["Scene"], values: "Values") -> "Iterator[str
 
 def tell_if_long(scenes: list["Scene"], rendering: "Rendering") -> None:
     """Say how long rendering takes, if that is more than a minute."""
-    from povgen.rendering.estimate import describe, is_long
+    from povgen.rendering.estimate import if_long
 
-    if is_long(scenes, rendering):
-        say(f"povgen: {describe(scenes, rendering)}")
+    if text := if_long(scenes, rendering):
+        say(f"povgen: {text}")

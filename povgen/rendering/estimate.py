@@ -1,53 +1,129 @@
-"""How long rendering takes, before it begins.
-
-The numbers are CPU seconds of the machine in docs/speed.md. On that machine, POV-Ray takes about 2 s for a picture of
-640x480 pixels through 2x100 prisms, without antialiasing. On another machine, and for another scene, rendering can take
-half or twice as long. The renderer gl was measured without a GPU.
-"""
+"""How long rendering takes, before it begins: small pictures of up to three of the scenes are rendered and timed."""
 
 from collections.abc import Sequence
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+from typing import NamedTuple
 
-from povgen.rendering.parallel import cores
+from povgen.rendering import cache
+from povgen.rendering.frames import renderer_of
+from povgen.rendering.parallel import Runner, cores, thread_pool
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene
 from povgen.settings import Rendering
 
-# CPU seconds: for each picture, for each ray, and in addition for each window of glass that a ray passes
-COSTS = {"povray": (0.05, 1.3e-6, 9e-6), "gl": (0.03, 2e-7, 5e-7)}
-# With POV-Ray's own antialiasing, a pixel has on average 1 + this * depth^2 rays: without and through prisms.
-MORE_RAYS = 0.35, 0.8
+SIZES = (64, 48), (160, 120), (480, 360)  # of the small pictures; the third one if the second costs too little
+ENOUGH = 0.05  # CPU seconds that pictures of two sizes have to differ by, for each scene
+OUTPUT = 1.5e-7  # CPU seconds for a pixel of a finished picture: decoding, drawing and encoding
+WAIT = 0.65  # seconds that POV-Ray sleeps during each frame
 LONG = 60.0  # seconds of wall time
+# More CPU seconds than a ray takes: below 1e-4 also with partial reflections.
+DEAREST = {"povray": 1e-4, "gl": 1e-6}
 
 
-def cpu_seconds(scenes: Sequence[Scene], rendering: Rendering) -> float:
-    """Return about how many CPU seconds these pictures take. Equal ones are rendered once."""
-    return sum(_cpu_seconds(scene, rendering) for scene in {*scenes})
+class Cost(NamedTuple):
+    """What frames cost on average, CPU seconds."""
+
+    start: float  # of povgen, until it begins the first frame
+    text: float  # to trace the rays that find its trace level, and to write its text
+    picture: float  # for each picture; of gl for each process that draws
+    ray: float  # for each ray
 
 
-def _cpu_seconds(scene: Scene, rendering: Rendering) -> float:
-    sampling = rendering.suited(scene.has_prisms)
-    width, height = rendering.size
-    rays = float(sampling.rays)
-    if rendering.renderer == "povray":
-        antialias, more = sampling.antialias, MORE_RAYS[scene.has_prisms]
-        rays = 1 + more * antialias[2] ** 2 if isinstance(antialias, tuple) else sampling.supersampling**2
-    picture, ray, glass = COSTS[rendering.renderer]
-    layered = sum(sheet.layers > 0 for sheet in scene.sheets)
-    inside = min(1.0, height / width * (scene.aperture / scene.view) ** 2)  # the first window's part of the picture
-    return len(views(scene, rendering)) * (picture + width * height * rays * (ray + layered * inside * glass))
+class Estimate(NamedTuple):
+    """How long rendering takes, with povgen's start: CPU seconds, and seconds of wall time."""
+
+    cpu: float
+    wall: float
 
 
-def describe(scenes: Sequence[Scene], rendering: Rendering) -> str:
+def estimate(scenes: Sequence[Scene], rendering: Rendering) -> Estimate:
+    """Return about how long these pictures take, if none is in the cache. Equal ones are rendered once.
+
+    Raises what `frames.render_all` raises.
+    """
+    frames = _frames(scenes, rendering)
+    if not frames:  # of a shard
+        return Estimate(0.0, 0.0)
+    some = [*dict.fromkeys(frames[n] for n in (0, len(frames) // 2, -1))]
+    start, text, picture, ray = measured(some, rendering)
+    gl, at_once = rendering.renderer == "gl", min(cores(), len(frames))
+    single = picture * (at_once if gl else len(frames))  # each on one core
+    shared = text + OUTPUT * rendering.size[0] * rendering.size[1]
+    shared = shared * len(frames) + ray * rays(frames, rendering)
+    return Estimate(start + single + shared, start + single / at_once + shared / cores() + (0.0 if gl else WAIT))
+
+
+def _frames(scenes: Sequence[Scene], rendering: Rendering) -> list[Scene]:
+    """Return the different frames of these pictures."""
+    return [*dict.fromkeys(view for scene in dict.fromkeys(scenes) for view in views(scene, rendering))]
+
+
+def rays(frames: Sequence[Scene], rendering: Rendering) -> float:
+    """Return about how many rays these frames have. POV-Ray's antialiasing adds rays where neighbours differ.
+
+    Through prisms nearly all neighbours do. Without prisms those at edges do: their number grows as the width. The
+    factors were fitted to docs/chart/frames.csv.
+    """
+    suited = rendering.suited(any(scene.has_prisms for scene in frames))
+    width, height = suited.size
+    if suited.renderer == "gl":
+        more = suited.rays - 1.0
+    elif isinstance(suited.antialias, tuple):
+        method, threshold, depth = suited.antialias
+        more = (1 - threshold / 2) * (0.84 * depth**2 if method == 1 else 0.26 * 4**depth - 1)
+    else:
+        more = suited.supersampling**2 - 1
+    edges = min(1, 120 / width) if isinstance(suited.antialias, tuple) and suited.renderer == "povray" else 1
+    return width * height * sum(1 + more * (1 if scene.has_prisms else edges) for scene in frames)
+
+
+def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
+    """Return the mean cost of frames of these scenes, measured on small pictures. Raises as `estimate` does."""
+    small = Rendering(**rendering.model_dump(include={"renderer", "bits"}), antialias="off")
+    to_text, runner, workers = renderer_of(scenes, small, None, None)
+
+    def cpu(size: tuple[int, int]) -> float:
+        """Return the mean CPU seconds of the scenes' pictures of this size."""
+        before = _cpu(runner)
+        asked = small.replace(size=size)
+        for done in [pool.submit(_render, runner, text, asked) for text in texts]:
+            done.result()
+        return (_cpu(runner) - before) / len(scenes)
+
+    with thread_pool(runner, workers) as pool:
+        start = _cpu(runner)
+        texts = [to_text(scene) for scene in scenes]
+        text = (_cpu(runner) - start) / len(scenes)
+        # the first picture of a process of gl includes its start: it is no part of what more pixels cost
+        base = 1 if small.renderer == "gl" else 0
+        seconds = [cpu(size) for size in SIZES[:2]]
+        if base or seconds[1] - seconds[0] < ENOUGH:
+            seconds.append(cpu(SIZES[2]))
+    pixels = [width * height for width, height in SIZES]
+    ray = max((seconds[-1] - seconds[base]) / (pixels[len(seconds) - 1] - pixels[base]), 0.0)
+    return Cost(start, text, max(seconds[0] - ray * pixels[0], 0.0), ray)
+
+
+def _render(runner: Runner, text: str, rendering: Rendering) -> None:
+    with cache.work_folder() as folder:
+        runner.run(text, rendering, folder)
+
+
+def _cpu(runner: Runner) -> float:
+    """Return the CPU seconds of povgen and of the processes that have ended. Those of gl go on: they say theirs."""
+    own = sum(usage.ru_utime + usage.ru_stime for usage in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
+    return own + sum(getattr(runner, "cpu_seconds", ()))
+
+
+def describe(scenes: Sequence[Scene], rendering: Rendering, found: Estimate) -> str:
     """Return in words what these pictures are, and how long they take if none is in the cache."""
-    seconds, count = cpu_seconds(scenes, rendering), len({*scenes})
+    count = len({*scenes})
     width, height = rendering.size
     what, each = ("a picture", "") if len(scenes) == 1 else (f"{len(scenes)} frames", " each")  # a shard can have none
     differing = f", {count} of them different," if count < len(scenes) else ""
-    where = " without a GPU" if rendering.renderer == "gl" else ""
-    one = _rounded(seconds / max(count, 1))
     return (
-        f"{what}{differing} of {width}x{height} pixels, about {one} CPU seconds{each}, without "
-        f"those in the cache: about {duration(seconds / cores())} on {cores()} cores{where}"
+        f"{what}{differing} of {width}x{height} pixels, about {_rounded(found.cpu / max(count, 1))} CPU seconds{each}, "
+        f"without those in the cache: about {duration(found.wall)} on {cores()} cores"
     )
 
 
@@ -63,6 +139,12 @@ def _rounded(number: float, digits: int = 2) -> str:
     return f"{float(f'{number:.{digits}g}'):.15g}"
 
 
-def is_long(scenes: Sequence[Scene], rendering: Rendering) -> bool:
-    """Whether these pictures take more than a minute, if none is in the cache."""
-    return cpu_seconds(scenes, rendering) / cores() > LONG
+def if_long(scenes: Sequence[Scene], rendering: Rendering) -> str | None:
+    """Return what `describe` says of these pictures if they take more than a minute, otherwise None.
+
+    Small pictures are rendered only if these may take so long.
+    """
+    most = rays(_frames(scenes, rendering), rendering) * DEAREST[rendering.renderer]
+    if most / cores() < LONG or (found := estimate(scenes, rendering)).wall < LONG:
+        return None
+    return describe(scenes, rendering, found)

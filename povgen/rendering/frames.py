@@ -141,7 +141,7 @@ def render_all(
     failures = []
     shown = [views(scene, rendering) for scene in scenes]
     every = list(chain(*shown))
-    to_text, runner, workers = _renderer(every, rendering, runner, workers, part)
+    to_text, runner, workers = renderer_of(every, rendering, runner, workers, part)
     try:
         with thread_pool(runner, workers) as pool:
             surveys.make(every)
@@ -172,7 +172,7 @@ def render_all(
         cache.trim(most)
 
 
-def _renderer(
+def renderer_of(
     scenes: Sequence[Scene],
     rendering: Rendering,
     runner: Runner | None,
@@ -238,7 +238,7 @@ def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
     """Return how many frames of the scenes are not in the cache. A scene can have several frames."""
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     every = list(chain(*(views(scene, rendering) for scene in scenes)))
-    to_text, *_ = _renderer(every, rendering, None, 1)
+    to_text, *_ = renderer_of(every, rendering, None, 1)
     return sum(not cache.frame_path(to_text(scene), rendering).is_file() for scene in every)
 
 

@@ -10,6 +10,7 @@ import base64
 import json
 import os
 import sys
+import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -298,6 +299,7 @@ def main() -> None:
     except Exception as error:  # moderngl raises a plain Exception
         return say(error=str(error))
     say(device=drawer.device, version=drawer.version)
+    spent = 0.0
     for line in sys.stdin:
         asked = json.loads(line)
         try:
@@ -314,7 +316,8 @@ def main() -> None:
         except Exception as error:
             say(error=f"{type(error).__name__}: {error}")
         else:
-            say()
+            before, spent = spent, time.process_time()
+            say(cpu_seconds=spent - before)  # of all threads, since the last picture
 
 
 if __name__ == "__main__":

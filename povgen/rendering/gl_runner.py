@@ -73,6 +73,7 @@ class Runner:
         self._idle: list[subprocess.Popen[bytes]] = []
         self._all: set[subprocess.Popen[bytes]] = set()
         self._stopped = False
+        self.cpu_seconds: list[float] = []  # of each picture; that of a process's first one includes its start
 
     def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         """Draw a scene from a text of `gl_scene.to_text`, in a work folder, and return the picture's path.
@@ -103,6 +104,7 @@ class Runner:
             raise OSError(answer["errno"], answer["error"], str(folder))
         if "error" in answer:
             raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
+        self.cpu_seconds.append(answer["cpu_seconds"])
         return picture
 
     def device(self) -> str:

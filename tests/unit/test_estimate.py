@@ -1,59 +1,86 @@
 """What povgen says of the time that rendering takes, before it begins."""
 
+from itertools import accumulate
+
 import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, MovieSpec, Rendering
-from povgen.rendering.estimate import cpu_seconds, describe, duration, is_long
+from povgen.rendering import estimate
+from povgen.rendering.parallel import cores
 
-PLAIN = Rendering(size=(640, 480), antialias="off")
-
-
-def ratio(first, second):
-    return cpu_seconds(*first) / cpu_seconds(*second)
+COST = estimate.Cost(start=0.5, text=0.1, picture=0.2, ray=1e-5)
 
 
-def test_what_costs_more():
-    """The measured ratios are those of docs/speed.md, 640x480 and 320x240."""
-    one = [Chess()], PLAIN
-    assert ratio(([Chess(alpha=alpha) for alpha in (1, 2, 3)], PLAIN), one) == pytest.approx(3)
-    assert ratio(([Chess()] * 3, PLAIN), one) == pytest.approx(1)  # a movie's picture that stays is rendered once
-    assert ratio(one, ([Chess(sheet="ideal")], PLAIN)) == pytest.approx(1.84 / 0.42, rel=0.3)
-    assert ratio(one, ([Chess()], PLAIN.model_copy(update={"renderer": "gl"}))) == pytest.approx(10, rel=0.3)
-    assert ratio(([Chess(window="z=2")], PLAIN), one) == pytest.approx((1.84 + 1.4) / 1.84, rel=0.3)
-    small = {"size": (320, 240)}
-    for sheet, antialias, measured in (
-        ("detailed", "2x", 1.969 / 0.528),
-        ("detailed", "1,0.1,3", 4.064 / 0.528),
-        ("ideal", "1,0.1,3", 0.461 / 0.13),
+@pytest.mark.parametrize("renderer", ["povray", "gl"])
+def test_what_is_measured(renderer, monkeypatch):
+    """Small pictures of the scenes take a known time. Nothing is kept in the cache."""
+    spent, sizes = [COST.start], []
+
+    def render(runner, text, rendering):
+        assert rendering.renderer == renderer and rendering.antialias is None
+        sizes.append(rendering.size)
+        spent.append(COST.picture + COST.ray * rendering.size[0] * rendering.size[1])
+
+    monkeypatch.setattr(estimate, "_cpu", lambda: [*accumulate(spent)][-1])
+    monkeypatch.setattr(estimate, "_render", render)
+    scenes = [Chess(alpha=alpha, sheet="ideal") for alpha in (1, 2)]
+    monkeypatch.setattr(estimate, "renderer_of", lambda *a: (lambda scene: spent.append(COST.text), Stopped(), 2))
+    assert estimate.measured(scenes, Rendering(renderer=renderer)) == pytest.approx(COST)
+    assert sizes == [size for size in estimate.SIZES[:2] for _ in scenes]
+
+
+class Stopped:
+    def stop(self):
+        pass
+
+
+def test_what_costs_more(monkeypatch):
+    """The numbers of rays are those that docs/chart/frames.csv leads to."""
+    monkeypatch.setattr(estimate, "measured", lambda scenes, rendering: COST)
+
+    def cpu(scenes, **options):
+        return estimate.estimate(scenes, Rendering(size=(640, 480), **options)).cpu - COST.start
+
+    one = cpu([Chess()], antialias="off")
+    assert cpu([Chess(alpha=alpha) for alpha in (1, 2, 3)], antialias="off") == pytest.approx(3 * one)
+    assert cpu([Chess()] * 3, antialias="off") == pytest.approx(one)  # a movie's picture that stays is rendered once
+    assert cpu([Chess()], antialias="off", stereo="pair") == pytest.approx(2 * one)
+    assert cpu([], antialias="off") < 0
+    for sheet, width, antialias, measured in (
+        ("detailed", 320, "2x", 3.4),
+        ("detailed", 320, "1,0.1,3", 7.7),
+        ("detailed", 640, "2,0.3,3", 14.2),
+        ("detailed", 320, "2,0.3,1", 1.08),
+        ("ideal", 320, "1,0.1,3", 3.6),
+        ("ideal", 640, "1,0.1,3", 2.3),
+        ("ideal", 640, "1,0.3,2", 1.23),
     ):
-        scene = Chess(sheet=sheet)
-        found = ratio(
-            ([scene], Rendering(antialias=antialias, **small)), ([scene], Rendering(antialias="off", **small))
+        found, off = (
+            estimate.rays([Chess(sheet=sheet)], Rendering(antialias=each, size=(width, width * 3 // 4)))
+            for each in (antialias, "off")
         )
-        assert found == pytest.approx(measured, rel=0.3), (sheet, antialias)
-    assert ratio(([Chess()], Rendering(stereo="pair")), ([Chess()], Rendering())) == pytest.approx(2)
+        assert found / off == pytest.approx(measured, rel=0.3), (sheet, antialias)
 
 
 def test_a_time_in_words():
-    found = [duration(seconds) for seconds in (0.04, 2.4, 9.6, 34, 59, 90, 599, 3599, 4000, 5e6)]
+    found = [estimate.duration(seconds) for seconds in (0.04, 2.4, 9.6, 34, 59, 90, 599, 3599, 4000, 5e6)]
     assert found == "0.04 s, 2 s, 10 s, 30 s, 60 s, 1.5 min, 10 min, 60 min, 1.1 h, 1400 h".split(", ")
 
 
-def test_a_dry_run_renders_nothing(tmp_path):
-    for arguments, said in (
-        (["movie", "vary-alpha", "--frames", "4", "--size", "64x48"], "4 frames of 64x48 pixels, about "),
-        (["movie", "vary-alpha", "--frames", "4", "--hold", "1"], "24 frames, 4 of them different, of 480x360 pixels,"),
-        (
-            ["movie", "vary-alpha", "--frames", "4", "--loop"],
-            "6 frames, 4 of them different, of 480x360 pixels, about ",
-        ),
-        (["frame", "chess"], "a picture of 480x360 pixels, about "),
-        (["frame", "chess", "--size=1920x1080", "--antialias=2,0.1,9"], "a picture of 1920x1080 pixels, about 630 CPU"),
-        (["movie", "vary-alpha", "--frames", "4", "--shard", "5/7"], "0 frames of 480x360 pixels, about 0 CPU seconds"),
+def test_what_a_dry_run_says(tmp_path):
+    for scenes, size, said in (
+        ([Chess()], (480, 360), "a picture of 480x360 pixels, about 8 CPU seconds, "),
+        ([Chess(alpha=n) for n in range(4)], (64, 48), "4 frames of 64x48 pixels, about 2 CPU seconds each, "),
+        ([Chess(alpha=n % 4) for n in range(24)], (64, 48), "24 frames, 4 of them different, of 64x48 pixels, "),
+        ([], (480, 360), "0 frames of 480x360 pixels, about 8 CPU seconds each, "),  # of a shard
     ):
-        status, out, err = povgen([*arguments, "--dry-run"], tmp_path)
-        assert status == 0 and out.startswith(said) and not err and not list(tmp_path.iterdir())
+        text = estimate.describe(scenes, Rendering(size=size), estimate.Estimate(8, 90))
+        assert text.startswith(said) and text.endswith(f"without those in the cache: about 1.5 min on {cores()} cores")
+    status, out, err = povgen(["movie", "vary-alpha", "--frames", "4", "--size", "64x48", "--dry-run"], tmp_path)
+    assert (
+        status == 0 and out.startswith("4 frames of 64x48 pixels, about ") and not err and not list(tmp_path.iterdir())
+    )
     assert "--sheet auto, which renders" in refused(
         ["frame", "chess", "--dry-run", "--sheet", "auto", "--tolerance", "1px"], tmp_path
     )
@@ -65,10 +92,11 @@ def test_the_number_of_frames_is_that_of_the_option():
         assert len(spec.scenes(quality)) == spec.count(quality) == 7 and spec.rate(quality) == spec.frame_rate
 
 
-def test_what_is_long():
-    assert is_long([Chess(alpha=alpha) for alpha in range(100)], Rendering()) and not is_long([Chess()], Rendering())
-
-
-def test_the_renderer_gl_is_faster_on_a_gpu():
-    assert describe([Chess()], Rendering()).endswith(" cores")
-    assert describe([Chess()], Rendering(renderer="gl")).endswith(" cores without a GPU")
+def test_what_is_long(monkeypatch):
+    """Small pictures are rendered only if the pictures may take a minute."""
+    measured = []
+    monkeypatch.setattr(estimate, "measured", lambda scenes, rendering: measured.append(len(scenes)) or COST)
+    many = [Chess(alpha=alpha) for alpha in range(100)]
+    assert estimate.if_long(many, Rendering()).startswith("100 frames of 480x360 pixels") and measured == [3]
+    assert estimate.if_long([Chess()], Rendering()) is None and measured == [3]
+    assert estimate.if_long([Chess()], Rendering(quality="high")) is None and measured == [3, 1]

@@ -45,7 +45,7 @@ def command(
     """
     from povgen.files import checked_output, save
     from povgen.rendering import cache
-    from povgen.rendering.estimate import describe
+    from povgen.rendering.estimate import describe, estimate
     from povgen.scene.scenes import input_files
     from povgen.video.still import SUFFIXES, as_file, rendering_for
 
@@ -74,7 +74,7 @@ def command(
         values["sheet"], options["antialias"], options["renderer"] = choice
         made, rendering = made_with(values), rendering_for(output, options)
     if dry_run:
-        return tell(describe([made], rendering))
+        return tell(describe([made], rendering, estimate([made], rendering)))
     cache.check()
     if not quiet:
         tell_if_long([made], rendering)

@@ -93,7 +93,7 @@ def command(
     Options for the scene replace values that the spec fixes.
     """
     from povgen.rendering import cache
-    from povgen.rendering.estimate import describe
+    from povgen.rendering.estimate import describe, estimate
     from povgen.rendering.parallel import checked_scheduler, worker_count
     from povgen.scene.scenes import input_files
     from povgen.scene.spec import spec_file
@@ -130,7 +130,7 @@ def command(
     scenes, rendering = _shard(scenes, rendering, part)
     check_views(scenes, rendering)
     if dry_run:
-        return tell(describe(scenes, rendering))
+        return tell(describe(scenes, rendering, estimate(scenes, rendering)))
     cache.check()
     if not quiet:
         tell_if_long(scenes, rendering)
