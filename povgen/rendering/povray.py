@@ -54,8 +54,9 @@ MAX_MESSAGES = 1 << 16  # bytes of its messages that are read
 NO_MEMORY = re.compile("out of memory|bad_alloc|cannot allocate memory|failed to map segment", re.IGNORECASE)
 UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
 # A piece from a user's file can use these. Then a pixel depends on the pixels that its thread rendered before: crand
-# and media take random numbers, and evaluate (also in Supertorus of shapes.inc) changes an isosurface's gradient.
-ORDER_MATTERS = re.compile(r"\b(crand|evaluate|media|Supertorus)\b")
+# (also in stones1.inc) and media take random numbers, and evaluate (also in Supertorus of shapes.inc) changes an
+# isosurface's gradient.
+ORDER_MATTERS = re.compile(r"\b(crand|evaluate|media|Supertorus|stones1?\.inc)\b")
 RENDERED = re.compile(rb"\rRendered (\d+) of ([1-9]\d*) pixels \(\d+%\)")  # what it says with +V
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
 # What POV-Ray is allowed to read and run, where it exists, besides its work folder and its own program.

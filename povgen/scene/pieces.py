@@ -41,7 +41,11 @@ OTHERS = ("#break", "#declare", "#local", "#undef", "#version", "#include", "#de
 DIRECTIVES = {*LOOPS, *CONDITIONS, *PARTS, *OTHERS, "#end"}
 # POV-Ray's own files that contain only declarations. HF_Square and its like, and Parse_String, are macros in them that
 # write files: these are refused.
-INCLUDES = ("colors.inc", "consts.inc", "functions.inc", "math.inc", "rand.inc", "shapes.inc", "transforms.inc")
+INCLUDES = [
+    *("chars.inc", "colors.inc", "consts.inc", "finish.inc", "functions.inc", "glass.inc", "golds.inc", "ior.inc"),
+    *("math.inc", "metals.inc", "rand.inc", "shapes.inc", "shapes2.inc", "stones.inc", "stones1.inc", "stones2.inc"),
+    *("textures.inc", "transforms.inc", "woodmaps.inc", "woods.inc"),
+]
 REFUSED = re.compile(r"light_source|light_group|HF\w*|Parse_String|OwnPiece\w*")  # OwnPiece: povgen's names of pieces
 
 

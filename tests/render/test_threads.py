@@ -14,6 +14,7 @@ SIZES = (66, 50), (102, 74)
 PIECES = {
     "pigment { granite }": 4,
     "finish { crand 0.3 }": 1,
+    "texture { T_Stone1 }": 1,  # the file that declares it has crand
     "hollow interior { media { emission 1 } }": 1,
     "pigment { granite } } isosurface { function { y } contained_by { sphere { 0, 0.1 } } evaluate 1, 2, 0.9": 1,
     "} object { Supertorus(0.2, 0.1, 1, 1, 0.01, 0)": 1,
@@ -61,7 +62,8 @@ def test_partial_reflection(tmp_path):
 def test_a_piece_whose_pixels_depend_on_their_order(part, expected, tmp_path, threads):
     """POV-Ray has one thread: with several, crand and media differed from run to run, evaluate with 8."""
     text = f"union {{ sphere {{ 0.5*y, 0.4 {part} }} }}"
-    (tmp_path / "piece.inc").write_text(f'#include "shapes.inc"\n#declare Piece = {text}\n')
+    include = "stones.inc" if "Stone" in part else "shapes.inc"
+    (tmp_path / "piece.inc").write_text(f'#include "{include}"\n#declare Piece = {text}\n')
     drawn(Chess(sheet="none", piece=tmp_path / "piece.inc"), Rendering(size=(32, 32)), 4, tmp_path / "drawn")
     assert threads == [expected]
 
