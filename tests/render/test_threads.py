@@ -62,8 +62,9 @@ def test_partial_reflection(tmp_path):
 def test_a_piece_whose_pixels_depend_on_their_order(part, expected, tmp_path, threads):
     """POV-Ray has one thread: with several, crand and media differed from run to run, evaluate with 8."""
     text = f"union {{ sphere {{ 0.5*y, 0.4 {part} }} }}"
-    include = "stones.inc" if "Stone" in part else "shapes.inc"
-    (tmp_path / "piece.inc").write_text(f'#include "{include}"\n#declare Piece = {text}\n')
+    files = ("colors.inc", "stones.inc") if "Stone" in part else ("shapes.inc",)
+    includes = "".join(f'#include "{file}"\n' for file in files)
+    (tmp_path / "piece.inc").write_text(f"{includes}#declare Piece = {text}\n")
     drawn(Chess(sheet="none", piece=tmp_path / "piece.inc"), Rendering(size=(32, 32)), 4, tmp_path / "drawn")
     assert threads == [expected]
 
