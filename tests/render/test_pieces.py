@@ -191,10 +191,21 @@ def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_p
     assert f"{tmp_path}/mi\\nne.inc{line}" in str(error.value) and len(str(error.value).splitlines()) == 2
 
 
+# a bar for which POV-Ray finds no bounding box, or an infinite one
+BAR = "".join(f"plane {{ <{normal}>, 0.1 }} " for normal in ("1, 1, 0", "-1, -1, 0", "1, -1, 0", "-1, 1, 0", "0, 0, 1"))
+BAR = f"intersection {{ {BAR} plane {{ -z, 0.1 }} translate 0.3*y }}"
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("box { <-0.49, 0, -0.49>, <0.49, 0.6, 0.49> }", ""),
+        (f"union {{ sphere {{ 0.4*y, 0.4 }} {BAR} }}", ""),
+        (f"union {{ sphere {{ 1.5*y, 1.5 }} {BAR} }}", "1.498 tiles from its axis, and 2.993 up"),
+        (
+            f"union {{ sphere {{ 0.4*y, 0.4 }} sphere {{ <0, 9, 30>, 3 }} {BAR} }}",
+            "3[23].* tiles from its axis, and 1[12]",
+        ),
         ("intersection { box { -2, 2 } sphere { 0.4*y, 0.4 } }", ""),  # its box is larger than the piece
         ("box { <-0.51, 0, -0.4>, <0.4, 0.6, 0.4> }", "0.510 tiles from its axis, and 0.600 up;"),
         ("union { sphere { 0.4*y, 0.4 } sphere { <0.1, 0.2, 2>, 0.1 } }", "2.099 tiles from its axis"),
