@@ -321,14 +321,17 @@ def read_bytes(path: str, most: int) -> bytes:
 
 
 def read_text(path: str, most: int) -> str:
-    """Return a regular file's text, with line feeds at the ends of lines.
+    """Return the text of a regular file in UTF-8, or else in Windows-1252, with line feeds at the ends of lines.
 
-    Raises ValueError if it is not UTF-8, has more than `most` bytes, or cannot be read.
+    Raises ValueError if it has more than `most` bytes, cannot be read, or is in UTF-16.
     """
+    data = read_bytes(path, most)
     try:
-        text = read_bytes(path, most).decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise ValueError("should be a file in UTF-8") from None
+        if b"\0" in data:
+            raise ValueError("should be a file in UTF-8") from None
+        text = data.decode("cp1252", "replace")  # as older editors write Latin letters, and as POV-Ray allows
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

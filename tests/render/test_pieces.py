@@ -254,7 +254,7 @@ def test_an_error_names_the_users_file_and_its_line(tmp_path):
         (b"", "declares Piece"),
         (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
         (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
-        (b"#declare Piece = sphere { 0, 1 } // \xff", "UTF-8"),
+        ("#declare Piece = sphere { 0, 1 } // \u00e4".encode("utf-16"), "UTF-8"),
         (b"/* /* */ #declare Piece = 1; */", "declares Piece"),
         (b"#declare Piece = sphere { 0, 1 }\n/* /* \n */\n", "line 2: a comment that does not end"),
         (CUBE.encode() + b"#default { finish { ambient 1 } }", "line 3: '#default', which could change the rest"),

@@ -81,6 +81,13 @@ def test_control_characters_are_refused(tmp_path):
         assert str(error.value).isprintable()
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_letters_of_older_editors(encoding, tmp_path):
+    text = PIECE + "// K\u00f6nig \u2013 \u201eroi\u201c\n"
+    (tmp_path / "own.inc").write_text(text, encoding)
+    assert Chess(piece=tmp_path / "own.inc").piece.text == text
+
+
 def test_a_file_that_has_nothing_to_read_yet_is_refused(tmp_path, monkeypatch):
     """Such as /proc/kmsg, a regular file that is read like a pipe."""
     os.mkfifo(tmp_path / "log")
