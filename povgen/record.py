@@ -37,6 +37,12 @@ MP4_TYPE = b"uuid" + bytes.fromhex("b3c9d0a15e0f4a0f9a4d706f7667656e")  # of a b
 RIFF, WEBP, WEBP_TYPE = b"RIFF", b"WEBP", b"PVGN"  # a WebP file's beginning, and a part that is no standard's
 SEGMENT, TAGS, TAG, TARGETS, SIMPLE_TAG = 0x18538067, 0x1254C367, 0x7373, 0x63C0, 0x67C8  # WebM's elements
 TAG_NAME, TAG_STRING = 0x45A3, 0x4487
+# how povgen's other files begin: pages, tables, captions
+OWN = re.compile(
+    rb'<!DOCTYPE html>.{,200}<meta name="generator" content="povgen |(error,)?quantity,value\n|series,'
+    rb"|line,quantity along x,x,quantity along y,y\n|!\[[^\n]*\]\(figure[1-6]\.png\)\n",
+    re.DOTALL,
+)
 KINDS = "a PNG, EXR, MP4, WebM, WebP or GIF file that povgen wrote"
 
 
@@ -122,6 +128,27 @@ def info(path: str | Path) -> Record:
         return Record(**values)
     except InputError as error:
         raise InputError(f"{name}: its record: {error}") from None
+
+
+def check_unasked(files: Iterable[Path], sign: Path | None = None) -> None:
+    """Raise InputError if one of these files, which the user did not name, is there and may not be written over.
+
+    It may be if povgen wrote it, as its record or its beginning shows, or as povgen's file `sign` shows, which is made
+    with all of them.
+    """
+    for path in files:
+        if os.path.lexists(path) and not _is_own(sign or path):
+            raise InputError(f"output: {str(path)!r} is there, and povgen did not write it; allowed: another output")
+
+
+def _is_own(path: Path) -> bool:
+    try:
+        if (data := _name_and_data(path)[1]) is not None:
+            return FIRST_LINE.match(data) is not None
+        with path.open("rb") as file:
+            return OWN.match(file.read(1000)) is not None
+    except (InputError, OSError):  # damaged, or no regular file
+        return False
 
 
 def _check_lengths(values: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 import inspect
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from itertools import chain
 from pathlib import Path
@@ -263,12 +263,19 @@ def split(values: Values) -> tuple[Values, Values]:
     return {name: value for name, value in values.items() if name not in rendering}, rendering
 
 
-def made_folder(output: Path) -> AbstractContextManager[Path]:
-    """Make the folder for a command's output, as files.output_folder does. Check all other values before this call."""
-    from povgen.files import output_folder
+def made_folder(output: Path, files: Mapping[str, Iterable[str]]) -> AbstractContextManager[Path]:
+    """Make the folder for a command's output, as files.output_folder does. Check all other values before this call.
+
+    `files` has the names of the files that are written there. Each key is the file that shows whether povgen wrote the
+    others. Raises InputError if one of them is there and povgen did not write it.
+    """
+    from povgen.files import in_home, output_folder
+    from povgen.record import check_unasked
     from povgen.rendering import cache
 
     cache.check()
+    for sign, names in files.items():
+        check_unasked((in_home(output) / name for name in names), in_home(output) / sign)
     return output_folder(output)
 
 

@@ -18,6 +18,7 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.optics import uncertainty
 from povgen.progress import say
+from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
@@ -40,7 +41,7 @@ FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
 def demo(
-    output: str | Path = "demo.html",
+    output: str | Path | None = None,
     *,
     pieces: Piece | Sequence[Piece] = (),
     sky: str | Path | None = None,
@@ -50,7 +51,7 @@ def demo(
     progress: bool = True,
     **options: object,
 ) -> Path:
-    """Write the page, an .html file, and return its path.
+    """Write the page, an .html file (by default demo.html), and return its path.
 
     `pieces` are files of the user's own chess pieces, one or more. `sky` and `floor` are those of `Chess`. With
     `movies`, POV-Ray's movies are rendered as well. Their names are the page's name and the movie's, as in
@@ -63,7 +64,8 @@ def demo(
     scenes = [Chess(piece=piece) for piece in (*PIECES, *own)]  # in one scene they would overlap
     first = {"chess": Chess(sky=sky, floor=floor), "spheres": Spheres(sky=sky)}
     inputs = input_files([*scenes, *first.values()])
-    page, workers = checked_output(output, [".html"], inputs=inputs), worker_count(workers)
+    page = checked_output("demo.html" if output is None else output, [".html"], inputs=inputs)
+    workers = worker_count(workers)
     given: dict[str, Any] = options
     check_options(movies, given)
     specs = {name: _for_page(MovieSpec.load(name)) for name in MOVIES}
@@ -72,6 +74,7 @@ def demo(
     quality = rendering.quality
     for name, file in files.items():
         build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), rendering, inputs)
+    check_unasked([*files.values(), *([page] if output is None else [])])
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
     shapes = volumes(shown, workers=workers, timeout=rendering.timeout, progress=progress)
     for name, piece in shown.items() if progress else ():

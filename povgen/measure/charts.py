@@ -26,7 +26,7 @@ from povgen.measure.plotting import (
     point_to_better,
     save_table,
 )
-from povgen.measure.speed import Point, pareto_front
+from povgen.measure.speed import SIZES, Point, pareto_front
 from povgen.measure.tolerance import Change, percentile
 from povgen.settings import QUALITIES, Rendering
 from povgen.sheets.prisms import ERRORS
@@ -39,6 +39,14 @@ FLICKER_HEAD = ("antialias", "flicker")
 PRISMS_HEAD = ("sheet", "prisms", "CPU s", "position error (px)")
 BEYOND_HEAD = ("kind", "windows or sheet", "CPU s", "position error (px)")
 WORKERS_HEAD = ("workers", "wall s", "fraction of cores busy", "cores")
+
+# what `povgen chart` writes
+FILES = [
+    *("frames.csv", "flicker.csv", "machine.txt", "charts.html"),
+    *(f"{name}.{kind}" for name in ("polarisation", "diffraction", "field", "curl") for kind in ("csv", "png")),
+    *(f"{name}.{kind}" for name in ("prisms", "beyond", "workers") for kind in ("csv", "png", "svg")),
+    *(f"frames-{width}x{height}.{kind}" for width, height in SIZES for kind in ("png", "svg")),
+]
 
 
 def save_frames(points: list[Point], folder: Path) -> None:

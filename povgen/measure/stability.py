@@ -23,6 +23,19 @@ from povgen.scene.warnings import possible_error, warnings
 
 TINY = (320, 240)
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
+NAMES = (
+    "pole",
+    "grid",
+    "prediction",
+    "prisms",
+    "gap",
+    "gap-wide",
+    "trace-level",
+    "field",
+    "distance",
+    "aliasing",
+    "moire",
+)
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 5, 0.5))
 
 

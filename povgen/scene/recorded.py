@@ -92,10 +92,11 @@ def _scene(values: dict[str, Any], files: _Files, known: Mapping[str, type[T]]) 
     name, values = values.get("scene"), {key: value for key, value in values.items() if key != "scene"}
     if not isinstance(name, str) or name not in known:
         raise InputError(f"scene = {shown(name)}: allowed: {', '.join(known)}")
-    for kind in {"piece", "sky", "floor"} & values.keys():
-        given = values[kind]
+    for kind in ("sky", "floor", "piece"):
+        given = values.get(kind)
         several = isinstance(given, list) and kind == "piece"
-        values[kind] = [files(kind, each) for each in given] if several else files(kind, given)
+        if given is not None:
+            values[kind] = [files(kind, each) for each in given] if several else files(kind, given)
     if not isinstance(windows := values.get("window", []), list):
         raise InputError(f"window = {shown(windows)}: should be a list of tables")
     values["window"] = [_window(each, files) for each in windows]

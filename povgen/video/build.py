@@ -17,7 +17,7 @@ from pydantic import Field
 from povgen.errors import InputError, one_line, shown
 from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed, work_folder
 from povgen.progress import bar
-from povgen.record import MAX_FRAMES, in_png
+from povgen.record import MAX_FRAMES, check_unasked, in_png
 from povgen.rendering import cache
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
@@ -198,6 +198,7 @@ def checked_movie(
         for file in files:
             if file in (files[0], files[-1]) or os.path.lexists(file):  # the last one has the longest name
                 checked_output(file, [".png"], inputs=inputs)
+        check_unasked(files)
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size

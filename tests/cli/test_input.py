@@ -11,17 +11,21 @@ from unittest.mock import Mock
 
 import imageio_ffmpeg
 import pytest
-from conftest import picture, povgen, refused, run_povgen
+from conftest import PROJECT, picture, povgen, refused, run_povgen
 from PIL import Image
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
 from povgen.files import output_folder
+from povgen.liveview import page
 from povgen.liveview.view import Live
+from povgen.measure import charts, stability
+from povgen.record import check_unasked
 from povgen.rendering import auto, gl_runner, povray
+from povgen.scene.sdl import to_html
 from povgen.scene.spec import MOVIES
 from povgen.sheets import PARAMETERS, SHEETS, USED_BY
-from povgen.video import build, still
+from povgen.video import build, fonts, still
 
 SPEC = """
 title = "A movie"
@@ -252,6 +256,54 @@ def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
         with pytest.raises(InputError, match="povgen reads this file; allowed: another file"):
             write()
     assert {path.read_text() for path in tmp_path.iterdir()} == {PIECE, SPEC}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "file"),
+    [
+        (["frame", "chess"], "frame.png"),
+        (["frame", "chess", "--sheet", "auto", "--tolerance", "1px"], "frame.png"),
+        (["movie", *SWEEP], "chess.mp4"),
+        (["movie", *SWEEP, "--frames", "9", "-o", "a%d.png"], "a5.png"),
+        (["demo"], "demo.html"),
+        (["demo", "-o", "a.html", "--movies"], "a-spheres.mp4"),
+        (["tolerance", "chess", "-o", "lab.png"], "lab.csv"),
+        (["figure", "3", "1", "-o", "."], "figure1.svg"),
+        (["chart", "--optics"], "chart/curl.png"),
+        (["verify", "--stability"], "stability/moire.png"),
+    ],
+)
+def test_a_file_that_nobody_named_is_not_written_over(arguments, file, unmeasured, tmp_path, monkeypatch):
+    """Unless povgen wrote it. It may be a link to a file that is not there yet."""
+    monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered"))
+    (tmp_path / file).parent.mkdir(exist_ok=True)
+    (tmp_path / file).symlink_to(tmp_path / "elsewhere")
+    text = f"{file!r} is there, and povgen did not write it; allowed: another output\n"
+    assert refused(arguments, tmp_path) == f"povgen: output: {text}"
+    (tmp_path / file).unlink()
+    Image.new("RGB", (32, 32)).save(tmp_path / file, "png")
+    assert refused(arguments, tmp_path) == f"povgen: output: {text}"
+
+
+def test_a_file_of_povgens_is_written_over(tmp_path):
+    line = ["frame", "chess", "--sheet=none", "--size=32x32", "--quiet"]
+    assert povgen(line, tmp_path) == povgen(line, tmp_path) == (0, "", "")
+    movies = ["movie", "chess", "--sweep=z1=2:3", "--frames=2", *line[2:], "-o"]
+    for name in ("chess.mp4", "%d.png"):
+        assert povgen([*movies, name], tmp_path) == povgen(movies[:-1], tmp_path) == (0, "", "")
+    (tmp_path / "a.csv").write_text("time,volts\n")
+    with pytest.raises(InputError, match="a.csv' is there"):
+        check_unasked([tmp_path / "a.csv"])
+    (tmp_path / "a.html").write_text(to_html("demo/index", page.data({}), "", [], fonts.encoded()))
+    check_unasked([tmp_path / name for name in ("a.html", "missing")])
+    docs = PROJECT / "docs"  # what earlier commands wrote
+    check_unasked(docs.glob("tolerances/*.csv"))
+    written = {path.name for path in (docs / "chart").iterdir() if path.stem != "lenticulars"}
+    assert {*charts.FILES} == written | {"charts.html"}
+    check_unasked((docs / "chart").iterdir(), docs / "chart/field.csv")
+    assert {path.stem for path in (docs / "stability").iterdir()} == {*stability.NAMES}
+    check_unasked(docs.glob("stability/*.csv"))
+    check_unasked(docs.glob("figures/figure?.md"))
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,6 @@ def test_the_pictures_of_several_scenes_are_those_of_each(capsys):
 def test_a_png_file_of_every_frame(tmp_path, caplog):
     caplog.set_level("WARNING", "povgen")  # a movie with --quiet, of another test, has changed it
     (tmp_path / "new").mkdir()
-    (tmp_path / "new" / "a002.png").write_bytes(b"old")
     for output in ("new/a%03d.png", "other/%d.png"):
         made = movie(iter(SCENES), tmp_path / output, **SMALL, progress=False)
         assert made == Movie(tmp_path / output) and made._repr_html_() is None

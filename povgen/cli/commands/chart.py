@@ -43,7 +43,7 @@ def command(
     sheet_macros = speed.baselines(baselines) if baselines else {}
     others = [p for file in sorted(baselines.glob("*.csv")) for p in charts.read_frames(file)] if baselines else []
     measured = charts.read_tables(tables) if tables else None
-    with made_folder(output) as folder:
+    with made_folder(output, {"field.csv": charts.FILES}) as folder:
         before = report.times(folder)
         glass.save_charts(folder)
         field.save_charts(folder)

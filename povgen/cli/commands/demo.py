@@ -11,7 +11,7 @@ from povgen.progress import wrote
 
 @takes("rendering")
 def command(
-    output: Annotated[Path, output_to("FILE", "the page, .html")] = Path("demo.html"),
+    output: Annotated[Path | None, output_to("FILE", "the page, .html (default demo.html)")] = None,
     piece: Annotated[
         list[str] | None,
         typer.Option(metavar="FILE", help="a chess piece of your own: a file that declares Piece; can be repeated"),

@@ -26,7 +26,8 @@ def command(
             raise InputError(
                 f"number = {number!r}: the paper has no such figure; allowed: 1, 2, 3, 4, 5 or 6, with spaces between"
             )
-    with made_folder(output) as folder:
+    files = {f"figure{number}.md": [f"figure{number}.{kind}" for kind in ("md", "png", "svg")] for number in numbers}
+    with made_folder(output, files) as folder:
         from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
 
         for number in numbers:

@@ -33,7 +33,7 @@ def command(
         str | None, typer.Argument(metavar="[SCENE]", help="chess or spheres; none with --from", show_default=False)
     ] = None,
     source: Source = None,
-    output: Annotated[Path, output_to("FILE", "the file to write, .png or .exr")] = Path("frame.png"),
+    output: Annotated[Path | None, output_to("FILE", "the file to write, .png or .exr (default frame.png)")] = None,
     tolerance: Tolerance = None,
     dry_run: DryRun = False,
     quiet: Quiet = False,
@@ -44,6 +44,7 @@ def command(
     --sheet auto chooses the cheapest sheet model within --tolerance.
     """
     from povgen.files import checked_output, save
+    from povgen.record import check_unasked
     from povgen.rendering import cache
     from povgen.rendering.estimate import describe, estimate
     from povgen.scene.scenes import input_files
@@ -66,8 +67,11 @@ def command(
     if dry_run and limit is not None:
         raise InputError("dry-run: not with --sheet auto, which renders to choose; allowed: one of them")
     made = made_with(values if limit is None else values | {"sheet": "detailed"})
-    output = checked_output(output, SUFFIXES, inputs=[*input_files([made]), *([source] if source else [])])
+    named = output
+    inputs: list[str | Path] = [*input_files([made]), *([source] if source else [])]
+    output = checked_output(named or "frame.png", SUFFIXES, inputs=inputs)
     rendering = rendering_for(output, options)
+    check_unasked([] if named or dry_run else [output])
     if limit is not None:
         options["bits"] = rendering.bits
         choice = chosen([made], options, limit, renderers, quiet)

@@ -92,6 +92,7 @@ def command(
 
     Options for the scene replace values that the spec fixes.
     """
+    from povgen.record import check_unasked
     from povgen.rendering import cache
     from povgen.rendering.estimate import describe, estimate
     from povgen.rendering.parallel import checked_scheduler, worker_count
@@ -115,12 +116,14 @@ def command(
     if part is not None:
         _check_shard(part, scheduler, output)
     read = source or spec or ""
-    unnamed = dry_run and output is None  # then the default output may be the source: nothing is written
+    named = output
     output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
     if part is None:
-        own = [] if sweep or unnamed else [source or spec_file(read)]
+        # a dry run writes nothing: then the default output may be the source
+        own = [] if sweep or dry_run and not named else [source or spec_file(read)]
         inputs = [*input_files(scenes), *own]
         checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
+        check_unasked([] if named or dry_run else [output])
     if limit is not None:
         check_views(scenes, rendering)
         choice = chosen(scenes, options, limit, renderers, quiet, scheduler)

@@ -51,6 +51,7 @@ def command(
 
     from povgen.files import checked_output
     from povgen.measure import tolerance
+    from povgen.record import check_unasked
     from povgen.rendering.parallel import worker_count
     from povgen.scene.scenes import input_files
     from povgen.sheets.prisms import ERRORS
@@ -66,6 +67,7 @@ def command(
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
         table_file = checked_output(output.with_suffix(".csv"), [".csv"], inputs=input_files([made]))
+        check_unasked([table_file])
         from povgen.measure import charts  # says what is missing before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
     console = Console(width=None if sys.stdout.isatty() else 120)

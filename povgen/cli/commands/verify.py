@@ -1,6 +1,7 @@
 """The command povgen verify."""
 
 import sys
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,7 +65,7 @@ def command(
     figures, rows = [], []
     pictures: list[Path] = []
     with ExitStack() as opened:
-        folder = opened.enter_context(made_folder(output or Path("stability"))) if stability else None
+        folder = opened.enter_context(_maps_folder(output or Path("stability"))) if stability else None
         # the table appears with its first row
         console = Console(width=None if sys.stdout.isatty() else 120)
         shown = opened.enter_context(Live(console=console, auto_refresh=False))
@@ -98,6 +99,12 @@ def command(
         save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json_file)
     if not all(figure["holds"] for figure in figures):
         raise typer.Exit(1)
+
+
+def _maps_folder(output: Path) -> AbstractContextManager[Path]:
+    from povgen.measure.stability import NAMES
+
+    return made_folder(output, {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES})
 
 
 def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, output: Path | None) -> None:
