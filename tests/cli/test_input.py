@@ -519,6 +519,7 @@ def test_an_ffmpeg_without_the_encoder_is_refused_before_a_frame_is_rendered(
 @pytest.mark.parametrize(("kind", "most"), [("mp4", "16384x16384"), ("webp", "16383x16383")])
 def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(kind, most, tmp_path, monkeypatch):
     monkeypatch.setattr("povgen.rendering.gl_runner.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
+    monkeypatch.setattr("povgen.rendering.estimate.measured", lambda *_: (0, 0, 0, 0))
     wide = ["movie", "vary-z1", "--renderer=gl", "--size=8200x32", "--antialias=off", "-o", f"a.{kind}"]
     for more in ([], ["--dry-run"]):
         said = refused([*wide, "--stereo=pair", *more], tmp_path)
@@ -528,7 +529,8 @@ def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(
     assert povgen([*wide, "--dry-run"], tmp_path)[0] == 0 == povgen([*wide[:-1], "a.gif", "--dry-run"], tmp_path)[0]
 
 
-def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path):
+def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path, monkeypatch):
+    monkeypatch.setattr("povgen.rendering.estimate.measured", lambda *_: (0, 0, 0, 0))
     line = ["movie", "chess", "--sweep", "alpha=0:180", "--frame-rate=60", "--dry-run"]
     assert "frame_rate = 60: 180 frames a second at quality = 'high'; allowed: 0.1 to 120" in refused(
         [*line, "--quality=high"], tmp_path
