@@ -12,7 +12,7 @@ import sys
 import time
 from contextlib import suppress
 from threading import RLock
-from typing import Any
+from typing import Any, TextIO
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 LONGEST = 1.5  # seconds that the work has to end after the signal; after 3 times LONGEST, povgen ends in any case
@@ -51,6 +51,23 @@ def on_signals() -> None:
     for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _raise)
+
+
+def answers() -> TextIO:
+    """Return the file into which a process that `parallel.python` started writes its answers, one a line.
+
+    When nobody can read them any more, because povgen has been killed, the process ends, whatever it computes.
+    """
+    number = int(sys.argv[1])
+    _thread.start_new_thread(_end_with_reader, (number,))
+    return os.fdopen(number, "w", 1, encoding="utf-8")
+
+
+def _end_with_reader(number: int) -> None:
+    waiting = select.poll()
+    waiting.register(number, 0)  # for a hang-up alone
+    waiting.poll()
+    os._exit(1)
 
 
 def off_signals() -> None:

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import time
 from collections.abc import Callable
@@ -26,6 +27,8 @@ START = 60.0  # seconds in which a process is ready to draw
 ON_GPU = 4
 # in the names of devices that draw without a graphics processor
 WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic render|gdi generic", re.IGNORECASE)
+# signals that a fault of the process itself causes; others come from outside
+CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL, signal.SIGFPE}
 POVRAY = "allowed: renderer = 'povray'"
 Answer = tuple[subprocess.Popen[bytes], dict[str, Any]]  # a process, and the line with which it answers
 
@@ -157,6 +160,8 @@ class Runner:
         answer = self._answer(process, START)
         if "error" in answer:
             self._end(process)
+            if answer["no_memory"]:
+                raise InputError(f"renderer = 'gl': too little memory to start it; {POVRAY}")
             raise InputError(
                 f"renderer = 'gl': no OpenGL by EGL: {one_line(answer['error'])}; {remedies.system('gl')}; {POVRAY}"
             )
@@ -189,8 +194,11 @@ class Runner:
         if not ready:
             limit = "(--timeout)" if asked else "to start"
             raise TransientError(f"the drawing process took longer than {timeout:g} s {limit} and was stopped")
-        why = "" if process.returncode == 1 else ": the graphics driver crashed"  # 1: Python's, for an exception
-        raise TransientError(f"the drawing process ended with status {process.returncode}{why}")
+        status = process.returncode
+        if status >= 0:
+            raise TransientError(f"the drawing process ended with status {status}")
+        crash = ": the graphics driver crashed" if -status in CRASHES else ", perhaps because memory is short"
+        raise TransientError(f"the drawing process was killed by signal {-status}{crash}")
 
     def _end(self, process: "subprocess.Popen[bytes]") -> None:
         end(process)

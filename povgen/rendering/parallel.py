@@ -61,23 +61,33 @@ def default_workers() -> int:
 
 
 def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
-    """Start a Python process that runs a module of povgen, with pipes as its standard input and output. Return it.
+    """Start a Python process that runs a module of povgen, and return it with a pipe as its standard input.
 
-    `environment` are further environment variables. If a signal stops povgen, the process is killed. Raises
-    KeyboardInterrupt if povgen was asked to stop.
+    Its `stdout` is the pipe of its `stopping.answers`. Its standard output is nowhere: libraries and Python's own start
+    can write into it. `environment` are further environment variables. If a signal stops povgen, the process is killed.
+    Raises KeyboardInterrupt if povgen was asked to stop.
     """
     folders = [str(Path(__file__).parents[2]), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     path = os.pathsep.join(os.path.abspath(each) for each in folders)  # the process has another working directory
     with stopping.lock:
         stopping.check()
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", module],
-            cwd="/",
-            env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", **environment},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        )
+        reads, writes = os.pipe()
+        try:
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", module, str(writes)],
+                cwd="/",
+                env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", **environment},
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                pass_fds=[writes],
+            )
+            process.stdout = os.fdopen(reads, "rb")
+        except BaseException:
+            os.close(reads)
+            raise
+        finally:
+            os.close(writes)
         stopping.processes.add(process)
     return process
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen import stopping
 from povgen.errors import InputError, PovrayError, shown
 from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
@@ -143,10 +144,11 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
 
 
 def main() -> None:
-    """Read pickled scenes and names of quantities from the standard input. Write a line of JSON for each scene."""
+    """Read pickled scenes and names of quantities from the standard input. Answer with a line of JSON for each scene."""
+    answers = stopping.answers()
     scenes, quantities = pickle.load(sys.stdin.buffer)
     for scene in scenes:
-        print(json.dumps(values_of([scene], quantities)[0]), flush=True)
+        print(json.dumps(values_of([scene], quantities)[0]), file=answers)
 
 
 if __name__ == "__main__":

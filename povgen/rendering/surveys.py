@@ -91,9 +91,10 @@ def _code_of_trace() -> str:
 
 
 def main() -> None:
-    """Read pickled inputs of surveys from the standard input. Write a line of JSON for each survey."""
+    """Read pickled inputs of surveys from the standard input. Answer with a line of JSON for each survey."""
+    answers = stopping.answers()
     for given in pickle.load(sys.stdin.buffer):
-        print(json.dumps(survey.of_inputs(given)._asdict()), flush=True)
+        print(json.dumps(survey.of_inputs(given)._asdict()), file=answers)
 
 
 if __name__ == "__main__":

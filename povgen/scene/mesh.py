@@ -114,7 +114,7 @@ def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], NDArray[Any], NDArray[
     said = done.stderr.decode(errors="replace").rpartition("\n")[2]
     if done.returncode:
         raise ValueError(said if done.returncode == 1 and said else "should be a mesh that needs less time and memory")
-    output = BytesIO(done.stdout)
+    output = BytesIO(done.stdout[done.stdout.find(b"\x93NUMPY") :])  # Python's own start can print something first
     vertices, triangles, numbers = (np.load(output, allow_pickle=False) for _ in range(3))
     return vertices, triangles, numbers, said
 

@@ -413,7 +413,7 @@ def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
         if asked:
             asked_for.append(Path(asked["scene"]).read_text("utf-8"))
             if asked_for[-1] == text:
-                process.kill()
+                process.send_signal(signal.SIGSEGV)
                 process.wait()
         return answer(runner, process, timeout, asked)
 
@@ -422,11 +422,32 @@ def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
         patch.setattr(gl_runner.Runner, "_answer", crashing)
         with pytest.raises(TransientError, match=r"^1 of 3 frames failed. The other frames are kept.") as failure:
             list(frames.render_all(scenes, SMALL))
-    assert "the graphics driver crashed, 2 times; allowed: renderer = 'povray'" in str(failure.value)
+    assert "killed by signal 11: the graphics driver crashed, 2 times; allowed: renderer = 'povray'" in str(failure.value)
     assert len(asked_for) == 4 and asked_for.count(text) == gl_runner.TRIES
     asked_for.clear()
     monkeypatch.setattr(gl_runner.Runner, "_answer", lambda *given: asked_for.append(len(given)) or answer(*given))
     assert len(list(frames.render_all(scenes, SMALL))) == 3 and asked_for.count(4) == 1
+
+
+def test_a_process_that_something_else_killed_did_not_crash(runner, monkeypatch):
+    answer = gl_runner.Runner._answer
+    monkeypatch.setattr(gl_runner.Runner, "_answer", lambda *given: given[1].kill() or answer(*given))
+    with pytest.raises(TransientError, match="killed by signal 9, perhaps because memory is short, 2 times; allowed"):
+        runner.device()
+
+
+def test_too_little_memory_is_no_missing_library(runner, tmp_path, monkeypatch):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import moderngl, resource\n"
+        "def create(**_):\n"
+        "    pages = int(open('/proc/self/statm').read().split()[0])\n"
+        "    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + 2**26,) * 2)\n"
+        "    raise Exception('eglInitialize failed')\n"
+        "moderngl.create_context = create\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    with pytest.raises(InputError, match="^renderer = 'gl': too little memory to start it; allowed: renderer = 'pov"):
+        runner.device()
 
 
 def test_what_a_driver_writes_is_no_answer(text, tmp_path, monkeypatch):

@@ -1,13 +1,18 @@
 """Tables of many scenes: their columns, their numbers, and the processes that compute them."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 from povgen import Chess, InputError, PovrayError, Spheres, results
 from povgen.optics import equations, series
 from povgen.rendering import results as module
+from povgen.rendering import surveys
 from povgen.rendering.parallel import worker_count
-from povgen.scene import survey
+from povgen.scene import mesh, survey
 from povgen.scene.quantities import QUANTITIES
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
@@ -69,7 +74,14 @@ def test_what_the_ray_trace_finds():
     assert np.isnan(results([dark], "focus", progress=False)["focus"][0])
 
 
-def test_other_processes_find_the_same(monkeypatch, capsys):
+@pytest.fixture
+def talking(tmp_path, monkeypatch):
+    """Python prints something whenever it starts."""
+    (tmp_path / "sitecustomize.py").write_text("print('hello', flush=True)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+
+
+def test_other_processes_find_the_same(monkeypatch, capsys, talking):
     alone = results(SCENES, "M", "x", progress=False, workers=1)
     monkeypatch.setattr(module, "PATIENCE", 0)
     together = results(SCENES, "M", "x", workers=2)
@@ -147,3 +159,25 @@ def test_a_number_of_workers_can_be_numpys():
     assert [worker_count(each) for each in (np.int64(2), 2, "2", None)] == [2, 2, 2, None]
     with pytest.raises(InputError, match="workers = "):
         worker_count(np.bool_(True))
+
+
+def test_what_python_prints_at_its_start_is_no_survey_and_no_mesh(talking, monkeypatch):
+    scenes = [Chess(alpha=alpha, prisms=10) for alpha in (10, 20)]
+    monkeypatch.setattr(surveys.cache, "load_values", lambda _: None)
+    monkeypatch.setattr(surveys, "EACH", 1)
+    monkeypatch.setattr(surveys, "cores", lambda: 2)
+    monkeypatch.setattr(survey, "known", {})
+    surveys.make(scenes)
+    assert {survey.inputs(scene) for scene in scenes} <= survey.known.keys()
+    triangle = b"solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid\n"
+    assert "1 of" not in mesh.text_and_note(triangle, "stl", "", 0.3)[1]
+
+
+def test_a_process_ends_when_nobody_reads_its_answers():
+    reads, writes = os.pipe()
+    code = "from povgen import stopping\nprint('ready', file=stopping.answers())\nwhile True: pass"
+    process = subprocess.Popen([sys.executable, "-c", code, str(writes)], pass_fds=[writes])
+    os.close(writes)
+    assert os.read(reads, 9) == b"ready\n" and process.poll() is None
+    os.close(reads)  # as the kernel does for a process that is killed
+    assert process.wait(60) == 1
