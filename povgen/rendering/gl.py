@@ -8,7 +8,6 @@ picture it writes an empty object, or an `error`. Its `errno` is not null if the
 
 import base64
 import json
-import os
 import sys
 import time
 import zlib

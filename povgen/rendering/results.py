@@ -144,7 +144,7 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
 
 
 def main() -> None:
-    """Read pickled scenes and names of quantities from the standard input. Answer with a line of JSON for each scene."""
+    """Read pickled scenes and names of quantities from the standard input. Answer with a JSON line for each scene."""
     answers = stopping.answers()
     scenes, quantities = pickle.load(sys.stdin.buffer)
     for scene in scenes:
