@@ -41,4 +41,4 @@ def values(scene: Scene) -> dict[str, Any]:
 
 def _data(picture: Picture) -> str:
     """Return the picture as a URL that contains it. A browser shows no light that is brighter than white."""
-    return f"data:image/png;base64,{base64.b64encode(as_png(picture.name)).decode()}"
+    return f"data:image/png;base64,{base64.b64encode(as_png(picture.file)).decode()}"

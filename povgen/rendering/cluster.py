@@ -218,10 +218,12 @@ def render(source: str, rendering: Rendering, shown: dict[str, bytes]) -> bytes:
 
     `shown` are the pictures that the text names, by their names.
     """
-    pictures.know(shown)
+    files = [pictures.kept(name, content) for name, content in shown.items()]
     with temporary_folder() as folder:
         run = gl_runner.shared().run if rendering.renderer == "gl" else povray.run
-        return run(source, rendering, folder).read_bytes()
+        picture = run(source, rendering, folder).read_bytes()
+    del files  # `run` needs them until here
+    return picture
 
 
 def call(wanted: str, renderer: str | None, function: Callable[..., Result], *arguments: object) -> Result:

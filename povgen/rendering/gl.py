@@ -185,7 +185,7 @@ class Drawer:
             self.pictures[key].use({"sky": 2, "floor": 3}[key[0]])
 
     def _texture(self, file: bytes) -> Any:  # noqa: ANN401  (moderngl's)
-        if hdr.is_light(file):
+        if file.startswith(hdr.MARK):
             light = hdr.read(file).astype(np.float16)
             return self.gl.texture(light.shape[1::-1], 3, light.tobytes(), alignment=1, dtype="f2")
         with PngImageFile(BytesIO(file)) as image:

@@ -35,6 +35,6 @@ def to_text(
             "uniforms": shader.uniforms(scene, names, places, found),
             "volumes": [field._asdict() for field in fields.values()],
             "grid": GRID,
-            "pictures": {part: picture.name for part, picture in shader.surroundings(scene).items()},
+            "pictures": {part: picture.file.name for part, picture in shader.surroundings(scene).items()},
         }
     )

@@ -1,19 +1,13 @@
-"""Pictures of light: Radiance files (.hdr) are read and written here, EXR files are read by `exr_reader`.
+"""Linear light: Radiance files (.hdr) are read and written here; colours are converted from and to sRGB.
 
-Light is linear, as (height, width, 3) float32 of red, green and blue. 1 is the white of a screen.
+Light is (height, width, 3) float32 of red, green and blue. 1 is the white of a screen.
 """
 
-import os
 import re
-import subprocess
-import sys
-from io import BytesIO
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from povgen import remedies
-from povgen.files import temporary_folder
-from povgen.scene import exr_reader
+from povgen.errors import shown
 
 if TYPE_CHECKING:  # numpy is slow to load
     import numpy as np
@@ -21,29 +15,116 @@ if TYPE_CHECKING:  # numpy is slow to load
 
     Light = NDArray[np.float32]
 
-HEAD = re.compile(rb"#\?[^\n]*\n((?:[^\n]+\n)*)\n-Y (\d{1,9}) \+X (\d{1,9})\n")
+RGBE = b"32-bit_rle_rgbe"
+MARK = b"#?"  # of a Radiance file, at its start
+HEAD = re.compile(rb"#\?[^\n]*\n((?:[^\n]+\n)*)\n *([+-])([XY]) +(\d{1,9}) +([+-])([XY]) +(\d{1,9}) *\n")
 MAX_HEAD = 1 << 16  # bytes
-PATIENCE = 120  # seconds
-EXR = b"v/1\x01"
-WHOLE = "should be a whole picture, Radiance (.hdr) or EXR"
+MAX_PIXELS = 1 << 25
+WHOLE = "should be a whole Radiance file"
 MOST = 65504.0  # the greatest 16-bit floating-point number: the graphics card stores light as such numbers
-
-
-def is_light(data: bytes) -> bool:
-    """Return whether a file's content is that of a Radiance or an EXR file."""
-    return data.startswith((b"#?", EXR))
+SRGB = 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329  # chromaticities: x and y of red, green, blue and white
+# from XYZ to the responses of the eye's cones by which Bradford's method adapts light to another white
+BRADFORD = (0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)
 
 
 def read(data: bytes) -> "Light":
-    """Return the light in a Radiance or EXR file with this content.
+    """Return the light in a Radiance file with this content, as `clipped` does.
 
-    Values below 0 and NaN become 0, values above MOST become MOST. Raises ValueError for any other file, for too many
-    pixels, and for an EXR file if OpenEXR is not installed.
+    EXPOSURE and COLORCORR change nothing: they say by what the stored light has been multiplied. Raises ValueError for
+    any other file and for too many pixels.
     """
     import numpy as np
 
-    light = (_exr if data.startswith(EXR) else _radiance)(data)
-    return np.asarray(np.clip(np.nan_to_num(light, nan=0, posinf=MOST), 0, MOST), np.float32)
+    head = HEAD.match(data[:MAX_HEAD])
+    if not head or head[3] == head[6]:
+        raise ValueError(WHOLE)
+    stated = dict(line.split(b"=", 1) for line in head[1].splitlines() if b"=" in line)
+    if (kind := stated.get(b"FORMAT", b"32-bit_rle_rgbe").strip()) != b"32-bit_rle_rgbe":
+        raise ValueError(
+            f"should be a Radiance file of red, green and blue (32-bit_rle_rgbe), not {shown(kind.decode())}"
+        )
+    rows, width = int(head[4]), int(head[7])
+    if rows * width > MAX_PIXELS:
+        raise ValueError(f"should be a picture of at most {MAX_PIXELS} pixels")
+    at = head.end()
+    if 8 <= width < 1 << 15 and data[at : at + 4] == bytes((2, 2, width >> 8, width & 255)):
+        unpacked = bytearray()
+        for _ in range(rows):
+            at = _row(data, at, width, unpacked)
+        pixels = np.frombuffer(unpacked, np.uint8).reshape(rows, 4, width).transpose(0, 2, 1)
+    else:
+        pixels = _old_pixels(data[at:], rows * width).reshape(rows, width, 4)
+    # -Y +X: rows from the upper left to the right. +X -Y: columns.
+    y, x = head[2], head[5]
+    if head[3] == b"X":
+        pixels, y, x = pixels.swapaxes(0, 1), x, y
+    pixels = pixels[:: 1 if y == b"-" else -1, :: 1 if x == b"+" else -1]
+    # m stands for numbers from m to m + 1, and is read as m + 0.5, as in the program Radiance and in POV-Ray
+    light = pixels[..., :3].astype(np.float32)
+    light += 0.5
+    np.ldexp(light, pixels[..., 3:].astype(np.int32) - 136, out=light)
+    light *= pixels[..., 3:] > 0
+    primaries = stated.get(b"PRIMARIES")
+    return clipped(light, SRGB if primaries is None else [float(number) for number in primaries.split()])
+
+
+def clipped(light: "Light", chromaticities: Sequence[float]) -> "Light":
+    """Return linear light of these chromaticities as that of sRGB, from 0 to MOST. NaN becomes 0. `light` changes."""
+    import numpy as np
+
+    light = converted(np.nan_to_num(light, copy=False, nan=0, posinf=MOST, neginf=0), chromaticities)
+    return np.clip(light, 0, MOST, out=light)
+
+
+def converted(light: "Light", chromaticities: Sequence[float]) -> "Light":
+    """Return linear light of these chromaticities as that of sRGB, which can be below 0. White stays white.
+
+    Chromaticities are as in SRGB. Another white is adapted by Bradford's method. Raises ValueError for those of no
+    colours.
+    """
+    import numpy as np
+
+    if np.shape(chromaticities) == np.shape(SRGB) and np.allclose(chromaticities, SRGB, atol=1e-4):
+        return light
+    try:
+        to_xyz, white = _to_xyz(chromaticities)
+        from_xyz, own_white = _to_xyz(SRGB)
+        cones = np.array(BRADFORD)
+        adapted = np.linalg.solve(cones, (cones @ own_white / (cones @ white))[:, None] * cones)
+        matrix = np.linalg.solve(from_xyz, adapted @ to_xyz)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        matrix = np.array(np.nan)
+    if not np.isfinite(matrix).all():
+        raise ValueError(f"should state the chromaticities of colours, not {shown(tuple(chromaticities))}")
+    return light @ matrix.T.astype(np.float32)
+
+
+def _to_xyz(chromaticities: Sequence[float]) -> "tuple[NDArray[Any], NDArray[Any]]":
+    """Return the matrix from linear light of these chromaticities to XYZ, and the white's XYZ, whose Y is 1."""
+    import numpy as np
+
+    x, y = np.reshape(chromaticities, (4, 2)).T
+    columns = np.array([x, y, 1 - x - y])
+    with np.errstate(all="ignore"):
+        white = columns[:, 3] / y[3]
+    return columns[:, :3] * np.linalg.solve(columns[:, :3], white), white
+
+
+def linear(encoded: Iterable[int]) -> "Light":
+    """Return the light, 0 to 1, of sRGB bytes."""
+    import numpy as np
+
+    share = np.asarray(encoded, np.float32) / 255
+    return np.asarray(np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4), np.float32)
+
+
+def encoded(light: "NDArray[Any]") -> "NDArray[np.uint8]":
+    """Return light as sRGB bytes. Light brighter than white becomes white, and below 0 black."""
+    import numpy as np
+
+    light = light.clip(0, 1)
+    share = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return (255 * share + 0.5).astype(np.uint8)
 
 
 def written(light: "Light") -> bytes:
@@ -52,60 +133,34 @@ def written(light: "Light") -> bytes:
 
     height, width, _ = light.shape
     fraction, exponent = np.frexp(light.max(-1))
-    mantissas = np.floor(np.ldexp(light, 8 - exponent[..., None]))
-    shared = np.where((fraction > 0) & (exponent > -128), exponent + 128, 0)  # 0: black
-    pixels = np.dstack([mantissas * (shared > 0)[..., None], shared]).astype(np.uint8)
+    pixels = np.empty((height, width, 4), np.uint8)
+    pixels[..., 3] = np.where((fraction > 0) & (exponent > -128), exponent + 128, 0)  # 0: black
+    pixels[..., :3] = np.ldexp(light, 8 - exponent[..., None]) * (pixels[..., 3:] > 0)
     head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
     return head.encode() + pixels.tobytes()
 
 
-def _exr(data: bytes) -> "NDArray[Any]":
+def _old_pixels(data: bytes, count: int) -> "NDArray[np.uint8]":
+    """Return pixels (count, 4) that are stored one after the other.
+
+    In files of before 1991 the pixel 1, 1, 1, n stands for n copies of the one before; the next such pixel for 256 n.
+    """
     import numpy as np
 
-    path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
-    with temporary_folder() as folder:
-        (folder / "own.exr").write_bytes(data)
-        command = [sys.executable, "-P", "-m", "povgen.scene.exr_reader", str(folder / "own.exr")]
-        try:
-            done = subprocess.run(command, capture_output=True, timeout=PATIENCE, cwd="/", env=environment)
-        except subprocess.TimeoutExpired:
-            raise ValueError(f"should be a picture that is read within {PATIENCE} s") from None
-    if done.returncode == exr_reader.NO_OPENEXR:
-        raise ValueError(f"needs OpenEXR, which is not installed: {remedies.extra('exr')}")
-    if done.returncode == exr_reader.NO_COLOURS:
-        raise ValueError("should be an EXR file with the channels R, G and B")
-    if done.returncode == exr_reader.TOO_LARGE:
-        raise ValueError(f"should be a picture of at most {exr_reader.MAX_PIXELS} pixels")
-    if done.returncode:
-        raise ValueError(WHOLE)
-    return np.asarray(np.load(BytesIO(done.stdout.partition(b"\0")[2]), allow_pickle=False))
-
-
-def _radiance(data: bytes) -> "NDArray[Any]":
-    import numpy as np
-
-    head = HEAD.match(data[:MAX_HEAD])
-    if not head or b"FORMAT=32-bit_rle_rgbe" not in head[1].splitlines():
-        raise ValueError("should be a Radiance file of red, green and blue, stored from the upper left")
-    height, width = int(head[2]), int(head[3])
-    if width * height > exr_reader.MAX_PIXELS:
-        raise ValueError(f"should be a picture of at most {exr_reader.MAX_PIXELS} pixels")
-    at = head.end()
-    if 8 <= width < 1 << 15 and data[at : at + 4] == bytes((2, 2, width >> 8, width & 255)):
-        rows = bytearray()
-        for _ in range(height):
-            at = _row(data, at, width, rows)
-        pixels = np.frombuffer(rows, np.uint8).reshape(height, 4, width).transpose(0, 2, 1)
-    else:
-        if len(data) - at < 4 * width * height:
+    stored = np.frombuffer(data, np.uint8, len(data) // 4 * 4).reshape(-1, 4)[:count]
+    is_run = (stored[:, :3] == 1).all(1)
+    if not is_run.any():
+        if len(stored) < count:
             raise ValueError(WHOLE)
-        pixels = np.frombuffer(data, np.uint8, 4 * width * height, at).reshape(height, width, 4)
-        if (pixels[..., :3] == 1).all(-1).any():
-            raise ValueError("should be a Radiance file without the run lengths of before 1991")
-    # m stands for numbers from m to m + 1, and is read as m + 0.5, as in the program Radiance and in POV-Ray
-    light = np.ldexp(pixels[..., :3].astype(np.float32) + 0.5, pixels[..., 3:].astype(np.int32) - 136)
-    return np.where(pixels[..., 3:] > 0, light, 0)
+        return stored
+    place = np.arange(len(stored))
+    source = np.maximum.accumulate(np.where(is_run, -1, place))  # of a run: the pixel before it
+    times = np.where(is_run, stored[:, 3].astype(int) << 8 * (place - source - 1).clip(0, 3), 1)
+    ends = np.cumsum(times)
+    last = int(np.searchsorted(ends, count))
+    if source[0] < 0 or last == len(ends) or ends[last] != count:
+        raise ValueError(WHOLE)
+    return stored[source[: last + 1]].repeat(times[: last + 1], axis=0)
 
 
 def _row(data: bytes, at: int, width: int, rows: bytearray) -> int:

@@ -4,55 +4,68 @@ povgen decodes a file and writes a new one: PNG, or Radiance (.hdr) of a picture
 one, never the user's.
 """
 
-import hashlib
+import dataclasses
+import json
 import os
 import re
+import subprocess
+import sys
+from collections.abc import Callable
 from dataclasses import field
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
-from povgen.files import read_bytes
+from povgen.files import read_bytes, temporary_folder
 from povgen.scene import hdr
+from povgen.scene.picture_reader import ANSWER, DECODED, FORMATS, GIVEN
 
-if TYPE_CHECKING:
-    from PIL import Image
-
-FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
 MAX_BYTES = 10**8  # of a file
-MAX_SIZE = (8192, 4096)  # pixels
+PATIENCE = 120  # seconds
 WIDTH = 2.0  # of a copy of the floor's picture, tiles
 NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr)")
-_content: dict[str, bytes] = {}  # of the new files, by their names: a scene's text has the names only
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class File:
+    """The new file of a picture, which renderers read. `kept` makes one for each name, which has the content's hash."""
+
+    name: str
+    content: bytes
+
+    def __reduce__(self) -> "tuple[Callable[[str, bytes], File], tuple[str, bytes]]":
+        return kept, (self.name, self.content)
+
+
+# by their names, which are all that a scene's text has; as long as something else refers to them
+_files: WeakValueDictionary[str, File] = WeakValueDictionary()
+
+
+def kept(name: str, content: bytes) -> File:
+    """Return the new file with this name. As long as something refers to it, `used` returns its content."""
+    return _files.setdefault(name, File(name, content))
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture from a file. `name` is the name of the new file, with a hash of its content; `used` returns it."""
+    """A picture from a file. `file` is the new file."""
 
     path: str
-    name: str = field(repr=False)
+    file: File = field(repr=False)
     size: tuple[int, int] = field(repr=False)  # width and height, pixels
     # the mean colour: red, green and blue of linear light; 1 is white, and a picture of light can have more
     mean: tuple[float, float, float] = field(repr=False)
     options: str = ""  # as the user wrote them
     width: float = field(default=WIDTH, repr=False)  # of the floor's picture, tiles
 
-    def __getstate__(self) -> dict[str, object]:
-        return {**vars(self), "content": _content[self.name]}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        know({state["name"]: state.pop("content")})
-        vars(self).update(state)
-
     @property
     def is_light(self) -> bool:
         """Whether the new file is a Radiance file, of light that can be brighter than white."""
-        return self.name.endswith(".hdr")
+        return self.file.name.endswith(".hdr")
 
     @property
     def tiles(self) -> tuple[float, float]:
@@ -109,95 +122,52 @@ def _path(value: object) -> str:
 
 
 def used(text: str) -> dict[str, bytes]:
-    """Return the new files that a scene's text names."""
-    return {name: _content[name] for name in dict.fromkeys(NAME.findall(text)) if name in _content}
-
-
-def know(files: dict[str, bytes]) -> None:
-    """Add new files that another process made."""
-    _content.update(files)
+    """Return the new files that a scene's text names: their contents, by their names."""
+    return {name: _files[name].content for name in dict.fromkeys(NAME.findall(text)) if name in _files}
 
 
 def _picture(path: str, options: str, width: float, data: bytes | None) -> Picture:
-    name, size, mean = _decoded(read_bytes(path, MAX_BYTES) if data is None else data)
-    return Picture(path, name, size, mean, options, width)
+    file, size, mean = _decoded(read_bytes(path, MAX_BYTES) if data is None else data)
+    return Picture(path, file, size, mean, options, width)
 
 
 @lru_cache(maxsize=2)  # a movie's frames have the same sky and floor
-def _decoded(data: bytes) -> tuple[str, tuple[int, int], tuple[float, float, float]]:
-    """Make the new file of a picture; keep it in memory. Return its name, its size in pixels, and the mean colour."""
-    if hdr.is_light(data):
-        file = hdr.written(hdr.read(data))
-        stored = hdr.read(file)
-        _check_size(stored.shape[1::-1])
-        red, green, blue = stored.mean((0, 1), float).tolist()
-        return _named(file, "hdr"), stored.shape[1::-1], (red, green, blue)
+def _decoded(data: bytes) -> tuple[File, tuple[int, int], tuple[float, float, float]]:
+    """Return the new file of a picture, its size in pixels, and the mean colour."""
+    path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
+    with temporary_folder() as folder:
+        (folder / GIVEN).write_bytes(data)
+        command = [sys.executable, "-P", "-m", "povgen.scene.picture_reader", str(folder)]
+        try:
+            done = subprocess.run(
+                command,
+                cwd="/",
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=PATIENCE,
+            )
+        except subprocess.TimeoutExpired:
+            raise ValueError(f"should be a picture that is read within {PATIENCE} s") from None
+        if done.returncode:
+            raise ValueError("should be a picture that needs less time and memory")
+        answer = json.loads((folder / ANSWER).read_text())
+        if "fault" in answer:
+            raise ValueError(answer["fault"])
+        file = kept(answer["name"], (folder / DECODED).read_bytes())
+    width, height = answer["size"]
+    red, green, blue = answer["mean"]
+    return file, (width, height), (red, green, blue)
+
+
+def as_png(file: File) -> bytes:
+    """Return a new file's content as PNG. Light brighter than white becomes white."""
+    if not file.name.endswith(".hdr"):
+        return file.content
     from PIL import Image
 
-    try:
-        with Image.open(BytesIO(data), formats=FORMATS) as opened:
-            _check_size((max(opened.size), min(opened.size)))  # before Exif data turn it
-            image: Image.Image = opened
-            if opened.mode.startswith("I;16") or (opened.mode, opened.format) == ("I", "PNG"):
-                # 16 bits: convert("RGB") would cut the numbers at 255
-                image = opened.convert("I").point(lambda grey: grey * (1 / 257) + 0.5)
-            elif opened.mode in ("I", "F"):
-                raise ValueError("should be a picture of 8 or 16 bits; for light: .hdr or .exr")
-            image = _upright(image).convert("RGB")
-            _check_size(image.size)
-    except ValueError as error:
-        if str(error).startswith("should "):
-            raise
-        raise ValueError("should be a whole picture") from None
-    except (OSError, SyntaxError, EOFError, MemoryError, ArithmeticError, LookupError, Image.DecompressionBombError):
-        raise ValueError(f"should be a whole picture: {', '.join(FORMATS)}") from None
-    counts, light = image.histogram(), [_linear(k / 255) for k in range(256)]
-    pixels = image.width * image.height
-    red, green, blue = (sum(x * n for x, n in zip(light, counts[k : k + 256], strict=True)) for k in (0, 256, 512))
     png = BytesIO()
-    image.save(png, "png", compress_level=3)
-    name = _named(png.getvalue(), "png", image.tobytes() + repr(image.size).encode())
-    return name, image.size, (red / pixels, green / pixels, blue / pixels)
-
-
-def _upright(image: "Image.Image") -> "Image.Image":
-    """Return a picture turned as its Exif data say."""
-    from PIL import ImageOps
-
-    try:
-        return ImageOps.exif_transpose(image)
-    except Exception:  # of any kind, for damaged Exif data
-        return image
-
-
-def _check_size(size: tuple[int, ...]) -> None:
-    """Raise ValueError for a picture, width and height in pixels, that is too small or too large."""
-    if min(size) < 2 or size[0] > MAX_SIZE[0] or size[1] > MAX_SIZE[1]:
-        most, given = ("{}x{}".format(*pixels) for pixels in (MAX_SIZE, size))
-        raise ValueError(f"should be a picture of 2x2 to {most} pixels, not {given}")
-
-
-def _named(file: bytes, ending: str, content: bytes = b"") -> str:
-    """Keep a new file, and return its name. `content` is what decides the name, if it is not the whole file."""
-    name = f"picture-{hashlib.sha256(content or file).hexdigest()}.{ending}"
-    _content[name] = file
-    return name
-
-
-def as_png(name: str) -> bytes:
-    """Return the content of the new file with this name, as PNG. Light brighter than white becomes white."""
-    if not name.endswith(".hdr"):
-        return _content[name]
-    import numpy as np
-    from PIL import Image
-
-    light = hdr.read(_content[name]).clip(0, 1)
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    png = BytesIO()
-    Image.fromarray(np.uint8(255 * encoded + 0.5)).save(png, "png")
+    Image.fromarray(hdr.encoded(hdr.read(file.content))).save(png, "png")
     return png.getvalue()
-
-
-def _linear(value: float) -> float:
-    """Return the linear light of an sRGB value, both 0 to 1."""
-    return float(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4)

@@ -17,7 +17,6 @@ from povgen.rendering import povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
-from povgen.scene.pictures import used
 from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files
 from povgen.scene.shader import surroundings
@@ -262,8 +261,7 @@ def record_of(
 
 def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
     """Return the pictures of sky and floor for the record: up to MAX_PICTURES, with up to MAX_LARGE bytes."""
-    shown = {str(picture): picture.name for scene in scenes for picture in surroundings(scene).values()}
-    files = {name: used(file)[file] for name, file in shown.items()}
+    files = {str(picture): picture.file.content for scene in scenes for picture in surroundings(scene).values()}
     small = len(files) <= MAX_PICTURES and sum(map(len, files.values())) <= MAX_LARGE
     return {name: base64.b64encode(png).decode() for name, png in files.items()} if small else {}
 

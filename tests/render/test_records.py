@@ -210,6 +210,9 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     assert "its text is not in the record" in with_record(made, frame={"window": [{"z": 2, "profile": str(secret)}]})
     (made / "none").write_bytes((made / "a.png").read_bytes())
     assert "sky = 'none': the picture is not in the record" in with_record(made, frame={"sky": "none"})
+    broken = (made / "a.png").read_bytes()[:60]
+    said = with_record(made, frame={"sky": "none"}, pictures={"none": base64.b64encode(broken).decode()})
+    assert "sky = 'none': should be a whole picture" in said
     assert os.stat(secret).st_atime_ns == before
     text = '#fopen File "a" write\n' + PIECE
     said = with_record(made, frame={"piece": "mine"}, pieces={"mine": text})

@@ -1,11 +1,14 @@
 """Surroundings and floors from pictures, in both renderers."""
 
 import base64
+import gc
 import os
 import pickle
 import re
+import struct
 import subprocess
 import sys
+import zlib
 from contextlib import suppress
 from io import BytesIO
 
@@ -14,12 +17,13 @@ import pytest
 from conftest import picture, povgen, refused
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
+from PIL import Image, ImageCms
 
 from povgen import Chess, InputError, MovieSpec, Spheres, remedies, render, save, to_pov
 from povgen.liveview.values import values as live_values
 from povgen.rendering.light import linear
-from povgen.scene import hdr, pictures
+from povgen.scene import hdr, picture_reader, pictures
+from povgen.scene.picture_reader import colours, exr
 from povgen.scene.scenes import input_files
 
 SIZE = (160, 120)
@@ -105,10 +109,10 @@ def test_grey_of_16_bits_is_that_of_8(tmp_path):
     for name in ("grey.png", "grey.tif"):
         Image.fromarray(grey.astype(np.uint16) * 257).save(tmp_path / name)
         assert Image.open(tmp_path / name).mode[0] == "I"
-        assert pictures.sky(tmp_path / name).name == pictures.sky(tmp_path / "eight.png").name
+        assert pictures.sky(tmp_path / name).file is pictures.sky(tmp_path / "eight.png").file
     for numbers in (grey.astype(np.float32) / 255, grey.astype(np.int32)):  # white is not known
         Image.fromarray(numbers).save(tmp_path / "other.tif")
-        with pytest.raises(ValueError, match="^should be a picture of 8 or 16 bits; for light: .hdr or .exr$"):
+        with pytest.raises(ValueError, match="^should be a picture of 8 or 16 bits without sign; for light"):
             pictures.sky(tmp_path / "other.tif")
 
 
@@ -118,16 +122,16 @@ def test_a_photo_is_turned_as_its_exif_data_say(tmp_path):
     for orientation, stored in ((3, Image.Transpose.ROTATE_180), (6, Image.Transpose.ROTATE_90)):
         exif[0x112] = orientation
         upright.transpose(stored).save(tmp_path / "photo.png", exif=exif)
-        assert pictures.sky(tmp_path / "photo.png").name == pictures.sky(picture(tmp_path)).name
+        assert colours((tmp_path / "photo.png").read_bytes()).tobytes() == upright.tobytes()
     exif[0x112] = 6
-    high, wide = (pictures.MAX_SIZE[1] + 2, 2 * pictures.MAX_SIZE[1] + 4), (pictures.MAX_SIZE[1], pictures.MAX_SIZE[0])
+    high, wide = (4098, 8196), (4096, 8192)
     Image.new("L", wide).save(tmp_path / "large.png", exif=exif)  # 8192 x 4096 when it is turned
-    assert pictures.sky(tmp_path / "large.png").size == pictures.MAX_SIZE
+    assert colours((tmp_path / "large.png").read_bytes()).size == picture_reader.MAX_SIZE
     Image.new("L", high).save(tmp_path / "large.png", exif=exif)
     with pytest.raises(ValueError, match="2x2 to 8192x4096"):
-        pictures.sky(tmp_path / "large.png")
+        colours((tmp_path / "large.png").read_bytes())
     upright.save(tmp_path / "damaged.png", exif=b"Exif\0\0MM damaged")
-    assert pictures.sky(tmp_path / "damaged.png").name == pictures.sky(picture(tmp_path)).name
+    assert colours((tmp_path / "damaged.png").read_bytes()).tobytes() == upright.tobytes()
 
 
 def test_the_source_names_a_new_file_beside_it(tmp_path):
@@ -195,7 +199,7 @@ def test_light_is_stored_as_a_radiance_file(tmp_path):
     import OpenEXR
 
     OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": odd}).write(str(tmp_path / "odd.exr"))
-    assert (hdr.read((tmp_path / "odd.exr").read_bytes())[0, 0] == (0, 0, hdr.MOST)).all()
+    assert (exr(tmp_path / "odd.exr")[0, 0] == (0, 0, hdr.MOST)).all()
 
 
 @pytest.mark.parametrize(
@@ -210,7 +214,7 @@ def test_the_picture_of_an_exr_file_is_its_display_window(low, high, tmp_path):
     stored = np.dstack([*np.indices(shape), np.ones(shape)]).astype(np.float32)
     header |= {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, {"RGB": stored}).write(str(tmp_path / "a.exr"))
-    found = hdr.read((tmp_path / "a.exr").read_bytes())
+    found = exr(tmp_path / "a.exr")
     y, x = np.indices((64, 128))
     inside = (low[0] <= x) & (x <= high[0]) & (low[1] <= y) & (y <= high[1])
     expected = np.dstack((y - low[1], x - low[0], np.ones_like(x))) * inside[..., None]
@@ -253,12 +257,11 @@ def test_damaged_light_is_refused(tmp_path, capfd):
     radiance, exr = ((tmp_path / f"sky.{kind}").read_bytes() for kind in ("hdr", "exr"))
     plain = radiance.partition(b"\n\n")[0]
     for data, said in (
-        (radiance[:-9], "should be a whole picture"),
-        (radiance.replace(b"rgbe", b"xyze"), "should be a Radiance file of red, green and blue"),
+        (radiance[:-9], "should be a whole Radiance file"),
+        (radiance.replace(b"rgbe", b"xyze"), r"red, green and blue \(32-bit_rle_rgbe\), not '32-bit_rle_xyze'"),
         (plain + b"\n\n-Y 99999 +X 99999\n", "of at most 33554432 pixels"),
         (plain + b"\n\n-Y 0 +X 0\n", "should be a picture of 2x2 to 8192x4096 pixels, not 0x0"),
-        (plain + b"\n\n-Y 2 +X 4\n" + bytes((1, 1, 1, 9)) * 8, "run lengths of before 1991"),
-        (plain + b"\n\n-Y 32 +X 64\n" + bytes((2, 2, 0, 64, 0)), "should be a whole picture"),
+        (plain + b"\n\n-Y 32 +X 64\n" + bytes((2, 2, 0, 64, 0)), "should be a whole Radiance file"),
         (exr[:-9], "should be a whole picture"),
         (exr[:400] + bytes(99) + exr[499:], "should be a whole picture"),
     ):
@@ -305,14 +308,16 @@ def damaged(tmp_path, data):
     return tmp_path / "own.png"
 
 
-def test_what_is_refused(tmp_path, monkeypatch):
+def test_what_is_refused(tmp_path):
     path = picture(tmp_path)
     png = (tmp_path / "picture.png").read_bytes()
     Image.new("RGB", (64, 64)).save(tmp_path / "square.png")
     Image.new("RGB", (1, 1)).save(tmp_path / "pixel.png")
     Image.new("L", (8, 4)).save(tmp_path / "own.gif")
     os.mkfifo(tmp_path / "fifo.png")
+    Image.new("L", (8194, 4097)).save(tmp_path / "large.png")
     for values, said in (
+        ({"sky": tmp_path / "large.png"}, "should be a picture of 2x2 to 8192x4096 pixels, not 8194x4097"),
         ({"sky": tmp_path / "square.png"}, r"twice as wide as high \(equirectangular\), not 64x64 pixels"),
         ({"sky": tmp_path / "no.png"}, "No such file"),
         ({"sky": tmp_path / "fifo.png"}, "regular file"),
@@ -327,7 +332,285 @@ def test_what_is_refused(tmp_path, monkeypatch):
         with pytest.raises(InputError, match=said) as caught:
             Chess(**values)
         assert "\n" not in str(caught.value)
-    monkeypatch.setattr(pictures, "MAX_SIZE", (32, 16))
-    pictures._decoded.cache_clear()
-    with pytest.raises(InputError, match="should be a picture of 2x2 to 32x16 pixels, not 64x32"):
-        Chess(sky=path)
+
+
+AP0 = 0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767
+D50 = 0.3457, 0.3585
+
+
+def exr_of(path, channels, **header):
+    """Write an EXR file with these channels, each (height, width), and return its path."""
+    OpenEXR = pytest.importorskip("OpenEXR")
+    OpenEXR.File({"type": OpenEXR.scanlineimage, **header}, channels).write(str(path / "a.exr"))
+    return path / "a.exr"
+
+
+@pytest.mark.parametrize(
+    ("chromaticities", "stored", "wanted"),
+    [
+        (hdr.SRGB, (0.8, 0.1, 0.1), (0.8, 0.1, 0.1)),
+        (AP0, (0.4077147, 0.16267508, 0.11216602), (0.8, 0.1, 0.1)),  # another program's numbers for this colour
+        ((*hdr.SRGB[:6], *D50), (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)),  # white stays white
+        ((1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3), (0.4124 / 0.9505, 0.2126, 0.0193 / 1.089), (1, 0, 0)),  # XYZ
+        ((0.3,) * 8, (0.5, 0.5, 0.5), None),
+        ((0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.0), (0.5, 0.5, 0.5), None),
+        ((np.nan,) * 8, (0.5, 0.5, 0.5), None),
+    ],
+)
+def test_primaries_and_white_of_light_are_those_of_srgb(chromaticities, stored, wanted, tmp_path):
+    """An EXR file states them as chromaticities, a Radiance file as PRIMARIES."""
+    light = np.tile(np.float32(stored), (2, 4, 1))
+    of_exr = exr_of(tmp_path, {"RGB": light}, chromaticities=chromaticities)
+    stated = b"PRIMARIES= " + " ".join(map(str, chromaticities)).encode()
+    of_hdr = hdr.written(light).replace(b"\n\n", b"\nEXPOSURE=3\nCOLORCORR= 2 1 1\n" + stated + b"\n\n")
+    for read, file, accuracy in ((exr, of_exr, 4e-3), (hdr.read, of_hdr, 0.02)):
+        if wanted:
+            assert abs(read(file) - wanted).max() < accuracy
+        else:
+            with pytest.raises(ValueError, match="should state the chromaticities of colours, not"):
+                read(file)
+
+
+@pytest.mark.parametrize(
+    ("channels", "picture"),
+    [
+        ("a.R a.G a.B a.A", ["a.R", "a.G", "a.B"]),
+        ("R G B a.R a.G a.B Z", ["R", "G", "B"]),
+        ("a.b.R a.b.G a.b.B b.Z b.R", ["a.b.R", "a.b.G", "a.b.B"]),
+        ("Y", ["Y", "Y", "Y"]),
+        ("Y A", ["Y", "Y", "Y"]),
+        ("Y RY BY", "not BY, RY, Y"),
+        ("R G", "not G, R"),
+        ("a.R a.G a.B c.R c.G c.B", "not a.B, a.G, a.R, c.B, c.G, c.R"),
+        ("xR xG xB", "not xB, xG, xR"),
+        (" ".join(f"l{k:02}.R" for k in range(40)), "not l00.R, .*, l11.R, ...$"),
+    ],
+)
+def test_the_picture_of_an_exr_file_is_its_only_layer(channels, picture, tmp_path):
+    values = {name: np.full((2, 4), k, np.float32) for k, name in enumerate(channels.split())}
+    file = exr_of(tmp_path, {**values})
+    if isinstance(picture, list):
+        assert (exr(file) == [values[name][0, 0] for name in picture]).all()
+    else:
+        with pytest.raises(ValueError, match=f"the channels R, G and B, or one layer that has them, {picture}"):
+            exr(file)
+
+
+def test_parts_and_pixels_of_an_exr_file(tmp_path):
+    """The picture can be in another part than the first. Pixels that are left out, or deep, are refused."""
+    OpenEXR = pytest.importorskip("OpenEXR")
+    light, header = np.full((2, 4, 3), 0.5, np.float32), {"type": OpenEXR.scanlineimage}
+    parts = [
+        OpenEXR.Part({**header, "name": name}, {key: value}, name)
+        for name, key, value in (("depth", "Z", light[..., 0]), ("seen", "RGB", light))
+    ]
+    OpenEXR.File(parts).write(str(tmp_path / "parts.exr"))
+    assert (exr(tmp_path / "parts.exr") == light).all()
+    file = exr_of(tmp_path, {"RGB": light})
+    samples = b"B\0" + struct.pack("<5I", 2, 0, 1, 1, 0)[:16]  # of 32 bits; each pixel along x and y
+    half = file.read_bytes().replace(samples, samples[:10] + struct.pack("<2I", 2, 2))
+    file.write_bytes(half)
+    with pytest.raises(ValueError, match="all pixels, without subsampling"):
+        exr(file)
+
+
+@pytest.mark.parametrize("order", ["-Y 3 +X 4", "+Y 3 +X 4", "-Y 3 -X 4", "+Y 3 -X 4"])
+@pytest.mark.parametrize("by_columns", [False, True])
+def test_a_radiance_file_states_where_its_rows_begin(order, by_columns):
+    light = np.arange(1, 37, dtype=np.float32).reshape(3, 4, 3)
+    stored = light[:: 1 if order[0] == "-" else -1, :: 1 if order[5] == "+" else -1]
+    if by_columns:
+        stored, order = stored.swapaxes(0, 1), f"{order[5:]} {order[:4]}"
+    data = hdr.written(stored).replace(b"-Y 4 +X 3" if by_columns else b"-Y 3 +X 4", order.encode())
+    assert (np.round(hdr.read(data) - 0.06) == light).all()
+
+
+@pytest.mark.parametrize(
+    ("stored", "values"),
+    [
+        ([(9, 9, 9, 136), (1, 1, 1, 15)], [9] * 16),
+        ([(9, 9, 9, 136), (1, 1, 1, 4), (7, 7, 7, 136), (1, 1, 1, 10)], [9] * 5 + [7] * 11),
+        ([(9, 9, 9, 136), (1, 1, 1, 15), (1, 1, 1, 1)], [9] * 272),  # a second run has 256 times as many
+        ([(9, 9, 9, 136), (1, 1, 1, 16)], None),  # too many
+        ([(9, 9, 9, 136), (1, 1, 1, 14)], None),
+        ([(1, 1, 1, 16)], None),
+        ([(9, 9, 9, 136), *[(1, 1, 1, 255)] * 15], None),
+    ],
+)
+def test_run_lengths_of_before_1991(stored, values):
+    size = (len(values) if values else 16) // 2
+    head = f"#?RGBE\n# no FORMAT\n\n -Y    2 +X   {size} \n".encode()  # padded, as some programs write it
+    data = head + b"".join(map(bytes, stored))
+    if values is None:
+        with pytest.raises(ValueError, match="should be a whole Radiance file"):
+            hdr.read(data)
+    else:
+        assert (hdr.read(data)[..., 1].ravel() == np.add(values, 0.5)).all()
+
+
+def profile_of(space="sRGB"):
+    return ImageCms.ImageCmsProfile(ImageCms.createProfile(space)).tobytes()
+
+
+def exchanged():
+    """Return a profile of sRGB whose red and green are exchanged, by the names of its parts."""
+    return profile_of().replace(b"rXYZ", b"tXYZ").replace(b"gXYZ", b"rXYZ").replace(b"tXYZ", b"gXYZ")
+
+
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+def png_with(colour, *chunks, mode="RGB", **options):
+    """Return a PNG file of one colour, with these parts, each a name and its data."""
+    file = BytesIO()
+    Image.new(mode, (8, 4), colour).save(file, "png", **options)
+    return file.getvalue()[:33] + b"".join(chunk(*each) for each in chunks) + file.getvalue()[33:]
+
+
+P3 = struct.pack(">8I", 31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000)
+LINEAR = (b"gAMA", struct.pack(">I", 100000))
+CICP_P3, CICP_SRGB = ((b"cICP", bytes(numbers)) for numbers in ((12, 13, 0, 1), (1, 13, 0, 1)))
+
+
+@pytest.mark.parametrize(
+    ("data", "wanted"),
+    [
+        (png_with((200, 30, 30), icc_profile=exchanged()), (30, 200, 30)),
+        (png_with(200, mode="L", icc_profile=profile_of()), (200, 200, 200)),
+        (png_with((200, 30, 30), CICP_SRGB, icc_profile=exchanged()), (200, 30, 30)),
+        (png_with((200, 30, 30), CICP_P3), "its part cICP states other colours"),
+        (png_with((55, 55, 55), LINEAR), (128, 128, 128)),
+        (png_with(55, LINEAR, mode="L"), (128, 128, 128)),
+        (png_with((55, 55, 55), LINEAR, (b"sRGB", b"\0")), (55, 55, 55)),
+        (png_with((55, 55, 55), (b"gAMA", struct.pack(">I", 45455))), (55, 55, 55)),
+        (png_with((55, 55, 55), (b"gAMA", bytes(4))), "a gamma above 0"),
+        (png_with((200, 100, 50), (b"cHRM", P3)), (215, 93, 31)),  # Display P3, by CSS Color 4
+        (png_with((0, 0, 0), icc_profile=b"no profile" * 20), "whose ICC profile is whole"),
+    ],
+    ids=lambda value: str(len(value)),
+)
+def test_what_a_png_file_states_about_its_colours(data, wanted):
+    if isinstance(wanted, str):
+        with pytest.raises(ValueError, match=wanted):
+            colours(data)
+    else:
+        assert np.abs(np.subtract(colours(data).getpixel((3, 2)), wanted)).max() <= 2
+
+
+def file_of(picture, kind, **options):
+    file = BytesIO()
+    picture.save(file, kind, **options)
+    return file.getvalue()
+
+
+BITS = b"\2\1\3\0\1\0\0\0"  # the tag of their number in a TIFF file
+GREY = Image.fromarray(np.full((4, 8), 1000, np.uint16))
+LAB = ImageCms.profileToProfile(
+    Image.new("RGB", (8, 4), (200, 30, 30)), *map(ImageCms.createProfile, ("sRGB", "LAB")), outputMode="LAB"
+)
+RED = Image.new("RGB", (8, 4), (200, 30, 30))
+# Exif data whose interoperability index says Adobe RGB, as cameras write it: three tables of one entry each
+ADOBE = b"Exif\0\0II*\0\x08\0\0\0" + b"".join(
+    struct.pack("<3HI4sI", 1, *entry, 0)
+    for entry in (
+        (0x8769, 4, 1, struct.pack("<I", 26)),
+        (0xA005, 4, 1, struct.pack("<I", 44)),
+        (1, 2, 4, b"R03\0"),
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("data", "wanted"),
+    [
+        (file_of(GREY, "tiff"), (4, 4, 4)),
+        (file_of(GREY, "tiff", tiffinfo={262: 0}), (251, 251, 251)),  # 0 is white
+        (
+            file_of(GREY, "tiff").replace(b"\2\1\3\0\1\0\0\0\x10", b"\2\1\3\0\1\0\0\0\x0c"),
+            (128, 128, 128),
+        ),  # 0x803 of 12 bits
+        (file_of(LAB, "tiff"), (200, 30, 30)),  # with its profile
+        (file_of(LAB, "tiff", icc_profile=None), (200, 30, 30)),
+        (
+            file_of(RED, "tiff", tiffinfo={318: (0.3127, 0.329), 319: (0.68, 0.32, 0.265, 0.69, 0.15, 0.06)}),
+            (218, 0, 6),
+        ),
+        (file_of(Image.new("L", (8, 4), 99), "tiff", tiffinfo={339: 2}), "without sign"),
+        (file_of(RED, "jpeg", quality=100, icc_profile=exchanged()), (30, 200, 30)),
+        (file_of(RED, "webp", lossless=True, icc_profile=exchanged()), (30, 200, 30)),
+        (file_of(RED, "webp", lossless=True), (200, 30, 30)),
+        (file_of(RED.quantize(), "png", icc_profile=exchanged()), (30, 200, 30)),
+        (file_of(RED.convert("CMYK"), "jpeg", quality=100), (200, 30, 30)),
+        (file_of(RED.convert("CMYK"), "jpeg", icc_profile=exchanged()), "for its colours, CMYK, not for 'RGB'"),
+        (file_of(RED, "png", icc_profile=profile_of("LAB")), "for its colours, RGB, not for 'Lab'"),
+        (file_of(RED, "jpeg", quality=100, exif=ADOBE), (233, 24, 24)),
+    ],
+    ids=lambda value: str(len(value)),
+)
+def test_what_other_files_state_about_their_colours(data, wanted):
+    test_what_a_png_file_states_about_its_colours(data, wanted)
+
+
+TRANSPARENT = np.dstack([np.full((4, 8), 200, np.uint8)] * 2)
+TRANSPARENT[2, 3, 1] = 254
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        file_of(Image.fromarray(TRANSPARENT, "LA"), "png"),
+        file_of(Image.fromarray(TRANSPARENT, "LA"), "tiff"),
+        file_of(Image.fromarray(TRANSPARENT, "LA").convert("RGBA"), "webp", lossless=True),
+        file_of(RED.quantize(), "png", transparency=bytes([9])),
+        png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 9))),
+        file_of(GREY, "png")[:33] + chunk(b"tRNS", struct.pack(">H", 1000)) + file_of(GREY, "png")[33:],
+    ],
+    ids=lambda value: str(len(value)),
+)
+def test_transparent_pixels_are_refused(data):
+    with pytest.raises(ValueError, match="without transparent pixels"):
+        colours(data)
+
+
+def test_pixels_can_be_opaque():
+    assert colours(file_of(RED.convert("RGBA"), "png")).tobytes() == RED.tobytes()
+    assert colours(png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 8)))).getpixel((0, 0)) == (7, 8, 9)
+
+
+def test_a_decoder_that_fails_is_a_picture_that_is_not_whole(tmp_path):
+    """Pillow's assertion about a missing palette, say."""
+    start, end = (file_of(RED.quantize(), "png").find(name) for name in (b"PLTE", b"IDAT"))
+    broken = file_of(RED.quantize(), "png")[: start - 4] + file_of(RED.quantize(), "png")[end - 4 :]
+    with pytest.raises(AssertionError):
+        colours(broken)
+    said = "should be a whole picture: PNG, JPEG, WEBP, TIFF; for the sky also HDR and EXR"
+    with pytest.raises(InputError, match=f"^sky = .*: {said}"):
+        Chess(sky=damaged(tmp_path, broken))
+
+
+@pytest.mark.parametrize("limit", ["MAX_TIME = 1", "MAX_MEMORY = 100 << 20"])
+def test_a_picture_is_decoded_within_limits(limit, tmp_path, monkeypatch):
+    """A JPEG file can repeat its last scan: 2000 times, decoding takes many seconds."""
+    noise = Image.fromarray(np.random.default_rng(1).integers(0, 255, (512, 1024), np.uint8))
+    jpeg = file_of(noise, "jpeg", progressive=True, quality=5)
+    last = jpeg.rfind(b"\xff\xda")
+    (tmp_path / picture_reader.GIVEN).write_bytes(jpeg[:-2] + jpeg[last:-2] * 2000 + jpeg[-2:])
+    code = (
+        f"from povgen.scene import picture_reader\npicture_reader.{limit}\nimport sys\nsys.exit(picture_reader.main())"
+    )
+    done = subprocess.run([sys.executable, "-c", code, tmp_path], timeout=100)
+    assert done.returncode and not (tmp_path / picture_reader.ANSWER).exists()
+    monkeypatch.setattr(sys, "executable", "/bin/false")  # a process that ends without an answer
+    with pytest.raises(InputError, match="should be a picture that needs less time and memory"):
+        Chess(sky=picture(tmp_path, (62, 31)))
+
+
+def test_decoded_pictures_are_freed(tmp_path):
+    """Those of the last two pictures stay: a movie's frames have the same."""
+    for width in (20, 22, 24, 26):
+        scene = Chess(sky=picture(tmp_path, (width, width // 2)))
+    gc.collect()
+    assert len(pictures._files) <= 2
+    (name,) = pictures.used(to_pov(scene))
+    assert name == scene.sky.file.name
