@@ -181,7 +181,7 @@ def test_the_signature_has_types_and_defaults():
     ("name", "words"),
     [
         ("eye", "the objects and the window stay"),
-        ("aperture", "the floor with all that stands on it moves"),
+        ("aperture", "the floor with all on it moves"),
         ("z2", "the default spheres move with it"),
         ("pedestal", "the pieces move with it"),
     ],
