@@ -54,7 +54,7 @@ def command(
     ] = None,
     frames: Annotated[
         str | None,
-        typer.Option(metavar="N", help="number of frames from start to stop, at every quality, 2 to 10000"),
+        typer.Option(metavar="N", help="frames from start to stop, at every quality, 2 to 10000"),
     ] = None,
     frame_rate: Annotated[
         str | None,
