@@ -40,6 +40,7 @@ restricted
 forbidden
 [Permitted Paths]
 read* = %INSTALLDIR%/include
+read* = /usr/share/fonts
 read+write = .
 """
 OLDEST = (3, 7)
@@ -57,11 +58,14 @@ UNCLEAR = re.compile("Cannot parse input|Uncategorized error")
 # (also in stones1.inc) and media take random numbers, and evaluate (also in Supertorus of shapes.inc) changes an
 # isosurface's gradient.
 ORDER_MATTERS = re.compile(r"\b(crand|evaluate|media|Supertorus|stones1?\.inc)\b")
+MISSING = re.compile("File '(.*?)' line ([0-9]+): Possible Parse Error: Cannot find file '(.*?)', even after trying")
 RENDERED = re.compile(rb"\rRendered (\d+) of ([1-9]\d*) pixels \(\d+%\)")  # what it says with +V
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
 # What POV-Ray is allowed to read and run, where it exists, besides its work folder and its own program.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
+READ += [Path("/usr/share/fonts")]  # for text; on Debian, also POV-Ray's own fonts are there
+READABLE = "allowed: the fonts and pictures of POV-Ray's package, and fonts by their path in /usr/share/fonts"
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
 
 
@@ -70,7 +74,8 @@ def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
         # +MI: a large picture stays in memory; otherwise POV-Ray would write it to a file outside the sandbox
-        *(f"+WT{threads}", f"+MI{MAX_MEMORY >> 20}", "-D", "-P", "-V", "-GA", f"+GF{FATAL}"),
+        # Of its messages, only warnings, and errors in a file: a warning names a file that it cannot read.
+        *(f"+WT{threads}", f"+MI{MAX_MEMORY >> 20}", "-D", "-P", "-V", "-GD", "-GF", "-GR", "-GS", f"+GF{FATAL}"),
     ]
 
 
@@ -306,7 +311,8 @@ def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] |
 def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
     """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line."""
     first, last = _ends(folder / FATAL)
-    place = re.match(r"File: (.*?)  Line: (\d+)\n", first)
+    missing = MISSING.search(" ".join(messages.split()))
+    place = missing or re.match(r"File: (.*?)  Line: (\d+)\n", first)
     said = one_line(" ".join(last.rpartition("Error:")[2].split())) if "Error:" in last else ""
     said = said.removeprefix("Parse halted by #error directive: ")
     out_of_memory = f"out of memory: its limit is {_mebibytes(max_memory())}"
@@ -316,6 +322,8 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> 
         error.line = int(place[2]) if place and place[1] == SCENE else None
         return error
 
+    if missing:
+        return refused(f"no file {one_line(missing[3])!r} that it may read; {READABLE}")
     if NO_MEMORY.search(said + messages):
         return refused(out_of_memory)
     if status == -signal.SIGXFSZ:

@@ -2,6 +2,7 @@
 
 import os
 import re
+from pathlib import Path
 
 import imageio_ffmpeg
 import numpy as np
@@ -189,6 +190,29 @@ def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_p
     with pytest.raises(PovrayError) as error:
         render(Chess(sheet="none", piece=file), **SMALL)
     assert f"{tmp_path}/mi\\nne.inc{line}" in str(error.value) and len(str(error.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "file"),
+    [
+        ('#if (strlen("\u00e4\u2013") != 2) #error "bytes" #end', ""),  # as many letters as the text has
+        ('text { ttf "timrom.ttf" "K" 0.1, 0 scale 0.4 }', ""),
+        (f'text {{ ttf "{Path("/usr/share/povray-3.7/include/timrom.ttf").resolve()}" "K" 0.1, 0 scale 0.4 }}', ""),
+        ('text { ttf "arial.ttf" "K" 0.1, 0 }', "arial.ttf"),
+        ('box { -0.3, 0.3 pigment { image_map { png "plasma3.png" } } }', ""),
+        ('box { -0.3, 0.3 pigment { image_map { png "my own.png" } } }', "my own.png"),
+        ('height_field { png "/etc/passwd" }', "/etc/passwd"),
+        ('sphere { 0, 0.1 interior { media { density { density_file df3 "no.df3" } } } }', "no.df3"),
+    ],
+)
+def test_files_that_a_piece_names(text, file, tmp_path):
+    (tmp_path / "own.inc").write_text(f"#declare Piece = union {{ sphere {{ 0.4*y, 0.4 }}\n{text} }}", "utf-8")
+    scene = Chess(sheet="none", piece=tmp_path / "own.inc")
+    if not file:
+        render(scene, **SMALL)
+        return
+    with pytest.raises(PovrayError, match=f"own.inc', line 2: no file '{file}' that it may read; allowed: the fonts"):
+        render(scene, **SMALL)
 
 
 # a bar for which POV-Ray finds no bounding box, or an infinite one

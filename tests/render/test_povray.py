@@ -27,7 +27,7 @@ EMPTY = Chess(sheet="none")
 def test_command():
     assert povray.command("povray", Rendering(size="640x480", antialias="2,0.1,3")) == [
         *("povray", "+Iscene.pov", "+Oframe.png", "+FN8", "+W640", "+H480", "+AM2", "+A0.1", "+R3", "-J"),
-        *("+WT1", "+MI8192", "-D", "-P", "-V", "-GA", "+GFfatal.log"),
+        *("+WT1", "+MI8192", "-D", "-P", "-V", "-GD", "-GF", "-GR", "-GS", "+GFfatal.log"),
     ]
     assert "-A" in povray.command("povray", TINY)
 
