@@ -1,6 +1,7 @@
 """Options of the commands: options made from the fields of scenes and `Rendering`, and options of several commands."""
 
 import inspect
+import logging
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -98,10 +99,15 @@ def with_options(command: Command) -> Command:
         given = {name: value for name, value in given.items() if value not in (None, [])}
         repeated = {name: x for name, x in {**arguments, **given}.items() if isinstance(x, list)}
         given = {name: x[0] if isinstance(x, list) and len(x) == 1 else x for name, x in given.items()}
+        logger = logging.getLogger("povgen")
+        level = logger.level
         try:
+            logger.setLevel("ERROR" if arguments.get("quiet") else level)
             command(**arguments, **given)
         except InputError as error:
             raise InputError(f"{error}{_repeat(str(error), repeated)}") from None
+        finally:
+            logger.setLevel(level)
 
     own = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
     auto = {}

@@ -28,7 +28,7 @@ from povgen.rendering import gl_runner, gl_scene, povray, surveys
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture, reduced
-from povgen.rendering.parallel import thread_pool
+from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
 from povgen.scene import camera
@@ -260,7 +260,8 @@ class _Trial:
             small = [[reduced(block, (part.side, part.side)) for block in row] for row in blocks]
             return np.vstack([np.hstack(row) for row in small])
 
-        runner = povray.Runner()
+        povray.warn_of(piece for scene, _ in self.mosaics for piece in pieces(scene).values())
+        runner = povray.Runner(at_once=max(1, min(default_workers(), len(self.mosaics))))
         with thread_pool(runner) as pool:
             # to_pov runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]

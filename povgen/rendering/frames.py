@@ -185,8 +185,11 @@ def renderer_of(
             from povgen.rendering import light
 
             light.exr()  # raises an error before anything is rendered
+        povray.warn_of(piece for scene in scenes for piece in pieces(scene).values())
+        workers = workers or default_workers()
+        at_once = max(1, min(workers, len(scenes)))  # a shard can have no scenes
         threads = cores() // max(1, len(scenes))  # the frames share the cores equally
-        return _to_pov, runner or povray.Runner(threads, part), workers or default_workers()
+        return _to_pov, runner or povray.Runner(threads, part, at_once), workers
     from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
     from povgen.rendering.volumes import volumes
 

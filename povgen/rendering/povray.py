@@ -4,6 +4,7 @@ No other module starts POV-Ray. sandbox.py enforces which files POV-Ray reads, w
 """
 
 import errno
+import logging
 import os
 import re
 import resource
@@ -21,7 +22,7 @@ from threading import Thread
 from typing import IO
 
 from povgen import files, remedies, stopping
-from povgen.errors import PovrayError, TransientError, one_line
+from povgen.errors import PovrayError, TransientError, one_line, shown
 from povgen.rendering import sandbox
 from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile
@@ -48,6 +49,9 @@ TRIES = 2
 POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
+# If many run at once, each gets its share of this machine's memory, but not less than these bytes. Measured: two sheets
+# of 3000 prisms need 160 MiB, a picture of 1920x1080 at antialias = 2x 384 MiB, one of 7680x4320 1 GiB.
+LEAST_MEMORY, PIXEL_MEMORY = 256 << 20, 32
 THREAD_MEMORY = 1 << 27  # bytes of address space for each thread: its stack, and what malloc reserves for it
 MAX_FILE = 1 << 30  # bytes in each file that it writes
 MAX_MESSAGES = 1 << 16  # bytes of its messages that are read
@@ -61,11 +65,12 @@ ORDER_MATTERS = re.compile(r"\b(crand|evaluate|media|Supertorus|stones1?\.inc)\b
 MISSING = re.compile("File '(.*?)' line ([0-9]+): Possible Parse Error: Cannot find file '(.*?)', even after trying")
 RENDERED = re.compile(rb"\rRendered (\d+) of ([1-9]\d*) pixels \(\d+%\)")  # what it says with +V
 CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
-# What POV-Ray is allowed to read and run, where it exists, besides its work folder and its own program.
+# What POV-Ray is allowed to read, where it exists, besides its work folder, its own program and its libraries.
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
 READ += [Path("/usr/share/fonts")]  # for text; on Debian, also POV-Ray's own fonts are there
 READABLE = "allowed: the fonts and pictures of POV-Ray's package, and fonts by their path in /usr/share/fonts"
+# the folders of the system's libraries, where ldd does not say which of them POV-Ray loads
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
 
 
@@ -90,9 +95,11 @@ def binary(name: str = "povray") -> str:
     return str(Path(found).absolute())  # absolute, because the program is started in other folders
 
 
-def max_memory() -> int:
-    """Return how many bytes of address space POV-Ray gets."""
-    return min(MAX_MEMORY, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
+def max_memory(at_once: int = 1, pixels: float = 0) -> int:
+    """Return how many bytes of address space POV-Ray gets if so many run at once, for pictures of so many pixels."""
+    machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels))
+    return min(MAX_MEMORY, share, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
 
 
 def max_file() -> int:
@@ -130,7 +137,7 @@ def missing_protection() -> list[str]:
     return missing
 
 
-def _starter(timeout: float, threads: int) -> tuple[list[str], list[str]]:
+def _starter(timeout: float, threads: int, memory: int) -> tuple[list[str], list[str]]:
     """Return the start of a command line that sets limits, and the programs that it runs.
 
     setpriv also kills the command when the thread of povgen that started it ends. Without util-linux a shell sets the
@@ -138,13 +145,36 @@ def _starter(timeout: float, threads: int) -> tuple[list[str], list[str]]:
     """
     if has_util_linux():
         programs = [binary("setpriv"), binary("prlimit")]
-        limits = [f"--as={max_memory()}", f"--fsize={max_file()}", "--core=0"]
+        limits = [f"--as={memory}", f"--fsize={max_file()}", "--core=0"]
         return [programs[0], "--pdeathsig", "KILL", programs[1], *limits, "--"], programs
     # memory in KiB, the size of a file in blocks of 512 bytes, the CPU time of all threads together in seconds, and no
     # core dump
-    values = {"v": max_memory() >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout * threads), "c": 0}
+    values = {"v": memory >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout * threads), "c": 0}
     script = "".join(f"ulimit -{name} {value} 2>/dev/null; " for name, value in values.items())
     return [binary("sh"), "-c", f'{script}exec "$@"', "sh"], [binary("sh")]
+
+
+@cache
+def libraries(*programs: Path) -> list[Path]:
+    """Return the shared libraries that programs load, as ldd lists them; if it cannot, the folders of all libraries."""
+    environment = {"PATH": os.environ.get("PATH", ""), "LC_ALL": "C"}  # POV-Ray, too, gets no LD_LIBRARY_PATH
+    try:
+        done = subprocess.run(["ldd", *programs], cwd="/", env=environment, capture_output=True, text=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired):
+        return RUN
+    return [*map(Path, {*re.findall(r"(/.+) \(0x", done.stdout)})] if done.returncode == 0 else RUN
+
+
+def warn_of(pieces: Iterable[str | PieceFile]) -> None:
+    """Log a warning, once, if POV-Ray is to read the text of a user's piece, and this system has no sandbox."""
+    own = [str(piece) for piece in pieces if isinstance(piece, PieceFile) and not piece.is_mesh]
+    if own and not sandbox.version():
+        _warn_once(f"piece = {shown(own[0])}: POV-Ray has no sandbox here (no Landlock); render only what you trust")
+
+
+@cache
+def _warn_once(text: str) -> None:
+    logging.getLogger("povgen").warning(f"povgen: warning: {one_line(text)}")
 
 
 @cache
@@ -177,14 +207,16 @@ def run(source: str, rendering: Rendering, folder: Path) -> Path:
 class Runner:
     """The POV-Ray processes of one render, which can be stopped together."""
 
-    def __init__(self, threads: int = 1, part: Callable[[float], None] | None = None) -> None:
+    def __init__(self, threads: int = 1, part: Callable[[float], None] | None = None, at_once: int = 1) -> None:
         """Each POV-Ray gets this number of threads, or fewer if their memory would exceed POV-Ray's limit.
 
+        `at_once` POV-Rays divide this machine's memory.
         `part` is called during a render, from another thread. Its argument is the fraction of the picture, 0 to 1, that
         has been drawn since the last call.
         """
         self._part = part
-        self._threads = max(1, min(threads, max_memory() // THREAD_MEMORY))
+        self._at_once = at_once
+        self._threads = max(1, min(threads, max_memory(at_once) // THREAD_MEMORY))
         self._running: set[subprocess.Popen[bytes]] = set()
         self._stopped = False
 
@@ -234,18 +266,22 @@ class Runner:
         for file in written:
             file.write_bytes(b"")
         threads = 1 if ORDER_MATTERS.search(source) else self._threads
-        start, starters = _starter(rendering.timeout, threads)
+        width, height = rendering.size
+        memory = max_memory(self._at_once, rendering.supersampling**2 * width * height)
+        start, starters = _starter(rendering.timeout, threads, memory)
         programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
             lambda: self._process(
                 [*start, *command(binary(), rendering, threads), *["+V"] * bool(self._part)], folder, rendering.timeout
             ),
             read=[*READ, folder],
-            run=[*programs, *RUN],
+            run=[*programs, *libraries(*programs)],
             write=[*written, Path(os.devnull)],
         )
         if status or not (folder / rendering.file).stat().st_size:
-            raise _failure(rendering, folder, status, messages.decode(errors="replace"))
+            fewer = "; fewer --workers get more" if memory < max_memory() else ""
+            out_of_memory = f"out of memory: its limit is {_mebibytes(memory)}{fewer}"
+            raise _failure(rendering, folder, status, messages.decode(errors="replace"), out_of_memory)
         return folder / rendering.file
 
     def _process(self, arguments: list[str], folder: Path, timeout: float) -> tuple[int, bytes]:
@@ -308,14 +344,16 @@ def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] |
             del last[:-MAX_MESSAGES]
 
 
-def _failure(rendering: Rendering, folder: Path, status: int, messages: str) -> Exception:
-    """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line."""
+def _failure(rendering: Rendering, folder: Path, status: int, messages: str, out_of_memory: str) -> Exception:
+    """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line.
+
+    `out_of_memory` is what the error says if memory is the reason.
+    """
     first, last = _ends(folder / FATAL)
     missing = MISSING.search(" ".join(messages.split()))
     place = missing or re.match(r"File: (.*?)  Line: (\d+)\n", first)
     said = one_line(" ".join(last.rpartition("Error:")[2].split())) if "Error:" in last else ""
     said = said.removeprefix("Parse halted by #error directive: ")
-    out_of_memory = f"out of memory: its limit is {_mebibytes(max_memory())}"
 
     def refused(message: str) -> PovrayError:
         error = PovrayError(f"POV-Ray: {place[1]}, line {place[2]}: {message}" if place else f"POV-Ray: {message}")

@@ -27,7 +27,7 @@ from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
 from povgen.progress import bar
 from povgen.rendering import cache, povray
-from povgen.rendering.parallel import thread_pool
+from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.scene.pieces import FILE_RADIUS, PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
 from povgen.settings import Rendering
@@ -220,7 +220,8 @@ def volumes(
     kept = {name: _kept(piece) for name, piece in pieces.items()}
     made = {name: volume for name, (_, _, volume) in kept.items() if volume}
     new = [name for name in pieces if name not in made]
-    runner = povray.Runner()
+    povray.warn_of(pieces[name] for name in new)
+    runner = povray.Runner(at_once=min(workers or default_workers(), max(1, len(new))))
     with thread_pool(runner, workers) as pool, bar("shapes", len(new), not (progress and new), "pieces") as done:
         fields = {pool.submit(_new, pieces[name], *kept[name][:2], runner, timeout): name for name in new}
         for field in as_completed(fields):

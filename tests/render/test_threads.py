@@ -127,7 +127,7 @@ def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("memory", "expected"), [(8 << 30, 64), (1 << 30, 8), (64 << 20, 1)])
 def test_threads_fit_into_memory(memory, expected, monkeypatch, tmp_path, threads):
     with monkeypatch.context() as patch:
-        patch.setattr(povray, "max_memory", lambda: memory)
+        patch.setattr(povray, "max_memory", lambda *_: memory)
         runner = povray.Runner(512)
     runner.run(to_pov(Chess(sheet="none")), Rendering(size=(32, 32), antialias="off"), tmp_path)
     assert threads == [expected]

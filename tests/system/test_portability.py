@@ -84,11 +84,11 @@ def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
     shutil.rmtree(tmp_path / "work")
     with pytest.raises(PovrayError, match="for a file, 1 MiB, is exceeded"):
         run('#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
-    start, programs = povray._starter(0.2, 1)
+    start, programs = povray._starter(0.2, 1, 1 << 30)
     assert programs == [str(few_programs / "sh")]
     ended = subprocess.run([*start, "/bin/sh", "-c", "while :; do :; done"], timeout=100)
     assert -ended.returncode in (signal.SIGKILL, signal.SIGXCPU)  # after 1 s of CPU time
-    assert "ulimit -t 60 " in povray._starter(10, 3)[0][2]
+    assert "ulimit -t 60 " in povray._starter(10, 3, 1 << 30)[0][2]
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../../secret.txt"])

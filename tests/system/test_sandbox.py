@@ -13,11 +13,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from conftest import POVGEN
+from conftest import POVGEN, povgen
 
-from povgen import PovrayError, Rendering
+from povgen import Chess, PovrayError, Rendering, render
 from povgen.errors import TransientError
-from povgen.rendering import povray, sandbox
+from povgen.rendering import frames, povray, sandbox
+from povgen.rendering.volumes import volumes
+from povgen.scene.pieces import PieceFile, as_piece
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=200)
 SHORT = TINY.model_copy(update={"timeout": 1.0})
@@ -28,6 +30,7 @@ camera {{ location -3*z look_at 0 }}
 light_source {{ -9, 1 }}
 sphere {{ 0, 1 pigment {{ rgb 1 }} }}
 """
+LIBRARY = "/usr/lib/os-release"  # in a folder of libraries, but none
 landlock = pytest.mark.skipif(not sandbox.version(), reason="this kernel has no Landlock")
 
 
@@ -55,7 +58,9 @@ def test_what_a_scene_may_do(tmp_path):
 
 
 @landlock
-@pytest.mark.parametrize("name", ["/etc/passwd", "{folder}/secret.txt", "../../secret.txt", "/proc/self/environ"])
+@pytest.mark.parametrize(
+    "name", ["/etc/passwd", "{folder}/secret.txt", "../../secret.txt", "/proc/self/environ", LIBRARY]
+)
 @pytest.mark.parametrize("way", ['#include "{}"', '#fopen F "{}" read #read(F, S) #error S'])
 def test_no_other_file_is_read(way, name, tmp_path):
     (tmp_path / "secret.txt").write_text('"hidden"\n')
@@ -100,7 +105,7 @@ def test_of_long_messages_only_the_ends_are_read(tmp_path):
         log.seek(1 << 30)
         log.write("Fatal Error: Parse Error: halted \x1b[31m\x9bred\n")
     tracemalloc.start()
-    failure = povray._failure(TINY, tmp_path, 1, "")
+    failure = povray._failure(TINY, tmp_path, 1, "", "out of memory")
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert str(failure) == r"POV-Ray: scene.pov, line 2: halted \x1b[31m\x9bred" and peak < 1 << 20
@@ -269,7 +274,7 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
 def test_povrays_messages(status, messages, log, expected, tmp_path):
     """All messages that POV-Ray printed without memory, in 200 runs, and others."""
     (tmp_path / povray.FATAL).write_text(LOG.format(log) if log else "")
-    failure = povray._failure(TINY, tmp_path, status, messages)
+    failure = povray._failure(TINY, tmp_path, status, messages, "out of memory: its limit is 8192 MiB")
     assert str(failure).startswith("POV-Ray") and expected in str(failure)
     assert ("its limit is 8192 MiB" in str(failure)) == ("out of mem" in expected)
     # only a transient error is worth another try
@@ -282,7 +287,7 @@ def test_a_disk_without_room_for_a_picture_is_full(missing, tmp_path, monkeypatc
     free = 2**16 + 3 * (2 * 64) * (2 * 48) - missing
     disk = SimpleNamespace(f_bavail=free, f_frsize=1, f_files=0, f_favail=0)
     monkeypatch.setattr(os, "statvfs", lambda _: disk)
-    failure = povray._failure(Rendering(size=(64, 48), antialias="2x"), tmp_path, 1, "")
+    failure = povray._failure(Rendering(size=(64, 48), antialias="2x"), tmp_path, 1, "", "out of memory")
     assert (getattr(failure, "errno", None) == errno.ENOSPC) == bool(missing)
 
 
@@ -341,6 +346,51 @@ def test_results_and_exceptions_are_passed_on():
         with pytest.raises(type(error)) as raised:
             sandbox.within(lambda error=error: raise_(error))
         assert raised.value is error
+
+
+def test_of_the_libraries_povray_gets_its_own(tmp_path, monkeypatch):
+    given = []
+    monkeypatch.setattr(sandbox, "within", lambda work, **rights: given.append(rights) or work())
+    run("", tmp_path)
+    (rights,) = given
+    names = [path.name for path in rights["run"]]
+    assert all(path.is_file() for path in rights["run"]) and len(names) == len({*names})
+    assert {"povray", "libc.so.6"} <= {*names} and any(name.startswith("libpng") for name in names)
+    (tmp_path / "povray").write_text("#!/bin/sh\n")
+    assert povray.libraries(tmp_path / "povray") == povray.RUN  # a script: nobody knows what it runs
+
+
+def test_all_povrays_together_stay_within_the_memory(tmp_path, monkeypatch):
+    gibibytes = {"SC_PHYS_PAGES": 1 << 18, "SC_PAGE_SIZE": 16 << 10}  # 4 GiB
+    monkeypatch.setattr(os, "sysconf", gibibytes.get)
+    assert [povray.max_memory(at_once) >> 20 for at_once in (1, 8, 16, 99)] == [4096, 512, 256, 256]
+    assert povray.max_memory(99, 2**25) == (1 << 30) + (1 << 28)  # a large picture needs its pixels
+    (tmp_path / "work").mkdir()
+    with pytest.raises(PovrayError, match=r"out of memory: its limit is 256\.\d+ MiB; fewer --workers get more"):
+        povray.Runner(at_once=16).run(SCENE.format(HUNGRY["array"]), TINY, tmp_path / "work")
+    for workers, count, at_once in ((None, 40, 16), (3, 40, 3), (None, 2, 2), (None, 0, 1)):
+        monkeypatch.setattr(frames, "default_workers", lambda: 16)
+        assert frames.renderer_of([Chess(sheet="none")] * count, TINY, None, workers)[1]._at_once == at_once
+
+
+def test_without_a_sandbox_a_piece_of_somebodys_is_named(tmp_path, monkeypatch, caplog):
+    caplog.set_level("WARNING", "povgen")
+    (tmp_path / "own.inc").write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
+    piece = as_piece(tmp_path / "own.inc")
+    small = {"size": (32, 32), "antialias": "off"}
+    render(Chess(piece=piece, sheet="none"), **small)
+    monkeypatch.setattr(sandbox, "version", lambda: 0)
+    render(Chess(piece=PieceFile("a.stl", piece.text, is_mesh=True), sheet="none", z1=3), **small)
+    assert not caplog.text
+    for _ in range(2):
+        render(Chess(piece=piece, sheet="none"), **small)
+    (said,) = caplog.messages
+    assert said.startswith("povgen: warning: piece = ") and "no sandbox here (no Landlock); render only what" in said
+    povray._warn_once.cache_clear()
+    volumes({"own": PieceFile("b.inc", piece.text + "\n")})
+    assert "piece = 'b.inc': POV-Ray has no sandbox" in caplog.messages[1]
+    line = ["frame", "chess", "--piece", "own.inc", "--sheet=none", "--size=32x32", "-o", "a.png", "--quiet"]
+    assert povgen(line, tmp_path) == (0, "", "") and len(caplog.messages) == 2
 
 
 def raise_(error):

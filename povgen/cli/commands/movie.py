@@ -1,6 +1,5 @@
 """The command povgen movie."""
 
-import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -142,8 +141,6 @@ def command(
         warn(swept | values if limit is None else {}, scenes, rendering)
     if part is not None:
         return _render_shard(part, scenes, rendering, count, quiet)
-    if quiet:
-        logging.getLogger("povgen").setLevel("ERROR")
     what = scenes if isinstance(made, _Recorded) else made
     more = {"workers": count, "scheduler": scheduler, "progress": not quiet, **options}
     make(what, output, frame_rate=made.frame_rate, title=made.title, **more)
