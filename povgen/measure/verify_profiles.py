@@ -51,7 +51,7 @@ def every_pixel(size: Size = SMALL) -> Iterator[Measured]:
         yield from within_the_trace(kind, shares, (99.9, 99))
 
 
-STRONG = 4  # f-number; below it, spherical aberration displaces ghosts from their predicted positions
+STRONG = 4  # f-number; below it, spherical aberration blurs ghosts
 # f-number, alpha in degrees, and z1 in tiles of lenses whose ghosts are compared
 GHOSTS = ((3, 66, 2), (4, 66, 2), (6, 40, 1.5), (6, 40, 3))
 
@@ -82,7 +82,7 @@ def ghosts(scenes: tuple[tuple[float, float, float], ...] = GHOSTS, rays: int = 
             errors.append(px(abs(seen - ghost.position)))
     yield Measured("detailed", f"lenses: {len(own)} objects against the ray trace, worst", max(own), 3, "px")
     for strong, errors in others.items():
-        kind, most = (f"below {STRONG}, spherical aberration", 25) if strong else (f"{STRONG} or more", 5)
+        kind, most = (f"below {STRONG}, spherical aberration", 10) if strong else (f"{STRONG} or more", 5)
         what = f"lenses of f-number {kind}: {len(errors)} ghosts against the ray trace, worst"
         yield Measured("detailed", what, max(errors), most, "px")
     fields = [field(confocal(f_number=f)) / (1.5 / (4 * f)) - 1 for f in (3.0, 6.0, 12.0)]

@@ -1,30 +1,32 @@
 """The ghosts of lenses: images formed by light that leaves the glass through a lens not opposite the one it enters.
 
-Points, slopes and lengths are as in `apparent`. Matrices are as in `paraxial`. `order` and `middle` are as for
-`paraxial.small_angles`.
+The *order* of light in a sheet is how many cells farther across the ridges it leaves the glass than it enters it.
 """
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from itertools import product
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from povgen.optics.equations import Complexes
 from povgen.optics.faces import Sheet
-from povgen.optics.paraxial import free, layer, over_a_period, solved, transfer
+from povgen.optics.paraxial import over_a_period
 from povgen.optics.profile import Profile
+from povgen.optics.trace import on_path, trace
 
-_SLOPES = np.linspace(-0.6, 0.6, 31)  # across the ridges: `_usual_slope` chooses one of these for a `Ghost`
-_ROUNDS = 3  # iterations: a ghost's matrix depends on its slopes, and the slopes on the matrix
+_SIDE = 120  # side^2 rays from the eye to the whole window show which ghosts there are, and where
+_NEAREST = 200  # the most rays to which the position of a ghost is fitted: those that end nearest to the point
+_PATCH = 4  # pitches: the side of the square in which the share of a ghost is measured
 
 
 @lru_cache(10_000)
 def shares(profile: Profile, slope: float) -> Mapping[int, float]:
     """Return the fractions of light that take the designed path (order 0) and the paths of ghosts (other orders).
 
-    The keys are the orders, as for `small_angles`. Orders without light are left out. The light fills a period. Before
+    The keys are the orders. Orders without light are left out. The light fills a period. Before
     the sheet it has the given slope across the ridges, and none along them. Light on other paths is not counted.
     """
     count = 200
@@ -51,50 +53,53 @@ def field(profile: Profile) -> float:
 class Ghost(NamedTuple):
     """An image of a point, formed by light that leaves the glass through a lens not opposite the one it enters."""
 
-    # for each sheet: how many cells farther across its ridges a ray from the eye leaves the glass than it enters it
-    orders: tuple[int, ...]
+    orders: tuple[int, ...]  # in each sheet, of a ray from the eye
     position: complex  # where the eye sees the point, in the plane of the window
-    # the fraction of light that takes this path: the product of the sheets' `shares`. If the arrays of a sheet differ
-    # in pitch, it holds near the middle of the window
-    share: float
+    share: float  # of the rays from the eye to a square at the position, _PATCH pitches wide: those that take this path
 
 
-def ghosts(L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], most: int = 1) -> list[Ghost]:
+def ghosts(
+    L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], window: float, least: float
+) -> list[Ghost]:
     """Return the ghosts of a point L behind one window with these sheets, the brightest first.
 
-    L and the eye E are x + iy. z1 and z2 are the distances of L and of E from the plane z = 0 of the sheets. The order
-    of each sheet is from -most to most. The list is empty if a sheet consists of prisms.
+    L and the eye E are x + iy. z1 and z2 are the distances of L and of E from the plane z = 0 of the sheets, and
+    `window` is the window's side. Ghosts with a share below `least` are left out. The list is empty if a sheet consists
+    of prisms. Ghosts are found by tracing rays from the eye to the whole window: of each combination of orders, the
+    position is that at which rays to L cross the window, on average.
     """
     found: list[Ghost] = []
-    profiles = [sheet.shape.scaled(1.0) for sheet in sheets if isinstance(sheet.shape, Profile)]
-    if len(profiles) < len(sheets):
+    shapes = [sheet.shape for sheet in sheets if isinstance(sheet.shape, Profile)]
+    if len(shapes) < len(sheets):
         return found
-    for orders in product(range(-most, most + 1), repeat=len(sheets)):
-        if not any(orders):
+
+    def behind(P: Complexes) -> tuple[NDArray[np.int64], Complexes]:
+        """Return the orders (rays, sheets) of rays from the eye to P (rays), and where they cross the plane of L.
+
+        Rays on other paths than those of ghosts and of designed light have the orders 0.
+        """
+        direction = np.column_stack((P.real - E.real, P.imag - E.imag, np.full(len(P), z2)))
+        rays = trace([[E.real, E.imag, -z2]], direction, tuple(sheets), window, sum(len(p.path) for p in shapes) + 1)
+        x, y, _ = (rays.position + rays.direction * ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:])).T
+        return np.where(on_path(rays, shapes)[:, None], rays.orders, 0), x + 1j * y
+
+    cells = np.indices((_SIDE, _SIDE)).reshape(2, -1).T + np.random.default_rng(1).uniform(size=(_SIDE**2, 2))
+    square = (cells / _SIDE - 0.5) @ np.array([1, 1j])
+    pitch = max(shape.pitch for shape in shapes)
+    P, patch = window * square, _PATCH * pitch * square[::10]
+    taken, place = behind(P)
+    for orders, count in zip(*np.unique(taken, axis=0, return_counts=True), strict=True):
+        if not orders.any() or count < 4:
             continue
-        middles = [_usual_slope(*each) for each in zip(profiles, orders, strict=True)]
-        s, share = complex(np.nan), 0.0
-        for _ in range(_ROUNDS):
-            total = transfer(sheets, orders, middles) @ free(z2)
-            if not np.isfinite(total).all():  # no light takes this path
-                s = complex(np.nan)
-                break
-            x, y, sx, sy, _ = total @ (E.real, E.imag, 0, 0, 1)
-            to = np.array(L - (x + 1j * y) - z1 * (sx + 1j * sy))
-            s = complex(solved(total[:2, 2:4], z1 * total[2:4, 2:4], to))
-            if not np.isfinite(s):
-                break
-            share, ray = 1.0, np.array([0, 0, s.real, s.imag, 1])
-            for k, sheet in enumerate(sheets):
-                across = float(-np.sin(sheet.angle) * ray[2] + np.cos(sheet.angle) * ray[3])
-                share *= shares(profiles[k], round(across, 2)).get(orders[k], 0.0)
-                ray, middles[k] = layer(sheet, orders[k], middles[k]) @ ray, across
-        if np.isfinite(s) and share > 0:
-            found.append(Ghost(orders, E + z2 * s, share))
+        mine = np.flatnonzero((taken == orders).all(1))
+        off = place[mine] - L
+        nearest = np.argsort(abs(off))[:_NEAREST]
+        if abs(off[nearest[0]]) > window / 10:  # this light does not come from near L
+            continue
+        basis = np.column_stack((np.ones(len(nearest)), off[nearest].real, off[nearest].imag))
+        position = complex(np.linalg.lstsq(basis, P[mine[nearest]], rcond=None)[0][0])
+        here, ends = behind(position + patch)
+        same = (here == orders).all(1)
+        if abs(ends[same] - L).min(initial=np.inf) < pitch and same.mean() >= least:
+            found.append(Ghost(tuple(orders.tolist()), position, float(same.mean())))
     return sorted(found, key=lambda ghost: -ghost.share)
-
-
-@lru_cache(100)
-def _usual_slope(profile: Profile, order: int) -> float:
-    """Return the slope across the ridges at which the greatest share of light takes the path with this order."""
-    return float(max(_SLOPES, key=lambda slope: shares(profile, round(float(slope), 2)).get(order, 0.0)))

@@ -25,11 +25,11 @@ from povgen.optics.equations import Complexes, Floats
 from povgen.optics.faces import Booleans, Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
-from povgen.optics.trace import End, Rays, trace
+from povgen.optics.trace import Rays, on_path, trace
 
 Matrix = NDArray[np.float64]  # (..., 5, 5)
-# The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values that differ by at most
-# FAN from a middle one. For each of these slopes, there are rays at FAN_SIDE places of a period.
+# The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values from -FAN to FAN. For
+# each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
 _WIDTH = 61.0  # the width of the sheet through which rays are traced, in periods (cells); odd: one is in the middle
 
@@ -64,22 +64,18 @@ class SmallAngles(NamedTuple):
         return self._replace(**{name: pitch * getattr(self, name) for name in lengths}, bend=self.bend / pitch)
 
 
-def small_angles(shape: Prism | Profile, order: int = 0, middle: float = 0.0) -> SmallAngles:
+def small_angles(shape: Prism | Profile) -> SmallAngles:
     """Return what a sheet of this shape does to light on its designed path.
 
-    For a profile, rays whose slopes across the ridges differ from `middle` by at most FAN are traced, and straight
-    lines are fitted to their slopes and places behind the sheet. So the fit includes the spherical aberration of these
-    rays. `middle` is rounded to 0.01. With an `order` other than 0, the result is for a *ghost*: for rays that leave
-    the glass `order` cells farther across the ridges than the cell in which they enter it. If there are no such rays,
-    all numbers but `bend` are NaN.
+    For a profile, rays whose slopes across the ridges are at most FAN are traced, and straight lines are fitted to
+    their slopes and places behind the sheet. So the fit includes the spherical aberration of these rays. If no ray
+    takes the designed path, all numbers but `bend` are NaN.
     """
     if isinstance(shape, Prism):
-        return SmallAngles(shape.slab_shift, reach=shape.reach) if not order else SmallAngles(*[np.nan] * 7)
-    found = _fitted(shape.scaled(1.0), order, round(middle, 2))
+        return SmallAngles(shape.slab_shift, reach=shape.reach)
+    found = _fitted(shape.scaled(1.0))
     if shape.is_mismatched:
-        # A ghost has the `bend` of the designed path: a lens bends light in proportion to the lens's displacement,
-        # whichever path the light takes. A fit to a ghost would use different rays in each cell, and few.
-        left, right = (_fitted(shape.scaled(1.0), 0, 0.0, cell).deviation for cell in (-2, 2))
+        left, right = (_fitted(shape.scaled(1.0), cell).deviation for cell in (-2, 2))
         found = found._replace(bend=(right - left) / 4)
     return found.scaled(shape.pitch)
 
@@ -103,13 +99,12 @@ def slope_error(shape: Prism | Profile, slope: complex) -> float:
     return float(np.sqrt(np.mean(abs((x + 1j * y) / z - expected) ** 2)))
 
 
-def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
+def layer(sheet: Sheet) -> Matrix:
     """Return the matrix of a sheet in paraxial approximation. Prisms mirror the slope about the ridges.
 
-    The places before and behind the sheet are those of `SmallAngles`, in its middle plane. `order` and `middle` are
-    those of `small_angles`: they select a ghost of lenses.
+    The places before and behind the sheet are those of `SmallAngles`, in its middle plane.
     """
-    does = small_angles(sheet.shape, order, middle)
+    does = small_angles(sheet.shape)
     ridges, g = np.exp(2j * np.asarray(sheet.angle)), does.slab_shift
     across = 1j * np.exp(1j * np.asarray(sheet.angle))  # the unit vector
     found = np.broadcast_to(np.eye(5), (*ridges.shape, 5, 5)).copy()
@@ -126,27 +121,26 @@ def layer(sheet: Sheet, order: int = 0, middle: float = 0.0) -> Matrix:
     return found
 
 
-def transfer(sheets: Sequence[Sheet], orders: Sequence[int] = (), middles: Sequence[float] = ()) -> Matrix:
+def transfer(sheets: Sequence[Sheet]) -> Matrix:
     """Return the matrix of sheets, the nearest to the eye first.
 
     It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
-    crosses the plane z = 0. `orders` and `middles` have, for each sheet, the `order` and `middle` of
-    `small_angles`: they select a ghost of lenses. By default they are 0.
+    crosses the plane z = 0.
     """
     total, z = np.eye(5), 0.0
-    for sheet, order, middle in zip(sheets, orders or [0] * len(sheets), middles or [0.0] * len(sheets), strict=True):
-        total, z = layer(sheet, order, middle) @ free(sheet.centre - z) @ total, sheet.centre
+    for sheet in sheets:
+        total, z = layer(sheet) @ free(sheet.centre - z) @ total, sheet.centre
     return free(-z) @ total
 
 
 @lru_cache(1000)
-def _fitted(profile: Profile, order: int, middle: float, cell: int = 0) -> SmallAngles:
+def _fitted(profile: Profile, cell: int = 0) -> SmallAngles:
     """Return the result of `small_angles` for one cell of a profile with the pitch 1. Cell 0 is in the middle."""
     # across the ridges many slopes, and along them one; at each slope, rays at many places within a period
-    slope = np.repeat(np.linspace(middle - FAN, middle + FAN, FAN_SIDE), FAN_SIDE)
+    slope = np.repeat(np.linspace(-FAN, FAN, FAN_SIDE), FAN_SIDE)
     place, along = np.tile(_places(FAN_SIDE) + cell, FAN_SIDE), FAN / 4
     rays, taken = _traced(profile, place, along + 1j * slope)
-    taken &= rays.orders[:, 0] == order
+    taken &= rays.orders[:, 0] == 0
     if taken.sum() < 2 or np.ptp(slope[taken]) == 0:
         return SmallAngles(*[np.nan] * 7)
     behind = rays.direction[taken] / rays.direction[taken, 2:]
@@ -183,10 +177,8 @@ def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Bo
     z = np.full(place.shape, -profile.half)
     origin = np.column_stack((z * slope.real, place + z * slope.imag, z))
     direction = np.column_stack((slope.real, slope.imag, np.ones(place.shape)))
-    steps = len(profile.path)
-    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, steps + 1)
-    taken = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == profile.path).all(1)
-    return rays, taken
+    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, len(profile.path) + 1)
+    return rays, on_path(rays, [profile])
 
 
 def _real(a: ArrayLike, b: ArrayLike) -> Matrix:

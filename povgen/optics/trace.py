@@ -17,6 +17,7 @@ The code for prisms is special: it takes 0.7 times the CPU time that the code fo
 `tests/unit/test_profile.py` compares the two.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from itertools import pairwise
@@ -137,12 +138,20 @@ def trace(
     for start in range(0, n, CHUNK):
         with np.errstate(divide="ignore", invalid="ignore"):
             _Trace(rays[start : start + CHUNK], sheets, glass, window, frame, partial).run()
-    path = np.array([face for shape in several for face in path_of(shape)])
-    steps = len(path)
-    path = np.where(forward, path, path[::-1])
-    rays.designed = (rays.end == End.THROUGH) & (rays.count == steps) & (rays.faces[:, :steps] == path[:, :most]).all(1)
-    rays.designed &= ~rays.reflected & ~rays.orders.any(1)
+    rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)
     return rays
+
+
+def on_path(rays: Rays, shapes: Sequence[Prism | Profile], forward: ArrayLike = True) -> Booleans:
+    """Return which rays met, in sheets of these shapes, the faces of the designed path and no others.
+
+    The faces may belong to several cells: such light forms ghosts. `forward`, True or (n, 1), says which rays run to
+    greater z.
+    """
+    path = np.array([face for shape in shapes for face in path_of(shape)])
+    most, steps = rays.faces.shape[1], len(path)
+    met = rays.faces[:, :steps] == np.where(forward, path, path[::-1])[..., :most]
+    return np.asarray((rays.end == End.THROUGH) & (rays.count == steps) & met.all(1))
 
 
 def path_of(shape: Prism | Profile) -> tuple[int, ...]:

@@ -492,10 +492,7 @@ class Scene(ParametersOfSheets):
         _distances(z1)
         if self.window or not self.layered or not isfinite(L):
             return []
-        half = (1 + self.depth / 2 / self.z2) * self.aperture / 2
-        found = ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0))
-        near = [ghost for ghost in found if max(abs(ghost.position.real), abs(ghost.position.imag)) < half]
-        return [ghost for ghost in near if ghost.share >= least]
+        return ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0), self.aperture, least)
 
     @input_errors()
     def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:

@@ -72,6 +72,20 @@ def test_ghosts_are_seen_where_they_are_predicted():
     assert found[1].value < 2
 
 
+@pytest.mark.parametrize(("f_number", "share"), [(6, 0.16), (8, 0.27)])
+def test_ghosts_of_all_orders_are_found(f_number, share):
+    """Position and share are those of another ray tracer."""
+    scene = Chess(sheet="lenticular", f_number=f_number)
+    found = {ghost.orders: ghost for ghost in scene.ghosts(*scene.objects[0])}
+    assert {(-1, -1), (-1, -2)} <= found.keys() and abs(found[-1, -2].share - share) < 0.04
+    assert f_number == 6 or abs(found[-1, -2].position - (-0.07 - 0.42j)) < 0.01
+
+
+def test_no_ghost_is_marked_where_its_light_shows_other_points():
+    scene = Chess(sheet="lenticular", f_number=20, z2=2)
+    assert [ghost.orders for ghost in scene.ghosts(*scene.objects[0])] == [(-6, -7)]
+
+
 def test_ghosts_are_marked():
     lenses = Chess(sheet="lenticular", f_number=4)
     assert len(overlay.ghosts(lenses)) == 1 and not overlay.ghosts(Chess())

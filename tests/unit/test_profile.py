@@ -220,18 +220,17 @@ def test_the_matrix_of_a_profile_is_that_of_prisms():
     assert does.reach == pytest.approx(prism.reach, rel=0.02) and abs(does.shift) < 0.05 * prism.reach
 
 
-@pytest.mark.parametrize("order", [-1, 0, 1])
-def test_the_matrix_of_lenses_is_that_of_paraxial_optics(order):
-    """Confocal lenses of equal focal lengths f in glass mirror the slope at their middle plane, and ghosts add m p n/f.
+def test_the_matrix_of_lenses_is_that_of_paraxial_optics():
+    """Confocal lenses of equal focal lengths f in glass mirror the slope at their middle plane.
 
     Along the ridges they are a slab of the thickness 2 f, which shifts light by 2 f (1 - 1/n) times the slope.
     """
     f, pitch = 20.0, 0.02
-    does = paraxial.small_angles(confocal(f_number=f).scaled(pitch), order)
+    does = paraxial.small_angles(confocal(f_number=f).scaled(pitch))
     assert does.factor == pytest.approx(-1, abs=2e-3)
-    assert does.deviation == pytest.approx(order * 1.5 / f, rel=0.01, abs=1e-9)
+    assert abs(does.deviation) < 1e-9
     assert does.slab_shift == pytest.approx(pitch * 2 * f * (1 - 1 / 1.5), rel=0.01)
-    assert order or (abs(does.shift) < 0.15 * pitch and abs(does.offset) < 1e-9)
+    assert abs(does.shift) < 0.15 * pitch and abs(does.offset) < 1e-9
     unequal = paraxial.small_angles(confocal(2.0, f).scaled(pitch))
     assert unequal.factor == pytest.approx(-0.5, abs=2e-3)
 
@@ -241,12 +240,6 @@ def test_sheets_without_a_designed_path_show_no_object_at_infinity(tmp_path):
     (tmp_path / "own.toml").write_text(flat)
     scene = Chess(sheet="profile", profile=tmp_path / "own.toml")
     assert np.isnan(scene.sheets[0].transfer).any() and not apparent.infinite_z1(scene.elements).size
-
-
-def test_a_ghost_that_does_not_exist_has_no_matrix():
-    assert np.isnan(paraxial.small_angles(Prism(0.1), 1).factor) and np.isnan(
-        paraxial.small_angles(confocal(), 60).factor
-    )
 
 
 @pytest.mark.parametrize("values", [{"ratio": 0.8}, {"ratio": 1.0, "f_number": 8}, {"ratio": 1.6}])
