@@ -923,6 +923,22 @@ def input_files(scenes: Iterable[Scene]) -> set[str]:
     return found
 
 
+def with_seen_files(scene: Scene) -> Scene:
+    """Return the scene without the files that it does not show: a sky behind another background, unused profiles."""
+    used = [sheet.values.get("profile") for sheet in scene.sheets]
+
+    def unused(window: Scene | Window) -> bool:
+        return isinstance(window.profile, ProfileFile) and window.profile not in used
+
+    changes: dict[str, object] = {} if scene.background == "sky" else {"sky": None}
+    if unused(scene):
+        changes["profile"] = type(scene).model_fields["profile"].default
+    changes["window"] = tuple(
+        window.model_copy(update={"profile": None}) if unused(window) else window for window in scene.window
+    )
+    return scene.model_copy(update=changes)
+
+
 def profile_files(scene: Scene) -> list[ProfileFile]:
     """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
     return [window.profile for window in scene.states if isinstance(window.profile, ProfileFile)]

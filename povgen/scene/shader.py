@@ -50,7 +50,7 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
 
 def surroundings(scene: Scene) -> dict[str, Picture]:
     """Return the pictures that the scene shows: sky and floor."""
-    parts = {"sky": scene.sky, "floor": getattr(scene, "floor", None)}
+    parts = {"sky": scene.sky if scene.background == "sky" else None, "floor": getattr(scene, "floor", None)}
     return {name: part for name, part in parts.items() if isinstance(part, Picture)}
 
 

@@ -1,7 +1,8 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
+import logging
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import NoneType
@@ -12,11 +13,12 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
-from povgen.scene.pieces import PIECES, from_folder
+from povgen.scene.pictures import Picture
+from povgen.scene.pieces import PIECES, PieceFile, from_folder
 from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of
-from povgen.sheets.profile import NAMES
+from povgen.sheets.profile import NAMES, ProfileFile
 from povgen.validation import Model, as_pair
 
 MOVIES = own_folder("movies")
@@ -194,9 +196,9 @@ class MovieSpec(Model):
     def load(cls, path: str | Path, fixed: Mapping[str, object] = {}) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
-        The paths of the scene's files (pieces, profiles, sky and floor) are relative to the TOML file's folder. The
-        values in `fixed` replace the file's. Raises InputError, which names the file, the key, the value and what is
-        allowed.
+        The paths of the scene's files (pieces, profiles, sky and floor) are relative to the TOML file's folder. A
+        warning names those that are outside of it. The values in `fixed` replace the file's. Raises InputError, which
+        names the file, the key, the value and what is allowed.
         """
         if not isinstance(path, (str, Path)):
             raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
@@ -241,9 +243,11 @@ class MovieSpec(Model):
                 if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
                     raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values)
-            return spec.replace(fixed=_from_folder(spec.fixed, folder)).with_fixed(fixed)
+            spec = spec.replace(fixed=_from_folder(spec.fixed, folder)).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
+        _name_files_outside(folder, name, tuple(value for key, value in spec.fixed.items() if key not in fixed))
+        return spec
 
     @classmethod
     def of_sweeps(cls, scene: str, texts: Sequence[str], values: dict[str, object]) -> Self:
@@ -395,6 +399,25 @@ def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, 
         given = found["window"]
         found["window"] = [*map(window, given)] if isinstance(given, list) else window(given)
     return found
+
+
+def _name_files_outside(folder: str | Path, name: str, values: tuple[object, ...]) -> None:
+    """Warn of the files among values of the TOML file `name` that are not in the folder, also if a link leads there.
+
+    The record in what povgen makes contains them, and somebody else may have written the TOML file.
+    """
+    for path in dict.fromkeys(Path(path).resolve() for path in _paths(values)):
+        if not path.is_relative_to(Path(folder).resolve()):
+            text = f"povgen: warning: {name}: it names a file that is not in its folder, {str(path)!r}"
+            logging.getLogger("povgen").warning(f"{text}; the files that povgen makes can contain it")
+
+
+def _paths(value: object) -> Iterator[str]:
+    """Yield the paths of the files in a parameter's value, also of those in tuples and windows."""
+    if isinstance(value, (Picture, PieceFile, ProfileFile)):
+        yield value.path
+    for part in value if isinstance(value, tuple) else [value.profile] if isinstance(value, Window) else []:
+        yield from _paths(part)
 
 
 def spec_file(path: str | Path) -> Path | int:

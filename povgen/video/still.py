@@ -18,7 +18,7 @@ from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
 from povgen.scene.pieces import PieceFile
-from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files
+from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files, with_seen_files
 from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.validation import is_several
@@ -225,11 +225,12 @@ def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = T
 def record_of(
     scenes: Sequence[Scene], rendering: Rendering, title: str | None = None, frame_rate: float | None = None
 ) -> Record:
-    """Return the record of a picture, or of a movie with this title and frame rate.
+    """Return the record of a picture, or of a movie with this title and frame rate. It has the files that are seen.
 
     Raises InputError if it would be too large, or if the file of a piece or a profile has two different texts in these
     scenes. Raises what `drawn_by` raises.
     """
+    scenes = [with_seen_files(scene) for scene in scenes]
     texts: dict[str, str] = {}
     meshes: dict[str, int] = {}  # the sizes
     for scene in scenes:

@@ -13,9 +13,10 @@ import pytest
 from conftest import picture, povgen, refused
 from PIL import Image
 
-from povgen import Chess, InputError, Scene, Spheres, info, movie, render, save
+from povgen import Chess, InputError, Rendering, Scene, Spheres, info, movie, render, save
 from povgen import record as records
 from povgen.cli import options as cli_options
+from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
 from povgen.scene import mesh, pictures
 from povgen.scene import recorded as recorded_scenes
@@ -95,6 +96,21 @@ def test_files_that_a_scene_shows_are_in_the_record(tmp_path, monkeypatch):
     assert [info(tmp_path / name).frames[0]["sky"] for name in ("b.png", "c.png")] == [str(path), None]
     said = refused(["frame", "--from", "bare.png"], tmp_path)
     assert "the picture is not in the record; allowed: up to 4, of 4 MiB together" in said
+
+
+def test_what_is_not_seen_is_not_embedded(tmp_path):
+    """A sky behind another background, and profiles that no sheet has."""
+    profile = tmp_path / "own.toml"
+    profile.write_text("path = [2, 1]\noutline = [{ corners = [[0.1, 0], [0.9, 0], [0.5, 1], [0.1, 0]] }]")
+    window = {"z": 2, "sheet": "mirror", "profile": profile}
+    hidden = Chess(sheet="ideal", profile=profile, window=[window], sky=picture(tmp_path), background="black")
+    made = still.record_of([hidden, hidden.replace(background="white")], Rendering())
+    assert not made.pieces and not made.pictures and "own.toml" not in str(made) and "picture.png" not in str(made)
+    assert not live_values(hidden)["pictures"]
+    assert Chess.from_file(save(hidden, tmp_path / "a.png", **SMALL)).background == "black"
+    seen = hidden.replace(background="sky", window=[{**window, "sheet": "profile"}])
+    made = still.record_of([seen], Rendering())
+    assert [*made.pieces] == [str(profile)] and [*made.pictures] == [str(tmp_path / "picture.png")]
 
 
 def test_a_strangers_mesh_is_checked():

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from conftest import ALPHA_MOVIE
+from conftest import ALPHA_MOVIE, picture
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.scene.scenes import SCENES
@@ -13,6 +13,7 @@ from povgen.settings import QUALITIES
 from povgen.sheets import PARAMETERS
 
 HEAD = 'title = "A movie"\nscene = "chess"\nframe_rate = 12.5\nframes = 13\n'
+PROFILE = "path = [2, 1]\noutline = [{ corners = [[0.1, 0], [0.9, 0], [0.5, 1], [0.1, 0]] }]"
 
 
 def swept(text, scene="chess", quality="standard", **values):
@@ -250,13 +251,39 @@ def test_a_piece_is_sought_beside_the_toml_file(tmp_path, monkeypatch):
 )
 def test_a_windows_profile_is_sought_beside_the_toml_file(window, tmp_path, monkeypatch):
     (tmp_path / "specs").mkdir()
-    (tmp_path / "specs/own.toml").write_text(
-        "path = [2, 1]\noutline = [{ corners = [[0.1, 0], [0.9, 0], [0.5, 1], [0.1, 0]] }]"
-    )
+    (tmp_path / "specs/own.toml").write_text(PROFILE)
     (tmp_path / "specs/a.toml").write_text(HEAD + '[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n' + window)
     monkeypatch.chdir(tmp_path)
     scene = MovieSpec.load("specs/a.toml").scenes("draft")[0]
     assert scene.window[-1].profile.path == "specs/own.toml"
+
+
+@pytest.mark.parametrize(
+    ("text", "outside"),
+    [
+        ('[fixed]\npiece = ["../own.inc", "king"]\nx = [0, 1]', "own.inc"),
+        ('[fixed]\nprofile = "../own.toml"', "own.toml"),
+        ('[[window]]\nz = 3\nprofile = "../own.toml"', "own.toml"),
+        ('[fixed]\nfloor = "../picture.png,width=4"', "picture.png"),
+        ('[fixed]\nsky = "link.png"', "picture.png"),
+        ('[fixed]\npiece = "../specs/own.inc"', None),
+        ('[fixed]\nsheet = "law"\npiece = "../own.inc"', None),
+    ],
+)
+def test_a_file_outside_the_folder_of_the_toml_file_is_named(text, outside, tmp_path, monkeypatch, caplog):
+    """Somebody else's TOML file can name a private file, perhaps by a link. The movie's record would contain it."""
+    picture(tmp_path)
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs/link.png").symlink_to(tmp_path / "picture.png")
+    (tmp_path / "own.toml").write_text(PROFILE)
+    for folder in (tmp_path, tmp_path / "specs"):
+        (folder / "own.inc").write_text("#declare Piece = sphere { 0, 0.5 }")
+    (tmp_path / "specs/a.toml").write_text(HEAD + f'[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n{text}')
+    monkeypatch.chdir(tmp_path)
+    caplog.set_level("WARNING", "povgen")  # a movie with --quiet, of another test, has changed it
+    MovieSpec.load("specs/a.toml", {"piece": "pawn"} if "law" in text else {})
+    said = f"specs/a.toml: it names a file that is not in its folder, {str(tmp_path / str(outside))!r}"
+    assert [said in message for message in caplog.messages] == [True] * (outside is not None)
 
 
 def test_windows_are_refused_in_the_users_own_words():
