@@ -21,6 +21,7 @@ from povgen.scene.sdl import TEMPLATES, to_html
 from povgen.scene.shader import surroundings
 from povgen.validation import Model
 
+MOVABLE = {"eye", "alpha"}  # what the user can move in the view (templates/live/moving.js)
 Side = Annotated[int, Field(ge=32, le=7680)]
 
 
@@ -55,7 +56,7 @@ class Live:
         raise AttributeError(name)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Change the scene, or one of its parameters. Raises InputError for what `live` and the scene do not allow."""
+        """Change the scene, or one of its parameters. Raises what `live` raises: then the view stays as it is."""
         self._show(_checked(value) if name == "scene" else self.scene.replace(**{name: value}))
 
     def __dir__(self) -> list[str]:
@@ -66,12 +67,14 @@ class Live:
         return {name: value for name, value in vars(self).items() if name != "widget"}
 
     def _show(self, scene: Scene) -> None:
-        shown, before = values(scene), self.scene
+        """Show another scene. Raises what `html` raises: then nothing has changed."""
+        shown = values(scene)
+        before, known = ((type(x), pieces(x), surroundings(x), to_live([x])) for x in (self.scene, scene))
+        page = html(scene) if before != known else None  # the page lacks a law, a piece or a picture of the new scene
         self.__dict__["scene"] = scene
         if widget := self.__dict__.get("widget"):
-            known = [(type(x), pieces(x), surroundings(x), to_live([x])) for x in (before, scene)]
-            if known[0] != known[1]:  # the page lacks a law, a piece or a picture of the new scene
-                widget.html = self.html
+            if page:
+                widget.html = page
             shown.pop("pictures")  # the page has them
             widget.scene = shown
 
@@ -95,11 +98,14 @@ class Live:
         return made
 
     def _move(self, moved: dict[str, Any]) -> None:
-        """Follow what the user has moved. Where the scene does not allow that, the view goes back."""
+        """Follow what the user has moved. Where the scene does not allow that, the view goes back.
+
+        The message comes from the browser: of other parameters, nothing is read.
+        """
         if not moved:
             return
         try:
-            self._show(self.scene.replace(**moved))
+            self._show(self.scene.replace(**{name: moved[name] for name in MOVABLE & moved.keys()}))
         except InputError:
             self.widget.scene = {}
             self.widget.scene = {**values(self.scene), "back": True}

@@ -11,8 +11,9 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from conftest import picture
 
-from povgen import Chess, InputError, Movie, MovieSpec, Rendering, Spheres, info, live, save, to_pov
+from povgen import Chess, InputError, Movie, MovieSpec, PovrayError, Rendering, Spheres, info, live, save, to_pov
 from povgen.liveview.page import demo
 from povgen.scene.scenes import Scene
 from povgen.scene.spec import Sweep
@@ -214,6 +215,28 @@ def test_a_live_view_and_its_scene():
     assert widget.scene["name"] == "spheres" and seen.z2 == Spheres().z2
     with pytest.raises(AttributeError):
         _ = seen.nothing
+
+
+@pytest.mark.parametrize("has_widget", [True, False])
+def test_a_live_view_does_not_keep_a_refused_change(has_widget, tmp_path):
+    """POV-Ray refuses the piece."""
+    seen, bad = live(Chess()), tmp_path / "bad.inc"
+    bad.write_text("#declare Piece = sphere { }")
+    before = dict(seen.widget.trait_values()) if has_widget else {}
+    for name, value in (("piece", bad), ("scene", Chess(piece=bad))):
+        with pytest.raises(PovrayError, match="bad.inc"):
+            setattr(seen, name, value)
+        assert seen.scene == Chess() and seen.html
+    assert not has_widget or seen.widget.trait_values() == before
+
+
+def test_a_browser_sets_only_what_a_user_moves(tmp_path):
+    """A message with other parameters could make povgen read a file."""
+    path = picture(tmp_path)
+    seen = live(Chess())
+    for moved in ({"sky": path}, {"floor": path, "alpha": 68}, {"piece": str(tmp_path / "none")}, {"nothing": []}):
+        seen.widget.moved = moved
+    assert seen.scene == Chess(alpha=68) and not seen.widget.moved
 
 
 def test_a_live_view_can_be_copied():
