@@ -4,11 +4,10 @@ Each public name is imported when it is first used: importing all is slow, and `
 """
 
 import sys
-from importlib import import_module
-from typing import TYPE_CHECKING
 
 from povgen.version import __version__ as __version__
 
+TYPE_CHECKING = False  # that of `typing` takes a while to load
 if TYPE_CHECKING:
     from povgen.errors import InputError as InputError
     from povgen.errors import PovrayError as PovrayError
@@ -53,6 +52,8 @@ __all__ = list(_MODULES)
 def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"module 'povgen' has no attribute {name!r}")
+    from importlib import import_module  # not before: `__main__` is loaded after this module
+
     return getattr(import_module(f"povgen.{_MODULES[name]}"), name)
 
 
@@ -64,6 +65,8 @@ def _shown_in_notebooks() -> None:
     """Tell Jupyter to show a scene as its picture. The scene models themselves do not depend on rendering."""
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if shell is not None:
+        from importlib import import_module
+
         formatter = shell.display_formatter.formatters["image/png"]
         formatter.for_type_by_name(
             "povgen.scene.scenes", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)

@@ -1,5 +1,6 @@
 """The program's start. Signals are handled before any slow import."""
 
+import _signal  # `signal` takes a while to load
 import gc
 import os
 import sys
@@ -10,6 +11,8 @@ def main() -> None:
 
     After SIGHUP, SIGINT and SIGTERM no process and no unfinished file is left, and the exit status is 129, 130 and 143.
     """
+    if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:  # it would print a traceback
+        _signal.signal(_signal.SIGINT, _signal.SIG_DFL)  # until `stopping` is loaded, Ctrl-C ends povgen without a word
     if sys.platform == "win32":
         sys.exit(
             "povgen: platform = Windows; allowed: the Windows Subsystem for Linux: wsl --install, then as on Ubuntu"

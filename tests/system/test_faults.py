@@ -198,6 +198,24 @@ def rendered(tmp_path_factory):
 
 
 @pytest.mark.xdist_group("stopped")  # of which frames are rendered once
+def test_ctrl_c_before_povgen_handles_signals_ends_it_without_a_word():
+    code = (
+        "import os, signal, sys\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'povgen.stopping': os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "from povgen.__main__ import main\n"
+        "main()"
+    )
+    stopped = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert (stopped.returncode, stopped.stdout + stopped.stderr) == (-signal.SIGINT, b"")
+
+
 @pytest.mark.parametrize("number, status", [(signal.SIGHUP, 129), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("while_", ["rendering", "encoding"])
 def test_stopped(place, number, status, while_, rendered):
