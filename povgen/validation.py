@@ -1,6 +1,7 @@
 """The base class of scenes and settings. It checks values, writes the one-line error, and fills help()."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from inspect import Parameter, Signature, cleandoc
 from numbers import Complex, Real
@@ -142,12 +143,18 @@ def as_pair(value: object) -> object:
 
 @contextmanager
 def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterator[None]:
-    """Raise InputError in place of pydantic's error, and for a Boolean in place of a number or a name."""
+    """Raise InputError in place of pydantic's error, and for what pydantic would silently convert."""
     for name, value in values.items():
-        field = model.model_fields.get(name)
-        # pydantic would read it as 0 or 1
-        if field and field.annotation is not bool and has_boolean(value):
-            raise InputError(f"{name} = {shown(value)}: should not be true or false ({field.description})")
+        if field := model.model_fields.get(name):
+            wrong = ""
+            if field.annotation is not bool and has_boolean(value):  # pydantic would read it as 0 or 1
+                wrong = "should not be true or false"
+            elif any(isinstance(part, Set) for part in _parts(value)):
+                wrong = "should have an order, as a list has"
+            elif field.annotation is not str and any(map(_has_underscore, _parts(value))):  # Python reads 1_0 as 10
+                wrong = "should have no _ in a number"
+            if wrong:
+                raise InputError(f"{name} = {shown(value)}: {wrong} ({field.description})")
     try:
         yield
     except ValidationError as error:
@@ -158,12 +165,31 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
         raise InputError(f"{error}; allowed: the names of parameters, as in help()") from None
 
 
-def has_boolean(value: object, depth: int = 2) -> bool:
-    """Return whether a value is a Boolean, or a list with one, nested at most `depth` deep. Tables are not searched."""
+def has_boolean(value: object) -> bool:
+    """Return whether a value is a Boolean, or a list with one. Tables are not searched."""
+    return any(isinstance(part, bool) for part in _parts(value))
+
+
+def _parts(value: object, depth: int = 2) -> Iterator[object]:
+    """Yield a value, and of a list its parts too, nested at most `depth` deep. Tables are not searched."""
     value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
+    yield value
     if depth and isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
-        return any(has_boolean(part, depth - 1) for part in value)
-    return isinstance(value, bool)
+        for part in value:
+            yield from _parts(part, depth - 1)
+
+
+def _has_underscore(value: object) -> bool:
+    """Return whether a text contains a number with an underscore, on its own or between the signs , x and =."""
+    numbers = re.split("[,x=]", value) if isinstance(value, str) else []
+    return any("_" in number and re.fullmatch(r"\s*[+-]?[0-9._]+(e[+-]?[0-9_]+)?\s*", number) for number in numbers)
+
+
+def as_flag(name: str, value: object) -> bool:
+    """Return a value that is true or false. Raises InputError for any other, such as the text 'no'."""
+    if not isinstance(value, bool):
+        raise InputError(f"{name} = {shown(value)}: should be true or false")
+    return value
 
 
 def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorDetails) -> str:

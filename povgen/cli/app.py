@@ -6,6 +6,7 @@ The commands are in commands/. The models check values (`povgen.validation`).
 import os
 import re
 import sys
+import warnings
 from functools import cache
 from importlib import import_module
 from inspect import getdoc
@@ -114,6 +115,8 @@ def main() -> None:
             setattr(sys, name, open(os.devnull, mode))
     if isinstance(sys.stdout, TextIOWrapper):  # the name of a file may not be valid text
         sys.stdout.reconfigure(errors="backslashreplace")
+    if not sys.warnoptions:  # Python's warnings are for programmers
+        warnings.simplefilter("ignore")
     usage_error = typer.BadParameter.__bases__[0]  # click's UsageError; its module depends on typer's release
     try:
         status = app(standalone_mode=False)

@@ -30,6 +30,7 @@ from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
 from povgen.sheets import OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.sheet import Parameter, Sheet
+from povgen.validation import as_flag
 from povgen.video import build, fonts
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
@@ -65,7 +66,7 @@ def demo(
     first = {"chess": Chess(sky=sky, floor=floor), "spheres": Spheres(sky=sky)}
     inputs = input_files([*scenes, *first.values()])
     page = checked_output("demo.html" if output is None else output, [".html"], inputs=inputs)
-    workers = worker_count(workers)
+    workers, movies, progress = worker_count(workers), as_flag("movies", movies), as_flag("progress", progress)
     given: dict[str, Any] = options
     check_options(movies, given)
     specs = {name: _for_page(MovieSpec.load(name)) for name in MOVIES}

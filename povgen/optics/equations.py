@@ -210,7 +210,7 @@ def real(name: str, values: ArrayLike, least: float = -np.inf) -> NDArray[np.flo
     Raises TypeError if they are complex or no numbers, and ValueError if one is less than `least`.
     """
     values = np.asarray(values)
-    if values.dtype.kind not in "biuf":
+    if values.dtype.kind not in "iuf":
         fault = "is complex" if np.iscomplexobj(values) else "has other values than numbers"
         raise TypeError(f"{name} {fault}; allowed: real numbers")
     values = values.astype(float)

@@ -25,7 +25,8 @@ Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye firs
 # slope behind is known. The slope before the sheet is searched for: first from the slope behind it, then from these.
 _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
 LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
-MOST = 10**9  # rays
+MOST = 10**8  # rays of a spot: their points need 2 GB
+AT_ONCE = 4 * 10**7  # rays of a bundle: they need 2 GB
 MOST_FACES = 100_000
 # the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
 _PRECISION = 1e-11
@@ -183,11 +184,11 @@ def pencil(
     first, last = windows[0][0], windows[-1][0]
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
-    numbers = isinstance(radius, Real) and isinstance(middle, Complex)
+    numbers = isinstance(radius, Real) and isinstance(middle, Complex) and bool not in (type(radius), type(middle))
     if not (numbers and 0 < radius <= LARGEST and abs(middle) <= LARGEST):
         raise ValueError(f"middle = {middle!r}, radius = {radius!r}: allowed: up to {LARGEST:g} tiles, radius above 0")
     middle, radius = complex(middle), float(radius)  # from any types of numbers
-    rng = np.random.default_rng(checked_count("seed", seed, MOST, 0))
+    rng = np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count = checked_count("count", count, MOST)
     z = last if start[2] > last else first
     for n in range(0, count, CHUNK):

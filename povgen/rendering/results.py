@@ -17,10 +17,11 @@ from povgen.errors import InputError, PovrayError, shown
 from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
 from povgen.scene.quantities import QUANTITIES, parameters
-from povgen.scene.scenes import SCENES, Scene, checked_scene
-from povgen.validation import is_several
+from povgen.scene.scenes import SCENES, Scene, checked_scenes
+from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
+MOST = 200_000  # scenes of a table
 PARTS = 4  # of the scenes, for each of a cluster's calls at once: AHEAD calls for each thread of its workers
 
 Done = Callable[[], object]
@@ -45,13 +46,13 @@ def results(
     scene or no quantity, if no quantity is given, and for `workers` or a `scheduler` that is not allowed. Raises
     PovrayError if a process or the cluster fails.
     """
-    scenes = [checked_scene(scene) for scene in (scenes if is_several(scenes) else [scenes])]
+    scenes = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
         what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
-    with bar("results", len(scenes), not progress, "scenes") as done:
+    with bar("results", len(scenes), not as_flag("progress", progress), "scenes") as done:
         if scheduler is None:
             rows = _computed(scenes, quantities, count, done)
         else:
@@ -132,8 +133,11 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
         size = max(1, len(scenes) // (PARTS * cluster.frames))
         parts = [scenes[start : start + size] for start in range(0, len(scenes), size)]
         try:
-            for part in pool.map(lambda part: cluster.call(values_of, part, quantities), parts):
-                rows += part
+            answers = pool.map(lambda part: cluster.call(values_of, part, quantities), parts)
+            for part, answer in zip(parts, answers, strict=True):
+                if not _is_table(answer, len(part), len(quantities)):
+                    raise cluster.other_code(answer)
+                rows += answer
                 for _ in part:
                     done()
         except BaseException:
@@ -141,6 +145,14 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
             cluster.stop()
             raise
     return rows
+
+
+def _is_table(answer: Any, height: int, width: int) -> bool:  # noqa: ANN401  (any object)
+    """Return whether an answer of a worker is a list of rows of numbers."""
+    try:
+        return isinstance(answer, list) and np.asarray(answer, float).shape == (height, width)
+    except (TypeError, ValueError):
+        return False
 
 
 def main() -> None:

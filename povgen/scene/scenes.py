@@ -10,7 +10,7 @@ from cmath import isfinite
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import combinations, islice, pairwise
 from math import hypot, inf, radians, remainder
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, TypeVar
 
@@ -52,7 +52,7 @@ from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
 from povgen.sheets.prisms import SHAPE, PrismPair, Prisms, shape_of
 from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
-from povgen.validation import Model, as_pair
+from povgen.validation import Model, as_flag, as_pair
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.random import Generator
@@ -525,11 +525,16 @@ class Scene(ParametersOfSheets):
         """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
 
         The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
-        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE.
+        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
+        more than 40 million pixels.
         """
+        from povgen.optics.rays import AT_ONCE
         from povgen.scene import camera
 
-        return camera.bundle(self, _Picture(size=size).size)
+        width, height = _Picture(size=size).size
+        if width * height > AT_ONCE:
+            raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
+        return camera.bundle(self, (width, height))
 
     @input_errors()
     def pencil(
@@ -543,8 +548,9 @@ class Scene(ParametersOfSheets):
         window contains. The same `seed` gives the same rays. Raises InputError for a point between the windows, and for
         numbers outside their ranges.
         """
-        from povgen.optics.rays import joined, pencil
+        from povgen.optics.rays import AT_ONCE, checked_count, joined, pencil
 
+        count = checked_count("count", count, AT_ONCE)
         return joined(pencil(self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed))
 
     @input_errors()
@@ -582,7 +588,7 @@ class Scene(ParametersOfSheets):
 
         radius = self.aperture / 2 if radius is None else radius
         parts = pencil(self.windows, point, count, middle, radius, seed)
-        return spot((self.trace(rays) for rays in parts), z, stray)
+        return spot((self.trace(rays) for rays in parts), z, as_flag("stray", stray))
 
     @property
     def tile(self) -> int:
@@ -906,6 +912,17 @@ def checked_scene(scene: object) -> Scene:
     if not isinstance(scene, Scene) or not hasattr(scene, "name"):  # `Scene` itself has no name
         raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
     return scene
+
+
+def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:
+    """Return the scenes as a list. Raises InputError for more than `most`, as of an endless generator, or for no scene.
+
+    An empty list is allowed.
+    """
+    found = [checked_scene(scene) for scene in islice(scenes, most + 1)]
+    if len(found) > most:
+        raise InputError(f"more than {most} scenes; allowed: up to {most}")
+    return found
 
 
 def pieces(scene: Scene) -> dict[str, str | PieceFile]:

@@ -38,6 +38,7 @@ RAY = ("x", "y", "z", "X", "Y")
 LONGEST, DEEPEST = 1000, 100  # maximum number of characters of a law, and maximum depth of its syntax tree
 # Numbers in a law are 0, or from SMALLEST to LARGEST: shaders compute with 32-bit numbers. Products can be outside.
 SMALLEST, LARGEST = 1e-30, 1e30
+NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?"
 LEAST_Z = 1e-6  # light passes if z of the new direction, divided by its length, is greater
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -197,8 +198,9 @@ class _Reader:
         self.text, self.names = text, (*RAY, *parameters)
         if len(text) > LONGEST:
             raise ValueError(f"{len(text)} characters; allowed: up to {LONGEST}")
-        # Python's parser accepts comments, and numbers such as 0x1F and 1_000, which are not in the grammar
-        if other := re.search(r"#|(?<!\w)(0[xob]\w*|\d\w*_\w*)", text, re.IGNORECASE):
+        # Python's parser accepts comments and texts, numbers such as 0x1F and 1_000, and with a warning `1if x else y`
+        wrong = rf"(?<![\w.])(?!{NUMBER}(?![\w.]))\.?[0-9][\w.]*(?:(?<=e)[+-][\w.]*)?"
+        if other := re.search(rf"[#'\"]|{wrong}", text, re.IGNORECASE):
             raise self._error(*other.span())
         line = re.sub(r"\s", " ", text)
         self.expression = line.strip()

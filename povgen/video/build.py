@@ -21,10 +21,10 @@ from povgen.record import MAX_FRAMES, check_unasked, in_png
 from povgen.rendering import cache
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
-from povgen.scene.scenes import Scene, checked_scene, input_files
+from povgen.scene.scenes import Scene, checked_scenes, input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
-from povgen.validation import Model, is_several
+from povgen.validation import Model, as_flag, is_several
 from povgen.version import __version__
 from povgen.video import encode
 from povgen.video.still import pictures, record_of
@@ -91,16 +91,16 @@ def movie(
     Raises InputError for a request that is not allowed, before anything is rendered. Raises PovrayError if POV-Ray
     fails. Raises OSError if the encoder fails or the disk is full.
     """
-    rendering = Rendering(**options)
+    rendering, progress = Rendering(**options), as_flag("progress", progress)
     given: dict[str, Any] = {"frame_rate": frame_rate, "title": title}
     given = {name: value for name, value in given.items() if value is not None}
     workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
     if is_several(spec):
         film = FilmOptions(**given)
         rate, title = film.frame_rate, film.title
-        scenes = [checked_scene(scene) for scene in spec]
-        if not 0 < len(scenes) <= MAX_FRAMES:
-            raise InputError(f"{len(scenes) or 'no'} scenes; allowed: 1 to {MAX_FRAMES}")
+        scenes = checked_scenes(spec, MAX_FRAMES)
+        if not scenes:
+            raise InputError(f"no scenes; allowed: 1 to {MAX_FRAMES}")
         inputs = []
     elif isinstance(spec, (MovieSpec, str, Path)):
         loaded = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)

@@ -12,16 +12,24 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
-from povgen.record import MAX_PICTURES, Record, differing, in_png, shell_command
+from povgen.record import MAX_FRAMES, MAX_PICTURES, Record, differing, in_png, shell_command
 from povgen.rendering import povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
 from povgen.scene.pieces import PieceFile
-from povgen.scene.scenes import Scene, checked_scene, input_files, pieces, profile_files, with_seen_files
+from povgen.scene.scenes import (
+    Scene,
+    checked_scene,
+    checked_scenes,
+    input_files,
+    pieces,
+    profile_files,
+    with_seen_files,
+)
 from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
-from povgen.validation import is_several
+from povgen.validation import as_flag, is_several
 from povgen.version import __version__
 
 if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
@@ -82,18 +90,16 @@ def render(
     `progress=False` shows no progress bar. Other options are the fields of `Rendering`: size=(640, 480), quality="high"
     and others. Raises InputError if an option is not allowed, and PovrayError if POV-Ray fails.
     """
-    if not isinstance(linear, bool):
-        raise InputError(f"linear = {shown(linear)}: should be true or false")
-    if linear:
+    if as_flag("linear", linear):
         options.setdefault("bits", 32)
     one = not is_several(scene)
-    scenes = [checked_scene(each) for each in ([scene] if one else scene)]
+    scenes = checked_scenes([scene] if one else scene, MAX_FRAMES)
     rendering, workers, scheduler = Rendering(**options), worker_count(workers), checked_scheduler(scheduler)
     if linear and rendering.bits != 32:
         raise InputError(f"bits = {rendering.bits}: linear light has 32; allowed: one of them")
     found: dict[int, NDArray[Any]] = {}
     failure: TransientError | None = None
-    with bar("pictures", len(scenes), one or not progress, "pictures") as done:
+    with bar("pictures", len(scenes), not as_flag("progress", progress) or one, "pictures") as done:
         for prisms in (True, False):  # they can have different antialiasing
             alike = [number for number, each in enumerate(scenes) if each.has_prisms is prisms]
             made = pictures([scenes[number] for number in alike], rendering, workers, scheduler, done)

@@ -6,6 +6,8 @@ import re
 import shlex
 import shutil
 import sys
+import threading
+import warnings
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -169,6 +171,28 @@ def test_only_several_values_in_one_are_told_to_be_repeated(tmp_path):
     window = ["--window", "alpha=1,z=2", "--alpha", "999"]
     for options in (["--z1", "-2"], ["--z1", "two"], ["--z1", "2", "--alpha", "1,2"], ["--eye", "0,-1.65"], window):
         assert "once for each" not in refused(["frame", "chess", *options], tmp_path)
+
+
+def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
+    os.mkfifo(tmp_path / "movie.toml")
+    assert "movie.toml: title: missing" in refused(["movie", "movie.toml"], tmp_path)
+    writes = os.open(tmp_path / "movie.toml", os.O_RDWR)  # as `povgen movie <(...)`
+    os.write(writes, b"title = 3")
+    threading.Timer(0.2, os.close, [writes]).start()
+    assert "movie.toml: title = 3" in refused(["movie", "movie.toml"], tmp_path)
+
+
+def test_warnings_of_python_are_not_shown(tmp_path, monkeypatch):
+    def warning(*_):
+        warnings.warn("of a library", stacklevel=1)
+        raise InputError("nothing else")
+
+    monkeypatch.setattr(sys, "warnoptions", [])
+    monkeypatch.setattr(MovieSpec, "load", warning)
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        assert refused(["movie", "vary-z1"], tmp_path) == "povgen: nothing else\n"
+    assert not shown
 
 
 def test_spec_with_scenes_own_words(tmp_path):

@@ -446,6 +446,25 @@ def test_a_worker_with_other_code_is_named(monkeypatch):
         cluster.call("", None, lambda x: x)
 
 
+@pytest.mark.parametrize("answer", [[b""], None, {"a": 1}, [[1, 2]], ["x"], [[]] * 16])
+def test_an_answer_of_other_code_is_refused(answer, tmp_path, monkeypatch):
+    class Other(Cluster):
+        def __init__(self, *_):
+            self._scheduler, self.frames = "tcp://one:2", 1
+
+        def call(self, *_):
+            return answer
+
+        __exit__ = stop = lambda *_: None
+
+    monkeypatch.setattr(cluster, "Cluster", Other)
+    words = f"^scheduler tcp://one:2: a worker answered with a {type(answer).__name__}: its povgen has other code$"
+    with pytest.raises(PovrayError, match=words):
+        Other().run(to_pov(SCENES[0]), SMALL, tmp_path)
+    with pytest.raises(PovrayError, match=words):
+        results(SCENES, "M", scheduler="tcp://one:2", progress=False)
+
+
 def test_a_scheduler_that_stops_answering(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 2)
     with Machines(tmp_path) as machines:

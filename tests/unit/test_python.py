@@ -6,6 +6,7 @@ import json
 import pickle
 import pydoc
 import re
+from itertools import repeat
 from pathlib import Path
 from typing import get_args
 
@@ -13,7 +14,22 @@ import numpy as np
 import pytest
 from conftest import picture
 
-from povgen import Chess, InputError, Movie, MovieSpec, PovrayError, Rendering, Spheres, info, live, save, to_pov
+from povgen import (
+    Chess,
+    InputError,
+    Movie,
+    MovieSpec,
+    PovrayError,
+    Rendering,
+    Spheres,
+    info,
+    live,
+    movie,
+    render,
+    results,
+    save,
+    to_pov,
+)
 from povgen.liveview.page import demo
 from povgen.scene.scenes import Scene
 from povgen.scene.spec import Sweep
@@ -86,6 +102,25 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: setattr(live(Chess()), "scene", 3), ["scene", "Chess(...)"]),
         (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
         (lambda: live(np.zeros((2, 2))), ["scene = array([[0., 0.], [0., 0.]])"]),
+        (lambda: Chess(eye={1, 2}), ["eye = {1, 2}: should have an order"]),
+        (lambda: Chess(color={"red": 1}.keys()), ["color = dict_keys(['red']): should have an order"]),
+        (lambda: Sweep(parameter="eye", values=[{0, 1}, (1, 2)]), ["values = [{0, 1}, (1, 2)]: should have an order"]),
+        (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should have an order"]),
+        *(
+            (lambda values=values: Chess(**values), ["should have no _ in a number"])
+            for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"x": ["1", "1_0"]}, {"error": "turn=0_1"}]
+            + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}]
+        ),
+        (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should have no _ in a number"]),
+        (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
+        (lambda: render(repeat(Chess())), ["more than 30000 scenes"]),
+        (lambda: results(repeat(Chess()), "nu"), ["more than 200000 scenes"]),
+        (lambda: Chess(x=repeat(0)), ["x = repeat(0)"]),
+        (lambda: Chess(window=repeat("z=2")), ["window = repeat('z=2')", "at most 4"]),
+        (lambda: movie([Chess()], "a.mp4", progress="no"), ["progress = 'no': should be true or false"]),
+        (lambda: results(Chess(), "nu", progress=0), ["progress = 0: should be true or false"]),
+        (lambda: demo("page.html", movies="no"), ["movies = 'no': should be true or false"]),
+        (lambda: Chess().spot((0, 0, 2), 2, 5, stray="no"), ["stray = 'no': should be true or false"]),
         (lambda: Movie(3), ["path = 3: should be a path", ".mp4"]),
         (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
