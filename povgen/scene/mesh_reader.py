@@ -120,10 +120,11 @@ def _stl(data: bytes) -> tuple[Any, Any, Any, str]:
             raise ValueError(f"should be a whole stl file: it has {there} of its {count} triangles")
         vertices = np.frombuffer(data, "V12, (3, 3)<f4, V2", count, 84)["f1"].reshape(-1, 3).astype(float)
     else:
-        text = re.sub(rb"(?m)^\s*solid\b.*", b"", data.lower())  # a name can have any words
+        text = data.lower().replace(b"\r", b"\n")
+        text = re.sub(rb"(?m)^\s*((end)?solid)\b.*", rb"\1", text)  # a name can have any words
         vertices = np.array(re.findall(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", text)).astype(float).reshape(-1, 3)
         facets = len(re.findall(rb"\bfacet\b", text))
-        if not (len(vertices) == 3 * facets and re.search(rb"\bendsolid\b.*\s*\Z", text)):
+        if not (len(vertices) == 3 * facets and text.rstrip().endswith(b"endsolid")):
             raise ValueError("should be a whole stl file: of triangles, with 'endsolid' at the end")
     return vertices, np.arange(len(vertices)), np.full(len(vertices) // 3, 3), ""
 
@@ -214,7 +215,7 @@ class _Rows:
             else:
                 before = runs.pop()[1] if runs and not runs[-1][0] else ""
                 runs.append(("", before + PLY_TYPES[each[0]]))
-        for _ in range(count):
+        for _ in range(count if runs else 0):
             row: list[Any] = []
             for length, types in runs:
                 row += [self._next(types * int(self._next(length)[0]))] if length else self._next(types)
@@ -241,7 +242,7 @@ def _glb(data: bytes) -> tuple[Any, Any, Any, str]:
     required = [name for name in document.get("extensionsRequired", ()) if not GLB_ALLOWED.fullmatch(name)]
     for name in [*required, *(name for name in GLB_REFUSED if f'"{name}"'.encode() in data)]:
         raise ValueError(f"should be a GLB file without {name[:80]!r}, an extension that povgen does not read")
-    left_out = MOVING if document.get("animations") else ""
+    left_out = {MOVING} if document.get("animations") else set()
     corners = [np.empty((0, 3))]  # of triangles
     nodes = dict(enumerate(document["nodes"]))
     waiting = [(index, np.eye(4)) for index in document["scenes"][document.get("scene", 0)].get("nodes", ())]
@@ -255,7 +256,7 @@ def _glb(data: bytes) -> tuple[Any, Any, Any, str]:
             raise ValueError("should be a GLB file without a skin: apply the skeleton's pose before the export")
         for part in mesh["primitives"]:
             if part.get("mode", 4) < 4:
-                left_out = FLAT
+                left_out.add(FLAT)
                 continue
             points = _numbers(document, binary, part["attributes"]["POSITION"]).astype(float)
             weights = node.get("weights", mesh.get("weights", ()))
@@ -265,7 +266,7 @@ def _glb(data: bytes) -> tuple[Any, Any, Any, str]:
             triangles: Any = {4: np.ravel, 5: _strip, 6: _fan}[part.get("mode", 4)]
             corners.append(points[triangles(order).ravel()] @ place[:3, :3].T + place[:3, 3])
     vertices = np.concatenate(corners)
-    return vertices, np.arange(len(vertices)), np.full(len(vertices) // 3, 3), left_out
+    return vertices, np.arange(len(vertices)), np.full(len(vertices) // 3, 3), "; ".join(sorted(left_out))
 
 
 def _chunks(data: bytes) -> tuple[Any, bytes]:
