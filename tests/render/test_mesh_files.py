@@ -72,7 +72,8 @@ def ascii_stl():
         + "endloop\nendfacet\n"
         for face in FACES
     ]
-    return f"solid a vertex 1 2 3\n{''.join(facets[:2])}endsolid a facet\r\nsolid\n{''.join(facets[2:])}endsolid\n".encode()
+    first, second = "".join(facets[:2]), "".join(facets[2:])
+    return f"solid a vertex 1 2 3\n{first}endsolid a facet\r\nsolid\n{second}endsolid\n".encode()
 
 
 def binary_ply(order, *elements):
