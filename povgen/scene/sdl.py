@@ -159,6 +159,8 @@ def to_pov(
             camera=shown_by,
             laws=laws.to_pov(scene) if shown_by else [],
             cells=cells.camera_cells(scene) if shown_by else None,
+            jumps=cells.jumps(scene),
+            jump=cells.JUMP,
             glass=_shapes(scene),
             profiles=_profiles(scene),
             trace_level=max_trace_level(scene, found),

@@ -9,7 +9,7 @@ from povgen.limits import (
     MIN_PIXELS_PER_PRISM,
     moire_alpha,
 )
-from povgen.scene.cells import camera_cells, grid_error, is_dark
+from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
 from povgen.scene.pieces import PieceFile, words
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
@@ -56,6 +56,7 @@ def warnings(
         yield from _wrong_prediction(scene, rendering)
     if not scene.rotates:
         yield from _no_light(scene, rendering)
+        yield from _jumps(scene, rendering)
     if glass and rendering and rendering.antialias is None:
         finest = min(scene.layered, key=lambda sheet: sheet.pitch)
         pixels = finest.pitch / scene.view * rendering.size[1]
@@ -98,6 +99,20 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
         if not np.isfinite(scene.apparent_position(L, z1, near=radius)):
             text = f"overlay: at z1 = {z1:g} the object has no mark: it appears at infinity,"
             yield "overlay", f"{text} or none of its light reaches the eye"
+
+
+def _jumps(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield a warning if POV-Ray's camera interpolates over more than a pixel where rays jump."""
+    if not rendering or rendering.renderer == "gl" or not (found := jumps(scene)).share:
+        return
+    wide = min(found.step, scene.aperture / camera_cells(scene)) / scene.view * rendering.size[1]
+    if wide > 2:
+        names = ", ".join(dict.fromkeys(sheet.name for sheet in scene.ideal))
+        where = f"sheet = {names}: in {100 * found.share:.2g} % of the window, neighbouring rays go very different"
+        yield (
+            "sheet",
+            f"{where} ways; POV-Ray's picture is wrong there by up to {wide:.2g} pixels; allowed: renderer = gl",
+        )
 
 
 def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:

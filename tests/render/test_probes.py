@@ -171,14 +171,29 @@ NEAR = {"z2": 150, "eye": (10, 5), "view": 0.1}  # rays of one pixel differ by 1
 )
 def test_parallel_rays(values, monkeypatch):
     """POV-Ray takes a triangle for flat whose corners' rays are parallel, and its rays have another direction."""
-    text = to_pov(scene := Directions(**values)).partition("// ---- The window frame")[0]
+    _, off = directions_off(Directions(**values), monkeypatch)
+    assert off.max() < 5e-5
+
+
+def directions_off(scene, monkeypatch, size=(64, 48)):
+    """Return the places of the window's pixels, and by how much the directions of their rays are wrong."""
+    text = to_pov(scene).partition("// ---- The window frame")[0]
     monkeypatch.setattr(probes, "to_pov", lambda _: text)
-    (decoded,) = probes.decoded([scene], (64, 48))
-    inside, direction = camera.rays(scene, (64, 48))
-    place = camera.pixels(scene, (64, 48))[inside]
+    (decoded,) = probes.decoded([scene], size)
+    inside, direction = camera.rays(scene, size)
+    place = camera.pixels(scene, size)[inside]
     for sheet in scene.ideal:
         direction = sheet.bend(direction, place)
-    assert np.linalg.norm(decoded[inside] - direction, axis=-1).max() < 5e-5
+    return place, np.linalg.norm(decoded[inside] - direction, axis=-1)
+
+
+@pytest.mark.parametrize("eye", [(0, 0), (0.4, -0.3)])
+def test_rays_that_jump_are_wrong_within_a_pixel_of_the_jump(eye, monkeypatch):
+    """At X = 0, where the law divides by 0, and at a slanting line."""
+    law = "X/abs(X)*0.3, (X - 0.7*Y + 0.1)/abs(X - 0.7*Y + 0.1)*0.2 + 0.3*Y, 1"
+    place, off = directions_off(Directions(sheet="law", law=law, eye=eye, view=0.5), monkeypatch)  # 3 pixels a cell
+    away = np.minimum(abs(place.real), abs(place.real - 0.7 * place.imag + 0.1) / np.hypot(1, 0.7))
+    assert off[away > 0.5 / 48].max() < 2e-4
 
 
 @pytest.mark.parametrize("size", [(32, 32), (32, 7680), (7680, 32), (96, 240)])

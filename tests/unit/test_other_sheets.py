@@ -6,7 +6,7 @@ from conftest import landing, seen_through_other_sheets
 
 from povgen import Chess, InputError, MovieSpec, Spheres, limits
 from povgen.scene import warnings
-from povgen.scene.cells import camera_cells
+from povgen.scene.cells import camera_cells, jumps
 from povgen.settings import Rendering
 from povgen.video import captions, overlay
 
@@ -181,6 +181,31 @@ def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
 )
 def test_a_camera_that_sees_no_light_needs_one_cell(values):
     assert camera_cells(Chess(**values)) == 1
+
+
+@pytest.mark.parametrize(
+    ("law", "share", "said"),
+    [
+        ("x - 0.1*X/abs(X)*z, y, z", 0.01, False),
+        ("x - 0.1*(X + Y)/abs(X + Y)*z, y, z", 0.02, False),
+        ("x + 0.1*sin(50*X)/abs(sin(50*X)), y, z", 0.47, True),  # 47 jumps
+        (
+            "x, y, (X - 0.015)*(X - 0.015) + (Y - 0.015)*(Y - 0.015) - 0.0001",
+            0.0001,
+            False,
+        ),  # a dark hole between the corners of cells
+        ("x, y, 0.0001 - (X - 0.315)*(X - 0.315) - (Y - 0.315)*(Y - 0.315)", 0.0001, False),  # light only there
+        ("x - 0.3*X*z, y, z", 0, False),
+        ("x, y, sin(3*X)", 0, False),  # the edges of dark parts are no jumps
+    ],
+)
+def test_cells_in_which_rays_jump(law, share, said):
+    scene = Chess(sheet="law", law=law)
+    assert jumps(scene).share == pytest.approx(share, rel=0.5)
+    assert camera_cells(scene) == 100 or not share
+    messages = [text for _, text in warnings.warnings(scene, Rendering(size=(1280, 960)))]
+    assert any("very different ways" in text for text in messages) == said
+    assert not any("different ways" in text for _, text in warnings.warnings(scene, Rendering(renderer="gl")))
 
 
 def test_a_small_circle_of_light_is_not_missed():
