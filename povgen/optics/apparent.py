@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.equations import Complexes, Floats, real
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import Booleans, Sheet
 from povgen.optics.paraxial import Matrix, free, small_angles, solved
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -26,6 +26,8 @@ from povgen.optics.profile import Profile
 Indices = NDArray[np.intp]
 # The search starts from rays whose projections onto the planes x-z and y-z have these angles to the normal.
 _ANGLES = np.radians(np.linspace(-84, 84, 25))
+_CELLS = 96  # of a net over the first window, in a row
+_MARGIN = 0.3  # in `_may_meet`
 _STEPS = 60  # of the search
 _PRECISION = 1e-11  # a path is found if it misses L by at most this fraction of the distances in the scene
 
@@ -85,7 +87,9 @@ def follow(slope: ArrayLike, E: ArrayLike, windows: Windows) -> list[tuple[Compl
     return found
 
 
-def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0) -> Complexes:
+def position(
+    L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: ArrayLike = 0, depth: float = 0.0
+) -> Complexes:
     """Return where in the plane of the first window the eye sees a point L, a distance z1 behind the last window.
 
     L is complex. L, z1 and `near` broadcast. The result is NaN if there is no path, or if every ray leads to L.
@@ -93,23 +97,39 @@ def position(L: ArrayLike, E: complex, z1: ArrayLike, windows: Windows, near: Ar
     If all windows have a matrix, there is at most one path. The result is the complex infinity (inf + 0j) if L appears
     at infinity: the determinant of the equations for P is then at most 1e-14 of its terms.
 
-    If a window has no matrix, paths are searched for. There can be several. The result is the position with the least
-    max(|x|, |y|), so if any position is visible in a square window with its centre at 0, the result is. The search can
-    miss paths that leave the eye at more than 87 degrees to the normal, and paths through a part of the window that a
-    law leaves open, if it is narrower than about a hundredth of the window. At a caustic two paths merge, and on one
-    side of it there are none. On that side a large object can be seen in part, although its middle cannot. So a path
-    also counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring paths do.
+    If a window has no matrix, paths are searched for. There can be several. Paths that pass inside the frames of all
+    windows (`passes`, with the frames' `depth`) are preferred to others. Of several, the result is the position with
+    the least max(|x|, |y|). The search can miss paths that leave the eye at more than 87 degrees to the normal, and
+    paths through a detail of a law that is narrower than about a hundredth of the window. At a caustic two paths merge,
+    and on one side of it there are none. On that side a large object can be seen in part, although its middle cannot.
+    So a path also counts if it passes L, in L's plane, at a distance of at most `near`, and closer than neighbouring
+    paths do. If it passes inside the frames too, a path to L is preferred, and otherwise the closest to L.
     """
     place, after, near = np.broadcast_arrays(np.asarray(L, complex), np.asarray(z1, float), real("near", near, 0))
     distance, total = windows[0][0], matrix(windows)
     with np.errstate(all="ignore"):  # infinite and NaN results
         if total is None:
-            s = _search(place.ravel(), E, after.ravel(), windows, near.ravel()).reshape(place.shape)
+            s = _search(place.ravel(), E, after.ravel(), windows, near.ravel(), depth).reshape(place.shape)
         else:
             x, y, sx, sy, _ = np.moveaxis(total @ (E.real, E.imag, 0, 0, 1), -1, 0)
             to = place - (x + 1j * y) - after * (sx + 1j * sy)
             s = solved(total[..., :2, 2:4], after[..., None, None] * total[..., 2:4, 2:4], to)
         return np.where(np.isinf(s), complex(np.inf, 0), E + distance * s)[()]
+
+
+def passes(slope: ArrayLike, E: ArrayLike, windows: Windows, depth: float) -> Booleans:
+    """Return whether rays that leave the eye with these slopes pass inside the frames of all windows.
+
+    A ray must pass inside a frame's front and back, and inside the middle planes of its sheets, where the prediction
+    turns it. `depth` is the frames' extent along z.
+    """
+    crossed: list[Complexes] = []
+    with np.errstate(invalid="ignore"):
+        for (before, s, behind, after), (_, window) in zip(follow(slope, E, windows), windows, strict=True):
+            layers = window.layers_at(0.0, 0)
+            for z in (depth / 2, layers[-1].centre if layers else 0.0):
+                crossed += before - z * s, behind + z * after
+        return np.asarray(np.all([_far(point) < windows[0][1].aperture / 2 for point in crossed], axis=0))
 
 
 def image(L: ArrayLike, z1: float, windows: Windows) -> tuple[float, Complexes]:
@@ -204,38 +224,53 @@ def infinite_alpha(z1: ArrayLike, z2: ArrayLike, shape: Prism | Profile) -> Comp
     return np.emath.arccos(((apart - g) ** 2 - near**2 - far**2) / (2 * near * far))
 
 
-def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats) -> Complexes:
+def _search(L: Complexes, E: complex, z1: Floats, windows: Windows, near: Floats, depth: float) -> Complexes:
     """Return the slopes at the eye, (n,), of rays to L (n,): see `position`."""
 
     def miss(s: Complexes, target: Indices) -> Complexes:
         *_, P, behind = follow(s, E, windows)[-1]
         return P + z1[target] * behind - L[target]
 
-    nets = [_net(_ANGLES, _ANGLES)]
-    passing = np.isfinite(follow(nets[0], E, windows)[-1][-1])
-    if passing.any() and not passing.all():  # a finer net where light passes
-        rows, columns = (np.flatnonzero(passing.any(axis)) for axis in (1, 0))
-        step = _ANGLES[1] - _ANGLES[0]
-        nets.append(_net(*(np.linspace(_ANGLES[i[0]] - step, _ANGLES[i[-1]] + step, 25) for i in (columns, rows))))
-    places = np.linspace(-0.55, 0.55, 25) * windows[0][1].aperture  # a net of rays through the first window
-    nets.append((places + 1j * places[:, None] - E) / windows[0][0])
     starts, targets = [], []
-    for net in nets:
-        *_, P, behind = follow(net, E, windows)[-1]
-        for s, target in _starts(net, P + z1[:, None, None] * behind - L[:, None, None]):
-            starts.append(s)
-            targets.append(target)
-    s, target = np.concatenate(starts), np.concatenate(targets)
-    enough = np.maximum(_PRECISION * (abs(L - E) + z1 + windows[0][0]), near)[target]
+    for net, P, behind in _nets(E, windows):
+        for distance in np.unique(z1):
+            some = np.flatnonzero(z1 == distance)
+            for s, target in _starts(net, P + distance * behind, L[some]):
+                starts.append(s)
+                targets.append(some[target])
+    s, target = np.concatenate([*starts, []]), np.concatenate([*targets, np.empty(0, int)])
+    exact = (_PRECISION * (abs(L - E) + z1 + windows[0][0]))[target]
+    enough = np.maximum(exact, near[target])
     s, off = nearest_rays(s, target, miss, enough)
-    found = off <= enough
-    far = np.maximum(abs((E + windows[0][0] * s).real), abs((E + windows[0][0] * s).imag))
-    # of all found paths the nearest to the window's middle
+    s, off, target, exact = (each[off <= enough] for each in (s, off, target, exact))
     best = np.full(len(L), complex(np.nan, np.nan))
-    order = np.argsort(np.where(found, far, np.inf))[::-1]
-    order = order[found[order]]
-    best[target[order]] = s[order]
+    off = np.where(off <= exact, 0, off)
+    order = np.lexsort((_far(E + windows[0][0] * s), off, ~passes(s, E, windows, depth)))[::-1]
+    best[target[order]] = s[order]  # of several with the same target, the last one stays
     return best
+
+
+def _far(place: Complexes) -> Floats:
+    """Return the half side of the square round 0 that a point is on."""
+    return np.maximum(abs(place.real), abs(place.imag))
+
+
+def _nets(E: complex, windows: Windows) -> Iterator[tuple[Complexes, Complexes, Complexes]]:
+    """Yield nets of rays, (rows, columns): their slopes at the eye, and place and slope behind the last window."""
+    net = _net(_ANGLES, _ANGLES)
+    yield net, *follow(net, E, windows)[-1][2:]
+    half = windows[0][1].aperture / 2
+    x = y = np.linspace(-1.1, 1.1, _CELLS + 1) * half
+    while True:
+        net = (x + 1j * y[:, None] - E) / windows[0][0]
+        followed = follow(net, E, windows)
+        yield net, *followed[-1][2:]
+        # a finer net where the rays of a cell may pass all windows
+        cells = np.all([_may_meet(place, 0, half) for place, *_ in followed], axis=0)
+        rows, columns = (np.flatnonzero(cells.any(axis)) for axis in (1, 0))
+        if not cells.any() or max(np.ptp(rows), np.ptp(columns)) > _CELLS / 2:
+            return
+        x, y = (np.linspace(x[k[0]], x[k[-1] + 1], _CELLS + 1) for x, k in ((x, columns), (y, rows)))
 
 
 def _net(x: Floats, y: Floats) -> Complexes:
@@ -243,29 +278,50 @@ def _net(x: Floats, y: Floats) -> Complexes:
     return np.tan(np.clip(x, -1.55, 1.55)) + 1j * np.tan(np.clip(y, -1.55, 1.55))[:, None]
 
 
-def _starts(net: Complexes, image: Complexes) -> Iterator[tuple[Complexes, Indices]]:
-    """Yield slopes from which to search, and the indices of their targets.
+def _starts(net: Complexes, image: Complexes, L: Complexes) -> Iterator[tuple[Complexes, Indices]]:
+    """Yield slopes from which to search, and the indices of their targets in L (n,).
 
-    `image` (targets, rows, columns): the vectors, as complex numbers, by which the net's rays miss the targets.
+    `image` (rows, columns): where the net's rays meet the targets' plane.
     """
-    # Three neighbouring rays meet the target's plane at the corners of a triangle. If the target is inside, or a little
-    # outside, the start is interpolated between the slopes of the three.
-    for i, j in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
-        a, b, c = (image[:, rows, columns] for rows, columns in ((i, i), (j, i), (i, j)))
-        u, v = b - a, c - a
-        size = _cross(u, v)
-        p, q = _cross(v, a) / size, _cross(a, u) / size
-        inside = np.nonzero((p > -0.3) & (q > -0.3) & (p + q < 1.3))
-        s0, s1, s2 = (net[rows, columns][inside[1:]] for rows, columns in ((i, i), (j, i), (i, j)))
-        yield s0 + p[inside] * (s1 - s0) + q[inside] * (s2 - s0), inside[0]
+    # In each cell that may show the target: interpolated between the slopes at its corners. If no light passes one of
+    # them, it is the corner whose ray passes the target most closely.
+    target, j, k = np.nonzero(_may_meet(image, L[:, None, None], 0))
+    corners = np.array([j, j, j + 1, j + 1]), np.array([k, k + 1, k, k + 1])
+    off, slopes = image[corners] - L[target], net[corners]
+    a, b = (off[1] + off[3] - off[0] - off[2]) / 2, (off[2] + off[3] - off[0] - off[1]) / 2
+    middle, size = off.mean(0), _cross(a, b)
+    p, q = (np.clip(part / size, -0.5, 0.5) + 0.5 for part in (_cross(b, middle), _cross(middle, a)))
+    inside = slopes[0] + p * (slopes[1] - slopes[0]) + q * (slopes[2] - slopes[0])
+    closest = slopes[np.nan_to_num(abs(off), nan=np.inf).argmin(0), np.arange(len(target))]
+    yield np.where(np.isfinite(inside), inside, closest), target
     # rays that pass the target more closely than their neighbours
-    off = np.nan_to_num(abs(image), nan=np.inf)
-    _, n, m = off.shape
+    every = len(net) // len(_ANGLES)
+    net, image = net[::every, ::every], image[::every, ::every]
+    off = np.nan_to_num(abs(image - L[:, None, None]), nan=np.inf)
     framed = np.pad(off, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    rows = np.minimum(np.minimum(framed[:, :n], framed[:, 1 : n + 1]), framed[:, 2:])
-    least = np.minimum(np.minimum(rows[..., :m], rows[..., 1 : m + 1]), rows[..., 2:])  # of the ray and its neighbours
+    least = _of_cells(np.minimum, _of_cells(np.minimum, framed))  # of the ray and its neighbours
     lowest = np.nonzero(np.isfinite(off) & (off == least))
     yield net[lowest[1:]], lowest[0]
+
+
+def _may_meet(image: Complexes, to: Complexes | complex, half: float) -> Booleans:
+    """Return in which cells of a net, (..., rows - 1, columns - 1), a ray may pass within a square round a point `to`.
+
+    `image` (..., rows, columns) is where the net's rays meet the plane of the square. `half` is half its side. A cell's
+    rays are assumed to be in the smallest rectangle around those of its corners, enlarged by _MARGIN of its sides.
+    """
+    meets: Booleans = np.array(True)
+    for part, at in ((image.real, np.real(to)), (image.imag, np.imag(to))):
+        low, high = _of_cells(np.fmin, part), _of_cells(np.fmax, part)
+        more = half + _MARGIN * (high - low)
+        meets = meets & (low - more <= at) & (at <= high + more)
+    return meets
+
+
+def _of_cells(function: Callable[[Floats, Floats], Floats], x: Floats) -> Floats:
+    """Combine the values at the corners of each cell of a net."""
+    x = function(x[..., 1:], x[..., :-1])
+    return function(x[..., 1:, :], x[..., :-1, :])
 
 
 def _cross(a: Complexes, b: Complexes) -> Floats:
@@ -286,25 +342,33 @@ def nearest_rays(
     it least. The search for a ray ends early if its distance is more than `enough`, and twenty steps have not halved
     it. The distance is infinite if `miss` is NaN for the first slope.
     """
-    s, f = s.copy(), miss(s, target)
+
+    def values(s: Complexes, target: Indices) -> tuple[Complexes, ...]:
+        """Return the misses and the columns of their Jacobian: one call of `miss` is faster than three."""
+        h = 1e-7 * (1 + abs(s))
+        f, right, up = miss(s + h * np.array([[0], [1], [1j]]), target)
+        return f, (right - f) / h, (up - f) / h
+
+    s = s.copy()
+    f, a, b = values(s, target)
     damping, earlier = np.full(len(s), 1e-3), abs(f)
     active = np.flatnonzero(np.isfinite(f))
     for number in range(1, _STEPS + 1):
         if not len(active):
             break
-        at, value, aim = s[active], f[active], target[active]
-        h = 1e-7 * (1 + abs(at))
-        a, b = (miss(at + h, aim) - value) / h, (miss(at + 1j * h, aim) - value) / h  # the columns of the Jacobian
-        aa, bb, ab = abs(a) ** 2, abs(b) ** 2, (a.conj() * b).real
-        ga, gb = (a.conj() * value).real, (b.conj() * value).real
+        at, value, right, up = s[active], f[active], a[active], b[active]
+        aa, bb, ab = abs(right) ** 2, abs(up) ** 2, (right.conj() * up).real
+        ga, gb = (right.conj() * value).real, (up.conj() * value).real
         more = damping[active]
         p, r = aa * (1 + more), bb * (1 + more)
         size = p * r - ab**2
         step = -(r * ga - ab * gb) / size - 1j * (p * gb - ab * ga) / size
         step = np.where(np.isfinite(step), step, 0)
-        new = miss(at + step, aim)
-        better = abs(new) < abs(value)
-        s[active], f[active] = np.where(better, at + step, at), np.where(better, new, value)
+        new = values(at + step, target[active])
+        better = abs(new[0]) < abs(value)
+        moved = active[better]
+        s[moved] += step[better]
+        f[moved], a[moved], b[moved] = (each[better] for each in new)
         damping[active] = np.where(better, more * 0.1, np.maximum(more, 1e-8) * 8)
         size = abs(step) / (1 + abs(at))
         going = (size > np.where(better, 1e-15, 1e-10)) & (damping[active] < 1e8) & (f[active] != 0)

@@ -447,7 +447,7 @@ class Scene(ParametersOfSheets):
         if alpha is not None and numpy.ndim(alpha) and apparent.matrix(elements) is None:
             # the search is for a single alpha
             return numpy.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
-        return apparent.position(L, self.E, z1, elements, near)
+        return apparent.position(L, self.E, z1, elements, near, self.depth)
 
     def visible(
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
@@ -463,20 +463,12 @@ class Scene(ParametersOfSheets):
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> tuple["Complexes", "Booleans"]:
         """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
-        import numpy
 
         from povgen.optics import apparent
 
         position = self.apparent_position(L, z1, alpha, near)
-        crossed: list[Complexes] = []
-        with numpy.errstate(invalid="ignore"):
-            followed = apparent.follow((position - self.E) / self.z2, self.E, self._with_alpha(alpha))
-            for k, (before, slope, behind, after) in enumerate(followed):
-                layers = self.sheets[k].layers_at(0.0, k)
-                for z in (self.depth / 2, layers[-1].centre if layers else 0.0):
-                    crossed += before - z * slope, behind + z * after
-        half = self.aperture / 2
-        return position, numpy.all([(abs(point.real) < half) & (abs(point.imag) < half) for point in crossed], axis=0)
+        slope = (position - self.E) / self.z2
+        return position, apparent.passes(slope, self.E, self._with_alpha(alpha), self.depth)
 
     @input_errors()
     def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":

@@ -110,8 +110,9 @@ export function imageDepth(windows, z1) {
   return ofS.every((column, k) => abs(minus(column, scaled(W, ofP[k]))) < 1e-9 * abs(column)) ? W : NaN;
 }
 
-// Where light from L to E crosses the first window: of several paths, the one whose crossing is the nearest to the middle of the
-// window. Close to a caustic, a path that passes L at a distance of up to `near` counts too. [NaN, NaN] if there is none.
+// Where light from L to E crosses the first window: of several paths, one that passes inside all windows' frames, and of several
+// such paths the one whose crossing is the nearest to the middle of the window. Close to a caustic, a path that passes L at a
+// distance of up to `near` counts too, if there is no other. [NaN, NaN] if there is none.
 export function crossing(L, E, z1, z2, windows, near = 0) {
   const map = linear(windows, E, z1, z2);
   if (map) {
@@ -119,16 +120,32 @@ export function crossing(L, E, z1, z2, windows, near = 0) {
     return Math.abs(determinant(map.columns)) < 1e-13 * abs(map.columns[0]) * abs(map.columns[1])
       ? [Infinity, 0] : plus(E, scaled(z2, slope));
   }
-  const at = target(windows, E, z1, z2);
-  const scale = abs(minus(L, E)) + z1 + z2;
-  let best = [NaN, NaN], least = Infinity;
-  for (const start of netsOf(windows, E, z1, z2, at).flatMap((net) => starts(net, L))) {
+  const at = target(windows, E, z1, z2), passes = passing(windows, E, z2);
+  const exact = 1e-11 * (abs(minus(L, E)) + z1 + z2);
+  let best = [NaN, NaN], least = [true, Infinity, Infinity];
+  for (const start of netsOf(windows, E, z1, z2).flatMap((net) => starts(net, L))) {
     const { s, off } = closest(start, L, at);
-    const P = plus(E, scaled(z2, s)), far = Math.max(...P.map(Math.abs));
-    if (off <= Math.max(1e-11 * scale, near) && far < least) [best, least] = [P, far];
+    if (off > Math.max(exact, near)) continue;
+    const P = plus(E, scaled(z2, s)), rank = [!passes(s), off > exact ? off : 0, far(P)];
+    const differs = rank.findIndex((value, k) => value !== least[k]);
+    if (rank[differs] < least[differs]) [best, least] = [P, rank];
   }
   return best;
 }
+
+// A function that says whether the ray with the slope s from the eye passes inside the frames of all windows: their fronts, their
+// backs, and the planes of their sheets.
+function passing(windows, E, z2) {
+  const follow = following(windows, E, z2), { values } = windows[0], d = geometry.depth(values) / 2;
+  return (s) => follow(s).every(({ sheet, slope, place }, k, path) => {
+    if (!sheet) return Boolean(slope);
+    const behind = path[k + 1].slope;
+    return behind && [place, minus(place, scaled(d, slope)), plus(place, scaled(d, behind))].every((point) => far(point) < values.aperture / 2);
+  });
+}
+
+// The half side of the square round 0 that a point is on.
+const far = (point) => Math.max(...point.map(Math.abs));
 
 // Where light from each point of an outline to E crosses the first window. The search for a point begins at the path from the
 // point before it, and over all angles only where it does not lead on from there.
@@ -149,47 +166,83 @@ function target(windows, E, z1, z2) {
   return (/** @type {Point} */ s) => landing(follow(s), windows, z1);
 }
 
-const ANGLES = Array.from({ length: 25 }, (_, k) => ((k - 12) * 7 * Math.PI) / 180);
+const ANGLES = Array.from({ length: 25 }, (_, k) => Math.tan(Math.min(1.55, Math.max(-1.55, ((k - 12) * 7 * Math.PI) / 180))));
+const MARGIN = 0.3;  // of a cell's size
 const even = (least, most) => ANGLES.map((_, k) => least + ((most - least) * k) / (ANGLES.length - 1));
 /** @type {any} */
 let kept = {};  // those of the last windows
 
-// Nets of rays from which the search starts: over all angles, over those at which light passes, and over the window.
-function netsOf(windows, E, z1, z2, at) {
+// Nets of rays from which the search starts: over all angles, over the window, and finer ones over a small part of the window
+// through which all rays to the last window pass. Python's nets are finer, for the laws of one's own, which the page does not have.
+function netsOf(windows, E, z1, z2) {
   const key = String([E, z1, z2]);
   if (kept.windows === windows && kept.key === key) return kept.nets;
-  const net = (xs, ys) => ({ xs, ys, shown: ys.map((y) => xs.map((x) => at([x, y]))) });
-  const tangents = (angles) => angles.map((angle) => Math.tan(Math.min(1.55, Math.max(-1.55, angle))));
-  const all = net(tangents(ANGLES), tangents(ANGLES));
-  const nets = [all];
-  const rows = [...ANGLES.keys()].filter((j) => all.shown[j].some(Boolean));
-  const columns = [...ANGLES.keys()].filter((k) => all.shown.some((row) => row[k]));
-  if (rows.length && all.shown.flat().some((shown) => !shown)) {
-    const step = ANGLES[1] - ANGLES[0];
-    nets.push(net(...[columns, rows].map((found) => tangents(even(ANGLES[found[0]] - step, ANGLES[found.at(-1)] + step)))));
+  const follow = following(windows, E, z2), half = windows[0].values.aperture / 2;
+  const net = (xs, ys) => {
+    const paths = ys.map((y) => xs.map((x) => follow([x, y])));
+    const shown = paths.map((row) => row.map((path) => landing(path, windows, z1)));
+    return { xs, ys, paths, shown, boxes: boxes(shown) };
+  };
+  const nets = [net(ANGLES, ANGLES)];
+  let [xs, ys] = E.map((x) => even((-1.1 * half - x) / z2, (1.1 * half - x) / z2));
+  for (;;) {
+    const last = net(xs, ys);
+    nets.push(last);
+    const [first, ...others] = windows.map((_, number) => boxes(last.paths.map((row) => row.map((path) => meets(path, number)?.place))));
+    const open = first.filter((box, n) => [box, ...others.map((each) => each[n])].every(({ low, high }) => Math.max(...low) <= half && Math.min(...high) >= -half));
+    const [columns, rows] = ["k", "j"].map((axis) => open.map((box) => box[axis])).map((found) => [Math.min(...found), Math.max(...found)]);
+    if (!open.length || Math.max(rows[1] - rows[0], columns[1] - columns[0]) > (ANGLES.length - 1) / 2) break;
+    [xs, ys] = [even(xs[columns[0]], xs[columns[1] + 1]), even(ys[rows[0]], ys[rows[1] + 1])];
   }
-  const half = 0.55 * windows[0].values.aperture;
-  nets.push(net(...E.map((x) => even((-half - x) / z2, (half - x) / z2))));
   kept = { windows, key, nets };
   return nets;
 }
-
-// Slopes from which to search: in a triangle of the net whose image contains L, where its ray follows linearly, and where the
-// net's rays pass L more closely than their neighbours.
-function starts({ xs, ys, shown }, L) {
+// For each cell of a net, in the rows j to j + 1 and the columns k to k + 1: the rectangle, from `low` to `high`, of the points at
+// its corners, enlarged by MARGIN of its sides. Points without light are null.
+function boxes(points) {
   const found = [];
-  const off = shown.map((row) => row.map((point) => (point ? abs(minus(point, L)) : Infinity)));
+  for (let j = 0; j + 1 < points.length; j++) {
+    for (let k = 0; k + 1 < points[j].length; k++) {
+      const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+      for (const point of [points[j][k], points[j][k + 1], points[j + 1][k], points[j + 1][k + 1]]) {
+        for (let axis = 0; point && axis < 2; axis++) {
+          low[axis] = Math.min(low[axis], point[axis]);
+          high[axis] = Math.max(high[axis], point[axis]);
+        }
+      }
+      const more = scaled(MARGIN, minus(high, low));
+      found.push({ j, k, low: minus(low, more), high: plus(high, more) });
+    }
+  }
+  return found;
+}
+
+// Slopes from which to search: in each cell of the net that may show L, interpolated between its corners, or the corner whose ray
+// passes L most closely, if no light passes one of them; and where the net's rays pass L more closely than their neighbours.
+function starts({ xs, ys, shown, boxes }, L) {
+  const found = [];
+  for (const { j, k, low, high } of boxes) {
+    if (!(low[0] <= L[0] && L[0] <= high[0] && low[1] <= L[1] && L[1] <= high[1])) continue;
+    const corners = [[k, j], [k + 1, j], [k, j + 1], [k + 1, j + 1]];
+    const off = corners.map(([k, j]) => shown[j][k] && minus(shown[j][k], L));
+    if (off.every(Boolean)) {
+      const a = scaled(0.5, minus(plus(off[1], off[3]), plus(off[0], off[2]))), b = scaled(0.5, minus(plus(off[2], off[3]), plus(off[0], off[1])));
+      const middle = scaled(-0.25, plus(plus(off[0], off[1]), plus(off[2], off[3])));
+      const [p, q] = resolved(middle, [a, b]).map((part) => Math.min(0.5, Math.max(-0.5, part)) + 0.5);
+      if (finite([p, q])) {
+        found.push([xs[k] + p * (xs[k + 1] - xs[k]), ys[j] + q * (ys[j + 1] - ys[j])]);
+        continue;
+      }
+    }
+    const [column, row] = corners.reduce((best, corner, n) => (off[n] && !(abs(off[n]) >= best.off) ? { off: abs(off[n]), corner } : best), { off: Infinity, corner: [k, j] }).corner;
+    found.push([xs[column], ys[row]]);
+  }
+  const off = (j, k) => (shown[j]?.[k] ? abs(minus(shown[j][k], L)) : Infinity);
   for (let j = 0; j < ys.length; j++) {
     for (let k = 0; k < xs.length; k++) {
-      let lowest = Number.isFinite(off[j][k]);
-      for (let v = j - 1; lowest && v <= j + 1; v++) for (let u = k - 1; u <= k + 1; u++) if (off[v]?.[u] < off[j][k]) lowest = false;
+      let lowest = Boolean(shown[j][k]);
+      for (let v = j - 1; lowest && v <= j + 1; v++) for (let u = k - 1; u <= k + 1; u++) if (off(v, u) < off(j, k)) lowest = false;
       if (lowest) found.push([xs[k], ys[j]]);
-      for (const side of [1, -1]) {
-        const a = shown[j][k], b = shown[j]?.[k + side], c = shown[j + side]?.[k];
-        if (!a || !b || !c) continue;
-        const [p, q] = resolved(minus(L, a), [minus(b, a), minus(c, a)]);
-        if (p > -0.3 && q > -0.3 && p + q < 1.3) found.push([xs[k] + p * (xs[k + side] - xs[k]), ys[j] + q * (ys[j + side] - ys[j])]);
-      }
     }
   }
   return found;

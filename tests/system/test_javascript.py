@@ -269,7 +269,10 @@ def test_equations_of_windows_in_series_are_those_of_python(page):
 
 
 def test_positions_behind_other_sheets_are_those_of_python(page):
-    """Also where the ray along the normal does not pass, and where two paths have just become one."""
+    """Also where the ray along the normal does not pass, and where two paths have just become one.
+
+    Also where the path that is the nearest to the middle of the first window misses the second one.
+    """
     marks = Spheres(sheet="axis", axis=(0, -0.7, -0.6), alpha=180, z2=1, eye=(0, -1.5), line=(0, 2.6), z1=3)
     linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in KINDS]
     cases = [(scene, L, 2.0, 0.0) for scene in linear for L in (0.3 - 1j, 2 + 1j)]
@@ -277,6 +280,11 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
     for scene, points, _ in seen_through_other_sheets(np.random.default_rng(9)):
         cases += [(scene, L, scene.z1, 0.0) for L in points]
         wanted += [*scene.apparent_position(points, scene.z1)]
+    twists = [{"sheet": "twist", "twist": 54, "alpha": 86}, {"sheet": "twist", "twist": 54, "alpha": -87, "z": 3.8}]
+    series = Spheres(**twists[0], window=twists[1:], z1=2, z2=3.4, eye=(0.8, 0.3))
+    cases.append((series, 1.0169 + 2.1397j, 2.0, 0.0))
+    wanted.append(complex(series.apparent_position(1.0169 + 2.1397j, 2)))
+    assert series.visible(1.0169 + 2.1397j, 2) and abs(wanted[-1]) > 1.5
     cases.append((marks, marks.L, marks.z1, marks.radii[0]))
     given = page.evaluate(
         "(cases) => cases.map(([scene, near, ...values]) => crossing(...values, sheets.windows(scene), near))",

@@ -94,6 +94,77 @@ def test_what_the_eye_sees_has_an_apparent_position(rng):
     assert count > 1000 and other > 5
 
 
+BUMP = "x + k*X/sqrt(X*X + Y*Y + q), y + k*Y/sqrt(X*X + Y*Y + q), z"
+WAVES = "x + k*sin(m*X)*z, y + k*sin(m*Y)*z, z"
+JUMP = "x + k*X/abs(X)*z, y + k*max(Y - q, 0.0)*z, z"
+SADDLE = "x + k*X*Y*z, y + k*(X*X - Y*Y)*z, z"
+HOLE = "x, y, z*sqrt(1 - (X*X + Y*Y)/m) + k*X"
+
+
+def of_law(law, **parameter):
+    return {"sheet": "law", "law": law, "parameter": parameter}
+
+
+def through_windows(scene, P):
+    """Return where rays from the eye through points P (n,) of ideal windows end, and whether they pass all frames."""
+    at, slope, z, inside = P, (P - scene.E) / scene.z2, 0.0, np.full(P.shape, True)
+    for window in scene.windows:
+        at, z = at + (window.z - z) * slope, window.z
+        behind = window.sheet.slope(slope, at)
+        for place in (at - scene.depth / 2 * slope, at, at + scene.depth / 2 * behind):
+            inside &= np.maximum(abs(place.real), abs(place.imag)) < scene.aperture / 2
+        slope = behind
+    return at + scene.distances[0] * slope, inside
+
+
+@pytest.mark.parametrize(
+    ("values", "P"),
+    [
+        # the path at 0.104 - 0.224i is farther from the middle
+        (of_law(BUMP, k=-0.36, q=0.01) | {"z1": 3, "z2": 2.6}, 0.0301361 - 0.0647925j),
+        (of_law(WAVES, k=0.1, m=20.0) | {"z1": 8}, 0.03 - 0.02j),
+        # a path nearer to the middle of the first window misses another window
+        (
+            of_law(SADDLE, k=-0.428)
+            | {"z1": 5.72, "z2": 4.35}
+            | {"window": [of_law(HOLE, k=0.5, m=5.32) | {"z": 2.73}, of_law(JUMP, k=-0.4, q=0.175) | {"z": 3.76}]},
+            -0.805 + 0.394j,
+        ),
+    ],
+)
+def test_of_several_paths_one_that_passes_all_windows_is_marked(values, P):
+    scene = Spheres(**values)
+    (L,), (passes,) = through_windows(scene, np.array([P]))
+    place, visible = scene.seen(L, scene.distances[0])
+    assert passes and visible and place == pytest.approx(P, abs=1e-6)
+
+
+def test_no_path_through_laws_is_missed(rng):
+    """No ray that passes the windows is nearer to the middle than the path that is found to its end."""
+    found = 0
+    laws = [BUMP, WAVES, JUMP, SADDLE, HOLE]
+    for number in range(24):
+        window = []
+        for z in (0, *np.cumsum(rng.uniform(0.5, 3, number % 3))):
+            k, m, q = rng.uniform([-0.6, 2, 0.003], [0.6, 8, 0.5])
+            law = laws[rng.integers(len(laws))]
+            window.append({**of_law(law, k=k, m=m, q=q), "z": z})
+        first = {name: value for name, value in window[0].items() if name != "z"}
+        scene = Spheres(
+            window=window[1:], z1=rng.uniform(1, 8), z2=rng.uniform(1, 9), eye=rng.uniform(-1, 1, 2), **first
+        )
+        P = rng.uniform(-1.4, 1.4, (300, 2)) @ [1, 1j]
+        L, passes = through_windows(scene, P)
+        L, P = (each[passes][:8] for each in (L, P))
+        place, visible = scene.seen(L, scene.distances[0])
+        assert visible.all(), scene
+        assert through_windows(scene, place)[0] == pytest.approx(L, rel=1e-7, abs=1e-7)
+        far, as_far = (np.maximum(abs(each.real), abs(each.imag)) for each in (place, P))
+        assert (far < as_far + 1e-5).all(), scene
+        found += len(L)
+    assert found > 100
+
+
 @pytest.mark.parametrize(
     "values",
     [
