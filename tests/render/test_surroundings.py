@@ -559,9 +559,9 @@ TRANSPARENT[2, 3, 1] = 254
 @pytest.mark.parametrize(
     "data",
     [
-        file_of(Image.fromarray(TRANSPARENT, "LA"), "png"),
-        file_of(Image.fromarray(TRANSPARENT, "LA"), "tiff"),
-        file_of(Image.fromarray(TRANSPARENT, "LA").convert("RGBA"), "webp", lossless=True),
+        file_of(Image.fromarray(TRANSPARENT), "png"),
+        file_of(Image.fromarray(TRANSPARENT), "tiff"),
+        file_of(Image.fromarray(TRANSPARENT).convert("RGBA"), "webp", lossless=True),
         file_of(RED.quantize(), "png", transparency=bytes([9])),
         png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 9))),
         file_of(GREY, "png")[:33] + chunk(b"tRNS", struct.pack(">H", 1000)) + file_of(GREY, "png")[33:],
