@@ -40,7 +40,7 @@ PRISM_SCENES: tuple[dict[str, Any], ...] = (
     {"alpha": 66, "gap": 0.1, "aspect": 0.9},
     {"sheet": "single", "prisms": 1, "z2": 9},
     {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3}},
-    {"error": {"turn": 2, "tilt_x": 3, "tilt_y": -2, "far_tilt_x": -1, "far_tilt_y": 2, "separation": 0.1}},
+    {"z2": 9, "error": {"turn": 2, "tilt_x": 9, "tilt_y": -2, "far_tilt_x": -1, "far_tilt_y": -9, "separation": 0.1}},
     {"alpha": 120, "window": "alpha=120,z=2", "z2": 8},
     {"alpha": 60, "window": ("alpha=-35,z=1", "alpha=100,z=2.5"), "prisms": 400, "eye": (0.3, 0.2)},
     {

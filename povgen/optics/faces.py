@@ -43,7 +43,7 @@ class Sheet:
 
     `angle` is from the x axis to the ridges, and positive from x towards y. A sheet that is not built exactly can also
     be tilted about its middle, by `tilt` (radians): about x, and then about y. Positive tilts turn y towards z, and z
-    towards x. The sheet's frame is tilted with it.
+    towards x. The window's frame stays upright.
     """
 
     angle: float
@@ -64,8 +64,8 @@ class Sheet:
 
     def reach(self, window: float) -> float:
         """Return how far the sheet extends along z from its middle, in a window with this side."""
-        along = abs(self.axes[:, 2])
-        return float(along @ (window / 2, window / 2, self.shape.length / 2))
+        x, y, z = abs(self.axes[2])  # of the normal
+        return float(((x + y) * window + self.shape.length) / 2 / z)
 
 
 class _Cells:
@@ -399,8 +399,9 @@ def single_prisms(sheet: Sheet, window: float) -> tuple[int, Floats, Floats]:
     shape = sheet.shape
     assert isinstance(shape, Prism)
     count = round(window / shape.pitch)
-    # prisms outside the window, on either side: enough for a turned sheet, even if all prisms have the least height
-    beyond = ceil((sqrt(2) / (1 - MOST_DEVIATION * sheet.pitches) - 1) / 2 * count) + 2
+    # prisms outside the window, on either side: enough for a turned and tilted sheet, even if all prisms have the least
+    # height
+    beyond = ceil((sqrt(2) / sheet.axes[2, 2] / (1 - MOST_DEVIATION * sheet.pitches) - 1) / 2 * count) + 2
 
     def drawn(seed: tuple[int, ...], *shape: int) -> Floats:
         return np.clip(np.random.default_rng(seed).normal(size=shape), -MOST_DEVIATION, MOST_DEVIATION)

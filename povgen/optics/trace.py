@@ -245,16 +245,15 @@ class _Trace:
         """
         here = self.sheet[i]
         (x, y, z), d = self.rays.position[i].T, self.rays.direction[i].T
-        z = z - self.centre[here]
-        outside = np.zeros(len(i), bool)
+        place = np.stack((x, y, z - self.centre[here]))
+        outer = d
         if self.axes is not None:
-            outer = d[2]
-            (x, y, z), d = (np.einsum("nij,jn->in", self.axes[here], v) for v in (np.stack((x, y, z)), d))
-            outside = d[2] * outer <= 0  # parallel to the surface, or nearly
+            place, d = (np.einsum("nij,jn->in", self.axes[here], v) for v in (place, d))
         surface = -np.copysign(self.glass.at(here).half, d[2])
-        step = (surface - z) / d[2]
-        x, y, half = x + step * d[0], y + step * d[1], self.half_window
-        return x, y, surface, d, outside | (abs(x) > half) | (abs(y) > half)
+        step = (surface - place[2]) / d[2]
+        beyond = np.maximum(abs(x + step * outer[0]), abs(y + step * outer[1])) > self.half_window
+        # some rays run parallel to a tilted sheet's surface, or nearly
+        return place[0] + step * d[0], place[1] + step * d[1], surface, d, beyond | (d[2] * outer[2] <= 0)
 
     def leave(self, i: Indices) -> None:
         """Write positions and directions in the scene's coordinates."""
@@ -358,8 +357,11 @@ class _Trace:
         u = self.u[i] = self.u[i] + t * self.dy[i]
         self.z[i] += t * self.dz[i]
         y = u + self.glass.at(self.sheet[i]).bottom(self.cell[i])
-        c, s, half = self.c[i], self.s[i], self.half_window
-        blocked = (abs(c * x - s * y) > half) | (abs(s * x + c * y) > half)
+        c, s = self.c[i], self.s[i]
+        x, y = c * x - s * y, s * x + c * y
+        if self.axes is not None:
+            x, y, _ = np.einsum("nij,in->jn", self.axes[self.sheet[i]], np.stack((x, y, self.z[i])))
+        blocked = np.maximum(abs(x), abs(y)) > self.half_window
         return self.without_ended(i, blocked, End.FRAME), face[~blocked]
 
     def bend(self, i: Indices, face: Indices, eta: Floats) -> Booleans:

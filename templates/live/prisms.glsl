@@ -94,6 +94,7 @@ Passage passage(Passage ray, int number) {
   int at = d.z > 0.0 ? 0 : sheets - 1;
   float cell = 0.0;
   vec2 turn = vec2(1, 0);
+  mat3 axes = mat3(1);
   bool between = true, glass = false, dove = true;
   vec2 normal = vec2(0);
 #ifdef PROFILE_EDGES
@@ -111,11 +112,12 @@ Passage passage(Passage ray, int number) {
       }
       float surface = d.z > 0.0 ? -prismHalf : prismHalf;
       p.z -= sheetCentres[2 * number + at] / pitch;
-      mat3 axes = axesOf(2 * number + at);
+      axes = axesOf(2 * number + at);
       p = p * axes;
       d = d * axes;
       p += d * ((surface - p.z) / d.z);
-      if (max(abs(p.x), abs(p.y)) > halfWindow) {
+      vec2 place = abs((axes * p).xy);
+      if (max(place.x, place.y) > halfWindow) {
         ray.end = FRAME;
         break;
       }
@@ -170,19 +172,16 @@ Passage passage(Passage ray, int number) {
     // Move on. Inside the window frame the ray ends, where it met the frame's inner faces.
     p += t * d;
     float y = p.y + cell + firstBase;
-    vec2 place = vec2(turn.x * p.x - turn.y * y, turn.y * p.x + turn.x * y);
-    vec2 beyond = abs(place) - halfWindow;
+    vec3 place = axes * vec3(turn.x * p.x - turn.y * y, turn.y * p.x + turn.x * y, p.z);
+    vec2 beyond = abs(place.xy) - halfWindow;
     if (face == 0 || max(beyond.x, beyond.y) > 0.0) {
-      d.xy = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
-      p = vec3(place, p.z);
+      d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
+      p = place;
       if (max(beyond.x, beyond.y) > 0.0) {
         vec2 back = max(beyond / max(abs(d.xy), 1e-9), 0.0);
         p -= d * min(max(back.x, back.y), t);
         ray.end = FRAME;
       }
-      mat3 axes = axesOf(2 * number + at);
-      p = axes * p;
-      d = axes * d;
       p.z += sheetCentres[2 * number + at] / pitch;
       if (ray.end == FRAME) break;
       between = true;
