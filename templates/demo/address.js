@@ -3,7 +3,7 @@
 import { inSeries, partsShown } from "./beyond.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, spoken } from "./language.js";
-import { QUESTIONS, revealed, setOwn } from "./questions.js";
+import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
 import { change, CHOICES, OPENING, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => String(Number(x.toPrecision(7)));
@@ -54,7 +54,7 @@ function own(text) {
   try {
     const { ask, choices, why, before, after } = JSON.parse(text);
     const texts = [ask, why, before, after, ...choices];
-    if (choices.length < 2 || !ask || !texts.every((each) => typeof each === "string")) return -1;
+    if (choices.length < 2 || choices.length > MOST_CHOICES || !ask || !texts.every((each) => typeof each === "string")) return -1;
     const [first, last] = [before, after].map((hash) => valuesOf(new URLSearchParams(hash.slice(1))));
     const then = last.sheet ? { ...pick(OPENING, "windows", "compare"), ...last } : last;  // toHash leaves these out
     const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => name !== "question"));

@@ -7,7 +7,7 @@ import { say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./dashedOutline.js";
 import { printed, readNumber } from "./numbers.js";
 import { player, reducedMotion } from "./player.js";
-import { ask as textOf, choices, QUESTIONS, revealed, why } from "./questions.js";
+import { ask as textOf, choices, isAsked, QUESTIONS, revealed, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
 import { drawVotes } from "./votes.js";
 
@@ -196,6 +196,7 @@ function answerText(question) {
 
 $("question-form").addEventListener("submit", (event) => {
   event.preventDefault();
+  if (!isAsked()) return;  // the panel shows a question that has been left, until the page is drawn
   const field = $("prediction").querySelector(".field");
   asksForNumber = Boolean(field) && !Number.isFinite(readNumber(field.value));
   if (!asksForNumber) reveal();
@@ -207,6 +208,7 @@ $("question-form").addEventListener("submit", (event) => {
   }
 });
 $("again").addEventListener("click", () => {
+  if (!revealed.has(state.question)) return;
   ask(state.question);
   drawQuestion();
   refresh();
@@ -214,6 +216,7 @@ $("again").addEventListener("click", () => {
 });
 for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
   $(id).addEventListener("click", () => {
+    if (state.question < 0) return;
     openQuestion(offered()[offered().indexOf(state.question) + aside]);
     $("ask").focus();
   });

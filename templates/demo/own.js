@@ -5,6 +5,7 @@ import { openQuestion } from "./asking.js";
 import { $ } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
+import { MOST_CHOICES } from "./questions.js";
 import { session } from "./state.js";
 
 const kept = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
@@ -21,8 +22,8 @@ $("own").addEventListener("submit", (event) => {
   event.preventDefault();
   const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);
   const [ask, choices, why] = [lines("own-text").join(" "), lines("own-choices"), lines("own-why").join(" ")];
-  const complete = ask && choices.length > 1;
-  $("own-message").textContent = complete ? "" : say("asking.own_missing");
+  const complete = ask && choices.length > 1 && choices.length <= MOST_CHOICES;
+  $("own-message").textContent = complete ? "" : say("asking.own_missing", { most: MOST_CHOICES });
   if (!complete) return $("own-text").focus();
   const question = { ask, choices, why, before: kept.before || shown(), after: kept.after || shown() };
   openQuestion(-1);

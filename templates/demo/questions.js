@@ -184,6 +184,7 @@ export const QUESTIONS = [
 // A question of a teacher's own: { ask, choices, why, before, after }, with the right choice first, and values of the state.
 // The choices are shown in the order of the alphabet.
 const COUNT = QUESTIONS.length;
+export const MOST_CHOICES = 20;
 export function setOwn({ ask, choices, why, before, after }) {
   const shown = [...choices].sort((a, b) => a.localeCompare(b));
   QUESTIONS.splice(COUNT, 1, /** @type {any} */ ({ name: "own", own: { ask, choices, why }, shown, before, after, answer: () => shown.indexOf(choices[0]) }));

@@ -1,5 +1,6 @@
 """Words, marks and questions of the teaching page."""
 
+import json
 import re
 
 import pytest
@@ -223,7 +224,7 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.evaluate("openQuestion(0); draw()")
     page.get_by_role("button", name="A question of your own").click()
     page.get_by_role("button", name="Open the question").click()
-    expect(page.locator("#own-message")).to_have_text("A question needs a text and two answers.")
+    expect(page.locator("#own-message")).to_have_text("A question needs a text and 2 to 20 answers.")
     page.evaluate("change({ alpha: 10, sheet: 'ideal' }); choose('de', true)")
     page.locator("#own-start").click()
     page.evaluate("choose('en', true); draw()")
@@ -247,11 +248,30 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.get_by_role("button", name="Open the question").click()  # again
     page.evaluate("draw()")
     assert page.evaluate("[isAsked(), $('answer').textContent]") == [True, ""]
-    for wrong in ("{", '{"ask": "a", "choices": ["b"], "why": "", "before": "", "after": ""}', '{"ask": 1}'):
+    many = json.dumps({"ask": "a", "choices": ["b"] * 21, "why": "", "before": "", "after": ""})
+    for wrong in ("{", many, '{"ask": "a", "choices": ["b"], "why": "", "before": "", "after": ""}', '{"ask": 1}'):
         page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", wrong)
         assert page.evaluate("state.question") == -1
     page.evaluate("QUESTIONS.pop()")
+    page.locator("#own-choices").fill("b\n" * 21)
+    page.get_by_role("button", name="Open the question").click()
+    expect(page.locator("#own-message")).to_have_text("A question needs a text and 2 to 20 answers.")
     page.evaluate("document.querySelector('[aria-controls=own]').click()")
+
+
+@pytest.mark.parametrize("button", ["reveal", "again", "next", "previous"])
+def test_buttons_of_a_question_that_has_been_left_do_nothing(page, button):
+    page.evaluate("openQuestion(1); draw()")
+    page.evaluate(f"$('tab-explore').click(); $('{button}').click()")  # before the page is drawn
+    assert page.evaluate("state.question") == -1
+
+
+def test_an_answer_is_revealed_once(page):
+    page.evaluate("revealed.clear(); openQuestion(QUESTIONS.findIndex(({ tolerance }) => tolerance)); draw()")
+    page.evaluate("$('prediction').querySelector('.field').value = '3'")
+    page.evaluate("$('question-form').requestSubmit(); $('question-form').requestSubmit()")
+    assert page.evaluate("revealed.get(state.question)") == "3"
+    page.evaluate("endGlide(); revealed.clear(); openQuestion(-1); draw()")
 
 
 def test_an_input_ends_the_movement_to_the_answer(page):
