@@ -1,8 +1,8 @@
 """Decodes a user's picture in a process with limits of memory and time: `python -m povgen.scene.picture_reader FOLDER`.
 
 The folder has the user's file, GIVEN. The process writes DECODED, which is the file for renderers, and ANSWER, in JSON:
-the new file's name, its size and its mean colour, or the `fault` of the user's file. If the process ends with another
-exit status than 0, there is no answer: the picture needs too much time or memory.
+the new file's name, its size and its mean colour, or the `fault` of the user's file. If the exit status is not 0, there
+is no answer: it is the system's number of an error such as ENOSPC, or else the picture needs too much time or memory.
 
 What a file states about its colours is applied, or the file is refused: no colour is shown as another.
 """
@@ -54,8 +54,11 @@ def main() -> int:
         fault = str(error) if type(error) is ValueError and str(error).startswith(("should ", "needs ")) else ""
         kinds = f"{', '.join(FORMATS)}; for the sky also HDR and EXR"
         answer = {"fault": fault or f"should be a whole picture: {kinds}"}
-    (folder / DECODED).write_bytes(file)
-    (folder / ANSWER).write_text(json.dumps(answer))
+    try:
+        (folder / DECODED).write_bytes(file)
+        (folder / ANSWER).write_text(json.dumps(answer))
+    except OSError as error:
+        return error.errno or 1
     return 0
 
 

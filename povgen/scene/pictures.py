@@ -20,7 +20,7 @@ from weakref import WeakValueDictionary
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
-from povgen.files import read_bytes, temporary_folder
+from povgen.files import NO_ROOM, read_bytes, temporary_folder
 from povgen.scene import hdr
 from povgen.scene.picture_reader import ANSWER, DECODED, FORMATS, GIVEN
 
@@ -151,6 +151,8 @@ def _decoded(data: bytes) -> tuple[File, tuple[int, int], tuple[float, float, fl
             )
         except subprocess.TimeoutExpired:
             raise ValueError(f"should be a picture that is read within {PATIENCE} s") from None
+        if done.returncode in NO_ROOM:
+            raise OSError(done.returncode, os.strerror(done.returncode), str(folder.parent))
         if done.returncode:
             raise ValueError("should be a picture that needs less time and memory")
         answer = json.loads((folder / ANSWER).read_text())

@@ -5,6 +5,7 @@ import gc
 import os
 import pickle
 import re
+import resource
 import struct
 import subprocess
 import sys
@@ -604,6 +605,17 @@ def test_a_picture_is_decoded_within_limits(limit, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")  # a process that ends without an answer
     with pytest.raises(InputError, match="should be a picture that needs less time and memory"):
         Chess(sky=picture(tmp_path, (62, 31)))
+
+
+def test_a_full_disk_is_no_fault_of_the_picture(tmp_path):
+    (tmp_path / "a.webp").write_bytes(file_of(Image.effect_noise((64, 32), 90), "webp", quality=1))
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            Chess(sky=tmp_path / "a.webp")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
 def test_decoded_pictures_are_freed(tmp_path):
