@@ -176,6 +176,8 @@ def to_pov(
 def to_sheets(scene: Scene) -> str:
     """Return the scene's sheets of prisms or lenses in POV-Ray's language, as a text to #include in another scene.
 
+    Parameters with #ifndef are #local: another such text in the same scene has its own values.
+
     Raises InputError if a window has an ideal sheet or no sheet, and if sheets are not built exactly (option `error`).
     """
     if checked_scene(scene).ideal:
@@ -187,7 +189,8 @@ def to_sheets(scene: Scene) -> str:
     values = {"glass": glass, "profiles": _profiles(scene), "trace_level": level, "least_light": limits.LEAST_LIGHT}
     absent: dict[str, object] = {"laws": [], "cells": None, "sheet_macro": None, "built": (), "single": []}
     template = _environment().get_template("part.pov.j2")
-    return template.render(values, **absent, scene=scene, free=True, part="sheets")
+    text = template.render(values, **absent, scene=scene, free=True, part="sheets")
+    return re.sub(r"^(#ifndef \(\w+\) +)#declare", r"\1#local", text, flags=re.MULTILINE)
 
 
 def _is_exact(scene: Scene) -> bool:

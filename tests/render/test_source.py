@@ -132,6 +132,20 @@ def test_the_sheets_in_a_scene_of_ones_own(tmp_path):
     assert (shown[0][inside].mean(-1) < 20).mean() < 0.1, "TraceLevel is not obeyed"
 
 
+def test_two_parts_in_a_scene_have_their_own_parameters(tmp_path):
+    """What the scene declares before an #include counts for all that follow."""
+    for file, scene in (("one.inc", Chess(alpha=30, prisms=30)), ("two.inc", Chess(alpha=50, prisms=40, index=1.6))):
+        seen = (
+            '#declare Seen = concat(Seen, str(Alpha, 0, 0), ",", str(Prisms, 0, 0), ",", str(GlassIndex, 0, 1), " ");'
+        )
+        (tmp_path / file).write_text(f"{to_sheets(scene)}\n{seen}\n")
+    both = '#include "one.inc" #include "two.inc"'
+    right = "30,30,1.5 50,40,1.6 7,30,1.5 7,40,1.6 "
+    check = f'#if (strcmp(Seen, "{right}")) #error Seen #end camera {{ location -z }}'
+    header = '//   povray +Iscene.pov +W4 +H4\n#version 3.7; #declare Seen = "";'
+    drawn(f"{header} {both} #declare Alpha = 7; {both} {check}", tmp_path)
+
+
 def test_parts_that_cannot_be(tmp_path):
     with pytest.raises(
         InputError, match="sheet = 'ideal' has no glass; allowed: 'detailed', 'single', 'lenticular', 'profile'$"
