@@ -31,7 +31,9 @@ Matrix = NDArray[np.float64]  # (..., 5, 5)
 # The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values from -FAN to FAN. For
 # each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_WIDTH = 61.0  # the width of the sheet through which rays are traced, in periods (cells); odd: one is in the middle
+_WIDTH = (
+    61.0  # the width of the sheet through which rays are traced, in periods (cells), if they are in the middle one; odd
+)
 
 
 def free(distance: float) -> Matrix:
@@ -80,23 +82,25 @@ def small_angles(shape: Prism | Profile) -> SmallAngles:
     return found.scaled(shape.pitch)
 
 
-def slope_error(shape: Prism | Profile, slope: complex) -> float:
-    """Return the RMS difference between the slopes of light behind a sheet and the slope that `small_angles` predicts.
+def mean_slope(shape: Prism | Profile, slope: complex, place: float) -> tuple[complex, float]:
+    """Return the mean slope of light behind a sheet, and the RMS difference of its slopes from their mean.
 
-    `slope` is the slope of the light before the sheet, along the ridges + i across. The light fills a period. Only rays
-    on the designed path count. The result is NaN if there are none. For prisms it is 0, because they reverse the slope
-    exactly.
+    `slope` is the slope of the light before the sheet, along the ridges + i across, and so is the result. The light
+    fills a period. `place` is where it meets the sheet's middle plane: across the ridges, from the window's middle.
+    Only rays on the designed path count. The results are NaN if there are none. Prisms reverse the slope exactly.
     """
     if isinstance(shape, Prism):
-        return 0.0
-    does = small_angles(shape)
-    rays, taken = over_a_period(shape, slope, FAN_SIDE)
+        return slope.conjugate(), 0.0
+    if not np.isfinite(slope):
+        return complex(np.nan, np.nan), np.nan
+    # periods are alike unless the two faces of the sheet differ in pitch
+    rays, taken = over_a_period(shape, slope, FAN_SIDE, round(place / shape.pitch) if shape.is_mismatched else 0)
     taken &= rays.orders[:, 0] == 0
     if not taken.any():
-        return np.nan
+        return complex(np.nan, np.nan), np.nan
     x, y, z = rays.direction[taken].T
-    expected = slope.real + 1j * (does.factor * slope.imag + does.deviation)
-    return float(np.sqrt(np.mean(abs((x + 1j * y) / z - expected) ** 2)))
+    slopes = (x + 1j * y) / z
+    return complex(slopes.mean()), float(slopes.std())
 
 
 def layer(sheet: Sheet) -> Matrix:
@@ -155,13 +159,14 @@ def _fitted(profile: Profile, cell: int = 0) -> SmallAngles:
     return SmallAngles(*map(float, (slab, shift, offset, factor, deviation, reach, blur)))
 
 
-def over_a_period(profile: Profile, slope: complex, count: int) -> tuple[Rays, Booleans]:
+def over_a_period(profile: Profile, slope: complex, count: int, cell: int = 0) -> tuple[Rays, Booleans]:
     """Trace `count` parallel rays that fill a period of a profile. Return them, and whether each takes its path.
 
     A ray takes the path if it meets the edges `profile.path`, in this order, and no others. The edges may be in several
-    cells. `slope` is the rays' slope, along the ridges + i across. The positions of the result are in periods.
+    cells. `slope` is the rays' slope, along the ridges + i across. `cell` is the number of the period. It is 0 in the
+    middle of the window. The positions of the result are in periods.
     """
-    return _traced(profile.scaled(1.0), _places(count), np.full(count, slope))
+    return _traced(profile.scaled(1.0), _places(count) + cell, np.full(count, slope))
 
 
 def _places(count: int) -> Floats:
@@ -177,7 +182,8 @@ def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Bo
     z = np.full(place.shape, -profile.half)
     origin = np.column_stack((z * slope.real, place + z * slope.imag, z))
     direction = np.column_stack((slope.real, slope.imag, np.ones(place.shape)))
-    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), _WIDTH, len(profile.path) + 1)
+    width = _WIDTH + 2 * round(abs(place).max())
+    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), width, len(profile.path) + 1)
     return rays, on_path(rays, [profile])
 
 

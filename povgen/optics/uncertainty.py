@@ -13,7 +13,8 @@ RADII = (0.05, 0.25)
 OWN = 1.0  # of the prisms in one sheet
 BANDS = 0.6  # of the dark bands (moire) that two sheets make together
 FALL = 0.15  # radians: at a field angle greater by this, much less light takes the designed path
-OTHER_RAY = 1.2  # factor for errors of slopes: they are computed for the predicted ray, not for the ray to the object
+OTHER_RAY = 1.2  # factor for errors of slopes, because they depend on the ray, and the object's rays differ
+_ROUNDS = 4  # iterations to find the ray that reaches the object
 _STEP = 1e-6  # of the slopes of neighbouring rays
 
 
@@ -26,7 +27,7 @@ class Layer(NamedTuple):
     n: float  # refractive index of its glass
     does: paraxial.SmallAngles  # what the sheet does to light at small angles
     tangent: float  # of the angle between the ray and the normal, in front of the sheet's window
-    slope_error: float  # RMS error of the slope that `does` predicts: for this ray, but at least `does.blur`
+    blur: float  # RMS difference of slopes behind it from their mean: for this ray, but at least `does.blur`
 
 
 def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
@@ -46,9 +47,10 @@ def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
             across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2, :2] / (z2 * sheet.shape.pitch)
             does = paraxial.small_angles(sheet.shape)
             own_slope = complex(ray[2, 2], ray[3, 2]) * np.exp(-1j * sheet.angle)
-            off = np.fmax(does.blur, paraxial.slope_error(sheet.shape, own_slope))
+            place = float(np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2, 2])
+            blur = np.fmax(does.blur, paraxial.mean_slope(sheet.shape, own_slope, place)[1])
             k, index = complex(across[1], across[0]), sheet.shape.index
-            found.append(Layer(k, index, does, float(abs(slope[0])), float(off)))
+            found.append(Layer(k, index, does, float(abs(slope[0])), float(blur)))
             ray = paraxial.layer(sheet) @ ray
     return found
 
@@ -70,8 +72,9 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ap
       glass is greater by the fraction (n + 1)/(2 n^2) slope^2.
     - At greater field angles, less light takes the designed path. So if displacements spread the light of an object,
       the centre of this light is nearer to E.
-    - Lenses with spherical aberration, and oblique facets, turn light on the designed path by other angles than the
-      predicted ones, which hold for small slopes. The error is the displacement that this causes at the object.
+    - Lenses with spherical aberration, oblique facets, and lenses that are not opposite each other turn light on the
+      designed path by other angles than the predicted ones, which hold for small slopes. So the mean of this light
+      reaches the object from another place than P, which is searched for. The light is also spread.
 
     OWN, BANDS and FALL are fitted to ray traces: docs/accuracy.md.
     """
@@ -97,8 +100,39 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ap
         bands = [share(one.k + sign * other.k, BANDS) for other in glass if other is not one for sign in (1, -1)]
         shares.append(spread * max([share(one.k, OWN), *bands]))
     beyond = sum(each.does.slab_shift * each.tangent**3 * (each.n + 1) / (2 * each.n**2) for each in glass)
-    turned = OTHER_RAY * z1 * sum(each.slope_error for each in glass)
-    return max(2 * max(shares), sum(shares)) + scale * (beyond + turned) + max(spreads) ** 2 / (FALL * z2)
+    spread = OTHER_RAY * z1 * sum(each.blur for each in glass)
+    L, exact = complex(place[0] + z1 * slope[0]), P
+    for _ in range(_ROUNDS):
+        miss = L - _end(exact, E, z1, windows)
+        if not np.isfinite(miss):
+            return np.inf
+        step = z2 * np.linalg.solve(to_object, [miss.real, miss.imag])
+        exact += complex(*step)
+    moved = OTHER_RAY * abs(exact - P)
+    return max(2 * max(shares), sum(shares)) + scale * (beyond + spread) + moved + max(spreads) ** 2 / (FALL * z2)
+
+
+def _end(P: complex, E: complex, z1: float, windows: apparent.Windows) -> complex:
+    """Return where the ray through P ends, a distance z1 behind the last window.
+
+    Behind each sheet it has the mean slope of the light on the designed path, NaN if there is none.
+    """
+    s, place = (P - E) / windows[0][0], E
+    for distance, window in windows:
+        sheets = window.layers_at(0.0, 0)
+        if not sheets:
+            _, _, place, s = apparent.follow(s, place, [(distance, window)])[0]
+            continue
+        ray, z = np.array([place.real, place.imag, s.real, s.imag, 1]), -distance
+        for sheet in sheets:
+            ray, z = paraxial.free(sheet.centre - z) @ ray, sheet.centre
+            ridges = np.exp(1j * sheet.angle)
+            along, across = (complex(*ray[part]) / ridges for part in (slice(2, 4), slice(2)))
+            slope = paraxial.mean_slope(sheet.shape, along, across.imag)[0] * ridges
+            ray = paraxial.layer(sheet) @ ray
+            ray[2:4] = slope.real, slope.imag
+        place, s = complex(*(paraxial.free(-z) @ ray)[:2]), complex(*ray[2:4])
+    return complex(place + z1 * s)
 
 
 def _neighbours(P: complex, E: complex, windows: apparent.Windows) -> list[tuple[Complexes, ...]]:

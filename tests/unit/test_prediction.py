@@ -11,6 +11,7 @@ from povgen.optics.trace import End
 from povgen.scene import camera, survey, warnings
 from povgen.scene.cells import camera_cells, grid_error
 from povgen.scene.pieces import PieceFile
+from povgen.scene.quantities import seen
 from povgen.scene.scenes import VIEW
 from povgen.settings import Rendering
 
@@ -165,6 +166,14 @@ def test_the_camera_of_a_scene_without_objects_is_for_some_twice_as_far_as_the_e
     sheet = {"sheet": "refraction", "alpha": 40, "ratio": 0.7, "eye": (0.4, -0.3)}
     cells = [camera_cells(probes.Positions(z1=z1, **sheet)) for z1 in (6, 12, 24)]
     assert cells[0] < cells[1] < cells[2] and camera_cells(probes.Directions(**sheet)) == cells[1]
+
+
+def test_lenses_more_than_a_pitch_from_those_opposite_are_warned_of():
+    values = {"sheet": "lenticular", "lenses": 1800, "f_number": 4, "alpha": 138, "aperture": 10}
+    scene = Chess(z1=2.1, z2=9, x=1.1, error={"pitch": 0.001, "far_pitch": 0.0016}, **values)
+    (L, z1), (radius,) = scene.objects[0], scene.radii
+    error = px(abs(seen(scene).position - scene.apparent_position(L, z1)), scene.view)
+    assert 9 < error < warnings.possible_error(scene, L, z1, radius) < 20
 
 
 def said(scene, rendering=None):
