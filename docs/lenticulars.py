@@ -33,10 +33,11 @@ DRAWN = [name for name in KINDS if not name.endswith(("n = 1.7", "f-number 4"))]
 
 
 def rays(shape: Prism | Profile, n: int = 200_000) -> tuple[Rays, np.ndarray]:
-    """Return what becomes of rays from the eye to random points of the window, and their directions."""
+    """Return what becomes of rays from the eye to the front opening of the window's frame, and their directions."""
     place = np.random.default_rng(1).uniform(-0.5, 0.5, (n, 2)) * SIDE
-    direction = np.column_stack((place, np.full(n, EYE)))
-    return trace([[0, 0, -EYE]], direction, pair(ALPHA, shape), SIDE), direction
+    depth = max(SIDE / 10, 1.02 * shape.thickness(2))  # of the frame, as in scenes
+    direction = np.column_stack((place, np.full(n, EYE - depth / 2)))
+    return trace([[0, 0, -EYE]], direction, pair(ALPHA, shape), SIDE, frame=depth), direction
 
 
 def slopes(found: Rays) -> np.ndarray:

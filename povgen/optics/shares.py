@@ -1,4 +1,11 @@
-"""What becomes of the rays that meet a window: their shares on the designed path, in stray light, and lost."""
+"""What becomes of the light in a window: the shares of designed, stray and lost light.
+
+*Designed* rays take the designed path: in every sheet of prisms through one slanted facet, to the base, and through the
+other slanted facet; in every sheet of lenses in by a lens, and out by the lens opposite. *Stray* rays leave on the far
+side too, on another path. All others are *lost*: they come back on the side they came from, meet the frame or a black
+top, miss a later window, or are not followed to their end. The shares of a scene are those of the rays from the eye to
+places that are spread evenly over the front opening of the first window's frame (`scene.quantities`).
+"""
 
 from dataclasses import dataclass
 

@@ -146,7 +146,7 @@ QUANTITIES = {
     "designed": Quantity(
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
     ),
-    "stray": Quantity(_stray, "", "share of these rays that leave on other paths, 0 to 1"),
+    "stray": Quantity(_stray, "", "share of these rays that leave on the far side, on other paths, 0 to 1"),
     "focus": Quantity(
         lambda scene: _convergence(scene).z, "tiles", "z of the plane where the object's light is closest together"
     ),

@@ -2,7 +2,7 @@
 
 POV-Ray shows only rays that meet fewer faces than max_trace_level. The designed path leads, in each sheet of prisms,
 through one slanted facet, to the base, and through the other slanted facet. Through lenses it leads in at a lens, and
-out at the lens opposite. All other light that comes through is stray light.
+out at the lens opposite.
 """
 
 from itertools import product

@@ -8,8 +8,9 @@ import { abs, finite, minus, plus, resolved, scaled } from "./complex.js";
 import { data, pick } from "./data.js";
 import { state } from "./state.js";
 
-/** Follow a ray from a point, in a direction, through all windows. `kind` is "designed", "stray" (has left the prisms on another
- * path), "beside" (misses a later window), or "lost" (ends in the frame, on black, or nowhere). `points` are the corners of its
+/** Follow a ray from a point, in a direction, through all windows. `kind` is "designed", "stray" (has left on the far side, on
+ * another path), "back" (has left on the side it came from), "beside" (misses a later window), or "lost" (ends in the frame, on
+ * black, or nowhere). `points` are the corners of its
  * path, `steps` the faces of prisms that it meets.
  * @param {any} now */
 export function traced(now, from, towards) {
@@ -24,7 +25,7 @@ export function traced(now, from, towards) {
       ray.steps.push(...steps);
       ray.points.push(...steps.map((step) => step.place), last);
       ray.direction = direction;
-      if (end !== "through") return { ...ray, kind: end === "back" ? "stray" : "lost" };
+      if (end !== "through") return { ...ray, kind: end === "back" ? "back" : "lost" };
       if (!designed) ray.kind = "stray";
     } else {
       /** @type {any} */
@@ -123,18 +124,18 @@ function solved(matrix, right) {
   return [0, 1, 2].map((k) => area(matrix.map((row, j) => row.map((x, n) => (n === k ? right[j] : x)))) / whole);
 }
 
-const SIDE = 20;
+const SIDE = 32;
 let kept = { key: "", found: null };
 
-// The fractions of the light in the opening of the window's frame, as the eye sees it: on the designed path, and stray light. The
-// rest is lost. null without prisms.
+// The shares of designed and of stray light, as povgen/optics/shares.py defines them. The rest is lost. Rays that miss a later
+// window are left out. null without prisms.
 export function lightInWindow(now) {
   if (!now.glass) return null;
   const { E, z2, windows, scene } = now;
   const names = ["prisms", ...Object.keys(data.parameters)];
   const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values }) => [sheet, z, pick(values, ...names)])]);
   if (kept.key === key) return kept.found;
-  const count = { designed: 0, stray: 0, lost: 0, beside: 0 }, front = z2 - geometry.depth(scene) / 2;
+  const count = { designed: 0, stray: 0, back: 0, lost: 0, beside: 0 }, front = z2 - geometry.depth(scene) / 2;
   for (let n = 0; n < SIDE ** 2; n++) {
     const [x, y] = [n % SIDE, Math.floor(n / SIDE)].map((cell, k) => ((cell + ((0.5 + n * STEPS[k]) % 1)) / SIDE - 0.5) * scene.aperture);
     count[traced(now, [...E, -z2], [x - E[0], y - E[1], front]).kind]++;

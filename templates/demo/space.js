@@ -249,7 +249,7 @@ function dimensions({ z1, z2, d, windows }, { to, low }, ground, rem) {
 function says(now, rays, image) {
   const { windows, z2, E } = now, count = (kind) => rays.filter((ray) => ray.kind === kind).length;
   const paths = [];
-  if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("lost") }));
+  if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") }));
   if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
   if (state.light === "field") return say("light.no_field");
@@ -264,7 +264,7 @@ function says(now, rays, image) {
 
 // The name of what a ray to the eye comes from.
 function seenBy(now, { kind }) {
-  if (kind === "stray") return say("light.stray");
+  if (kind === "stray" || kind === "back") return say(`light.${kind}`);
   const found = kind === "lost" ? "dark" : seenAt(now, state.W);
   return SHOWN.includes(found) ? say(`shown.${found}`) : thing().name;
 }
