@@ -12,6 +12,7 @@ from povgen.optics.faces import Face, Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.shares import shares
 from povgen.optics.trace import End, pair, trace
+from povgen.scene import quantities
 from povgen.scene.quantities import QUANTITIES
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -29,7 +30,8 @@ def found(n=110, partial=None, most=60, **shape):
     return trace([[0, 0, -scene.z2]], direction, sheets, scene.aperture, most, partial=partial)
 
 
-def test_the_docs_state_the_shares_of_the_default_scene():
+def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
+    monkeypatch.setattr(quantities, "RAYS", 20_000)
     page = (DOCS / "beyond.md").read_text()
     text = " ".join(page.split())
     number = r"([\d.]+)"
@@ -39,8 +41,8 @@ def test_the_docs_state_the_shares_of_the_default_scene():
     assert len(rows) == 7
     for row in rows:
         index, base_angle, aspect, *stated = map(float, row)
-        rays = found(index=index, base_angle=base_angle, aspect=aspect)
-        glass, black = shares(rays), shares(rays, black_tops=True)
+        scene = Chess(index=index, base_angle=base_angle, aspect=aspect)
+        glass, black = (quantities._shares(scene.replace(tops=tops)) for tops in ("clear", "black"))
         assert 100 * np.array([glass.designed, glass.stray, black.stray]) == pytest.approx(stated, abs=1.3), row
         assert black.designed == glass.designed and glass.absorbed == 0 < black.absorbed
         for each in (glass, black):
@@ -50,6 +52,16 @@ def test_the_docs_state_the_shares_of_the_default_scene():
     (_, _, _, designed, stray, left), *others = [tuple(map(float, row)) for row in rows]
     assert f"removes {100 * (1 - left / stray):.0f} % of the stray light" in text
     assert f"a base angle of 40° adds {others[4][3] - designed:.0f} percentage points" in text
+    default = quantities._shares(Chess())
+    lost = (default.back, default.frame, default.unfinished)
+    text = " ".join((DOCS / "sheets.md").read_text().split())
+    stated = re.search(
+        r"In the default scene (\d+) % are designed, (\d+) % stray and (\d+) % lost: (\d+) % come back, (\d+) % meet "
+        r"the frame, and (\d+) % meet more than 60 faces",
+        text,
+    )
+    measured = 100 * np.array([default.designed, default.stray, sum(lost), *lost])
+    assert measured == pytest.approx([*map(float, stated.groups())], abs=1.3)
 
 
 def test_edges_of_a_profile_are_no_black_tops():
