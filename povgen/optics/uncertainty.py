@@ -14,7 +14,7 @@ OWN = 1.0  # of the prisms in one sheet
 BANDS = 0.6  # of the dark bands (moire) that two sheets make together
 FALL = 0.15  # radians: at a field angle greater by this, much less light takes the designed path
 OTHER_RAY = 1.2  # factor for errors of slopes, because they depend on the ray, and the object's rays differ
-_ROUNDS = 4  # iterations to find the ray that reaches the object
+_ROUNDS = 30  # iterations, at most, to find the ray that reaches the object
 _STEP = 1e-6  # of the slopes of neighbouring rays
 
 
@@ -108,6 +108,8 @@ def possible_error(P: complex, E: complex, z1: float, radius: float, windows: ap
             return np.inf
         step = z2 * np.linalg.solve(to_object, [miss.real, miss.imag])
         exact += complex(*step)
+        if np.linalg.norm(step) <= 0.01 * abs(exact - P) + 1e-6 * z2:
+            break
     moved = OTHER_RAY * abs(exact - P)
     return max(2 * max(shares), sum(shares)) + scale * (beyond + spread) + moved + max(spreads) ** 2 / (FALL * z2)
 

@@ -176,6 +176,26 @@ def test_lenses_more_than_a_pitch_from_those_opposite_are_warned_of():
     assert 9 < error < warnings.possible_error(scene, L, z1, radius) < 20
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"alpha": 179.67, "z2": 3.7527, "z1": 4.7925, "eye": (-0.0916, 0.186), "x": 0.8669, "periods": 1077},
+        {"arrangement": "single", "z2": 5.07, "z1": 13.19, "eye": (0.093, 0.153), "x": 0.772, "periods": 637},
+    ],
+)
+def test_steep_wedges_are_warned_of(values, tmp_path):
+    """Their slopes are far from those to which the prediction is fitted. Of a pair, so is the slope between the two."""
+    outlines = "".join(
+        f"[[outline]]\ncorners = {corners}\nradii = {[0] * (len(corners) - 1)}\n"
+        for corners in ([[0, 0], [1, 0]], [[0, 0.2], [0.98, 1.18], [1, 0.2]])
+    )
+    (tmp_path / "wedges.toml").write_text(f"path = [1, 2]\n{outlines}")
+    scene = Chess(sheet="profile", profile=tmp_path / "wedges.toml", **values)
+    (L, z1), (radius,) = scene.objects[0], scene.radii
+    error = px(abs(seen(scene).position - scene.apparent_position(L, z1)), scene.view)
+    assert 100 < error < warnings.possible_error(scene, L, z1, radius) < 4 * error
+
+
 def said(scene, rendering=None):
     return " ".join(text for _, text in warnings.warnings(scene, rendering))
 
