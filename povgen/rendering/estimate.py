@@ -5,7 +5,7 @@ from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import NamedTuple
 
 from povgen.rendering import cache
-from povgen.rendering.frames import renderer_of
+from povgen.rendering.frames import named, renderer_of
 from povgen.rendering.parallel import Runner, cores, thread_pool
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene
@@ -79,14 +79,14 @@ def rays(frames: Sequence[Scene], rendering: Rendering) -> float:
 
 def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
     """Return the mean cost of frames of these scenes, measured on small pictures. Raises as `estimate` does."""
-    small = Rendering(**rendering.model_dump(include={"renderer", "bits"}), antialias="off")
+    small = Rendering(renderer=rendering.renderer, bits=rendering.bits, timeout=rendering.timeout, antialias="off")
     to_text, runner, workers = renderer_of(scenes, small, None, None)
 
     def cpu(size: tuple[int, int]) -> float:
         """Return the mean CPU seconds of the scenes' pictures of this size."""
         before = _cpu(runner)
         asked = small.replace(size=size)
-        for done in [pool.submit(_render, runner, text, asked) for text in texts]:
+        for done in [pool.submit(_render, *each, runner, asked) for each in zip(scenes, texts, strict=True)]:
             done.result()
         return (_cpu(runner) - before) / len(scenes)
 
@@ -104,8 +104,8 @@ def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
     return Cost(start, text, max(seconds[0] - ray * pixels[0], 0.0), ray)
 
 
-def _render(runner: Runner, text: str, rendering: Rendering) -> None:
-    with cache.work_folder() as folder:
+def _render(scene: Scene, text: str, runner: Runner, rendering: Rendering) -> None:
+    with named(scene, text), cache.work_folder() as folder:
         runner.run(text, rendering, folder)
 
 

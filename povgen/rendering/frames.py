@@ -6,6 +6,7 @@ import zlib
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from io import BytesIO
 from itertools import chain, islice
 from pathlib import Path
@@ -64,8 +65,15 @@ def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -
                 raise TransientError("the picture is not whole (is the disk full?)")
             return png, cache.store(picture, cache.frame_path(source, rendering))
 
-    try:
+    with named(scene, source):
         return unless_removed(render)
+
+
+@contextmanager
+def named(scene: Scene, source: str) -> Iterator[None]:
+    """Add to the message of a PovrayError where the fault is, and the scene's parameters. `source` is its text."""
+    try:
+        yield
     except PovrayError as error:
         given = scene.model_dump(exclude_unset=True).items()
         values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"

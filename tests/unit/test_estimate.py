@@ -5,7 +5,7 @@ from itertools import accumulate
 import pytest
 from conftest import povgen, refused
 
-from povgen import Chess, MovieSpec, Rendering
+from povgen import Chess, MovieSpec, PovrayError, Rendering
 from povgen.rendering import estimate
 from povgen.rendering.parallel import cores
 
@@ -17,8 +17,8 @@ def test_what_is_measured(renderer, monkeypatch):
     """Small pictures of the scenes take a known time. Nothing is kept in the cache."""
     spent, sizes = [COST.start], []
 
-    def render(runner, text, rendering):
-        assert rendering.renderer == renderer and rendering.antialias is None
+    def render(scene, text, runner, rendering):
+        assert rendering.renderer == renderer and rendering.antialias is None and rendering.timeout == 7
         sizes.append(rendering.size)
         spent.append(COST.picture + COST.ray * rendering.size[0] * rendering.size[1])
         if renderer == "gl" and len(sizes) > 2:  # the processes have been started
@@ -28,13 +28,22 @@ def test_what_is_measured(renderer, monkeypatch):
     monkeypatch.setattr(estimate, "_render", render)
     scenes = [Chess(alpha=alpha, sheet="ideal") for alpha in (1, 2)]
     monkeypatch.setattr(estimate, "renderer_of", lambda *a: (lambda scene: spent.append(COST.text), Stopped(), 1))
-    assert estimate.measured(scenes, Rendering(renderer=renderer)) == pytest.approx(COST)
+    assert estimate.measured(scenes, Rendering(renderer=renderer, timeout=7)) == pytest.approx(COST)
     assert sizes == [size for size in estimate.SIZES[: 3 if renderer == "gl" else 2] for _ in scenes]
 
 
 class Stopped:
+    def run(self, *_):
+        raise PovrayError("POV-Ray was stopped")
+
     def stop(self):
         pass
+
+
+def test_the_error_of_a_small_picture_names_its_frame(monkeypatch):
+    monkeypatch.setattr(estimate, "renderer_of", lambda *a: (str, Stopped(), 1))
+    with pytest.raises(PovrayError, match="^POV-Ray was stopped\n  in the frame with alpha = 1.0, sheet = 'ideal'$"):
+        estimate.measured([Chess(alpha=1, sheet="ideal")], Rendering())
 
 
 def test_what_costs_more(monkeypatch):
