@@ -1,15 +1,12 @@
 """Pieces from mesh files: the file's numbers, and nothing else of it, become a mesh in POV-Ray's language."""
 
-import os
 import re
-import subprocess
-import sys
 from functools import lru_cache
 from io import BytesIO
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from povgen.errors import at_most
+from povgen.scene import readers
 
 if TYPE_CHECKING:  # numpy is slow to load
     from numpy.typing import NDArray
@@ -21,7 +18,6 @@ OWN = re.compile(
     re.ASCII,
 )
 MAX_BYTES = 50 * 10**6  # of a file
-PATIENCE = 120  # seconds
 LEAST_HEIGHT = 0.01  # tiles
 MAX_HEIGHT = 1.7  # tiles, of a piece whose height is not stated
 TALLEST = 4.0  # tiles, that can be stated
@@ -104,13 +100,7 @@ def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], NDArray[Any], NDArray[
     """Return the three arrays of `mesh_reader`, and what it left out of the mesh."""
     import numpy as np
 
-    path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-P", "-m", "povgen.scene.mesh_reader", kind]
-    try:
-        done = subprocess.run(command, input=data, capture_output=True, timeout=PATIENCE, cwd="/", env=environment)
-    except subprocess.TimeoutExpired:
-        raise ValueError(f"should be a mesh that is read within {PATIENCE} s") from None
+    done = readers.run("mesh_reader", kind, "mesh", data)
     said = done.stderr.decode(errors="replace").rpartition("\n")[2]
     if done.returncode:
         raise ValueError(said if done.returncode == 1 and said else "should be a mesh that needs less time and memory")

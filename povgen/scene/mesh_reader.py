@@ -14,13 +14,14 @@ and glTF 2.0 of the Khronos Group (ISO/IEC 12113). What changes the shape is app
 import base64
 import json
 import re
-import resource
 import struct
 import sys
 from array import array
 from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
+
+from povgen.scene import readers
 
 MAX_MEMORY = 3 << 30  # bytes of address space
 MAX_TIME = 60  # seconds of CPU time
@@ -51,10 +52,7 @@ GLB_ALLOWED = re.compile(r"KHR_mesh_quantization|[A-Z]+_(materials|texture|light
 
 def main() -> int:
     """Read, simplify and write a mesh. Return the exit status."""
-    limits = ((resource.RLIMIT_AS, MAX_MEMORY), (resource.RLIMIT_CPU, MAX_TIME))
-    for limit, most in limits:
-        hard = resource.getrlimit(limit)[1]
-        resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    readers.limit(MAX_MEMORY, MAX_TIME)
     import numpy as np  # after the limits are set
 
     try:

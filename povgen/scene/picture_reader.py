@@ -9,7 +9,6 @@ What a file states about its colours is applied, or the file is refused: no colo
 
 import hashlib
 import json
-import resource
 import sys
 from collections.abc import Sequence
 from io import BytesIO
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from povgen import remedies
 from povgen.errors import one_line, shown
-from povgen.scene import hdr
+from povgen.scene import hdr, readers
 
 if TYPE_CHECKING:  # slow to load; here after the limits are set
     from PIL import Image
@@ -41,9 +40,7 @@ EXIF_INTEROPERABILITY = 0xA005
 
 def main() -> int:
     """Decode the picture in the folder. Return the exit status."""
-    for limit, most in ((resource.RLIMIT_AS, MAX_MEMORY), (resource.RLIMIT_CPU, MAX_TIME)):
-        hard = resource.getrlimit(limit)[1]
-        resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    readers.limit(MAX_MEMORY, MAX_TIME)
     folder = Path(sys.argv[1])
     file = b""
     try:

@@ -8,8 +8,6 @@ import dataclasses
 import json
 import os
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import field
 from functools import lru_cache
@@ -21,11 +19,10 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import NO_ROOM, read_bytes, temporary_folder
-from povgen.scene import hdr
+from povgen.scene import hdr, readers
 from povgen.scene.picture_reader import ANSWER, DECODED, FORMATS, GIVEN
 
 MAX_BYTES = 10**8  # of a file
-PATIENCE = 120  # seconds
 WIDTH = 2.0  # of a copy of the floor's picture, tiles
 NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr)")
 
@@ -134,23 +131,9 @@ def _picture(path: str, options: str, width: float, data: bytes | None) -> Pictu
 @lru_cache(maxsize=2)  # a movie's frames have the same sky and floor
 def _decoded(data: bytes) -> tuple[File, tuple[int, int], tuple[float, float, float]]:
     """Return the new file of a picture, its size in pixels, and the mean colour."""
-    path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
     with temporary_folder() as folder:
         (folder / GIVEN).write_bytes(data)
-        command = [sys.executable, "-P", "-m", "povgen.scene.picture_reader", str(folder)]
-        try:
-            done = subprocess.run(
-                command,
-                cwd="/",
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                timeout=PATIENCE,
-            )
-        except subprocess.TimeoutExpired:
-            raise ValueError(f"should be a picture that is read within {PATIENCE} s") from None
+        done = readers.run("picture_reader", str(folder), "picture")
         if done.returncode in NO_ROOM:
             raise OSError(done.returncode, os.strerror(done.returncode), str(folder.parent))
         if done.returncode:

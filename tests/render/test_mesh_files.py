@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, MovieSpec
-from povgen.scene import mesh, mesh_reader, pieces
+from povgen.scene import mesh, mesh_reader, pieces, readers
 from povgen.scene.warnings import warnings
 
 BOM = b"\xef\xbb\xbf"
@@ -436,7 +436,7 @@ def test_a_file_that_is_too_large_or_takes_too_long(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh, "MAX_BYTES", 100)
     assert "should be a file of at most 100 bytes" in refused(tmp_path / "model.stl", stl())
     monkeypatch.undo()
-    monkeypatch.setattr(mesh, "PATIENCE", 0.01)
+    monkeypatch.setattr(readers, "PATIENCE", 0.01)
     assert "should be a mesh that is read within 0.01 s" in refused(tmp_path / "model.stl", stl(CORNERS * 2))
     monkeypatch.undo()
     huge = glb(accessor={"count": 10**10, "bufferView": None})
