@@ -65,7 +65,7 @@ def answers() -> TextIO:
 
 def _end_with_reader(number: int) -> None:
     waiting = select.poll()
-    waiting.register(number, 0)  # for a hang-up alone
+    waiting.register(number, select.POLLHUP)  # always reported by Linux; macOS wants it named
     waiting.poll()
     os._exit(1)
 

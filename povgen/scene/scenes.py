@@ -942,9 +942,8 @@ def with_seen_files(scene: Scene) -> Scene:
     changes: dict[str, object] = {} if scene.background == "sky" else {"sky": None}
     if unused(scene):
         changes["profile"] = type(scene).model_fields["profile"].default
-    changes["window"] = tuple(
-        window.model_copy(update={"profile": None}) if unused(window) else window for window in scene.window
-    )
+    if any(map(unused, scene.window)):
+        changes["window"] = [window.replace(profile=None) if unused(window) else window for window in scene.window]
     return scene.model_copy(update=changes)
 
 
