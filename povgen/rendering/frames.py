@@ -189,11 +189,12 @@ def renderer_of(
 ) -> tuple[Callable[[Scene], str], Runner, int]:
     """Return a function from a scene to its text, a runner that renders such texts, and how many it renders at once."""
     if rendering.renderer == "povray":
-        if rendering.is_light and runner is None:
-            from povgen.rendering import light
+        if runner is None:
+            if rendering.is_light:
+                from povgen.rendering import light
 
-            light.exr()  # raises an error before anything is rendered
-        povray.warn_of(piece for scene in scenes for piece in pieces(scene).values())
+                light.exr()  # raises an error before anything is rendered
+            povray.warn_of(piece for scene in scenes for piece in pieces(scene).values())
         workers = workers or default_workers()
         at_once = max(1, min(workers, len(scenes)))  # a shard can have no scenes
         threads = cores() // max(1, len(scenes))  # the frames share the cores equally
