@@ -131,14 +131,14 @@ def info(path: str | Path) -> Record:
 
 
 def check_unasked(files: Iterable[Path], sign: Path | None = None) -> None:
-    """Raise InputError if one of these files, which the user did not name, is there and may not be written over.
+    """Raise InputError if one of these files, which the user did not name, exists and povgen did not write it.
 
-    It may be if povgen wrote it, as its record or its beginning shows, or as povgen's file `sign` shows, which is made
-    with all of them.
+    The file's record or its beginning shows whether povgen wrote it. If povgen always writes all of these files
+    together, `sign` is the one that shows it for all.
     """
     for path in files:
         if os.path.lexists(path) and not _is_own(sign or path):
-            raise InputError(f"output: {str(path)!r} is there, and povgen did not write it; allowed: another output")
+            raise InputError(f"output: {str(path)!r} exists, and povgen did not write it; allowed: another output")
 
 
 def _is_own(path: Path) -> bool:
@@ -152,7 +152,7 @@ def _is_own(path: Path) -> bool:
 
 
 def _check_lengths(values: dict[str, Any]) -> None:
-    """Raise InputError for a list or a table with too many values: of each wrong one, pydantic would make an error."""
+    """Raise InputError for a list or a table with too many values: pydantic would keep an error for each wrong one."""
     longest = {"frames": MAX_FRAMES, "pieces": MAX_FRAMES, "pictures": MAX_PICTURES}
     waiting: list[tuple[str, object, int]] = [("record", values, MAX_VALUES)]
     while waiting:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
+from difflib import get_close_matches
 from inspect import Parameter, Signature, cleandoc
 from numbers import Complex, Real
 from typing import Any, Self, TypeGuard, get_type_hints
@@ -150,9 +151,9 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
             if field.annotation is not bool and has_boolean(value):  # pydantic would read it as 0 or 1
                 wrong = "should not be true or false"
             elif any(isinstance(part, Set) for part in _parts(value)):
-                wrong = "should have an order, as a list has"
+                wrong = "should be in order: a list, not a set"
             elif field.annotation is not str and any(map(_has_underscore, _parts(value))):  # Python reads 1_0 as 10
-                wrong = "should have no _ in a number"
+                wrong = "should be written without _"
             if wrong:
                 raise InputError(f"{name} = {shown(value)}: {wrong} ({field.description})")
     try:
@@ -202,7 +203,9 @@ def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorD
     name = str(fault["loc"][0])
     if fault["type"] == "extra_forbidden":
         where = f" in the scene {model.name}" if hasattr(model, "name") else ""  # another scene may have it
-        return f"{shown(name)}: unknown{where}; allowed: {', '.join(model.model_fields)}"
+        near = get_close_matches(name[:50], model.model_fields, 1, 0.7)
+        allowed = f"did you mean {near[0]}?" if near else f"allowed: {', '.join(model.model_fields)}"
+        return f"{shown(name)}: unknown{where}; {allowed}"
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"

@@ -127,7 +127,7 @@ PARTS = (
     Part(
         "encoder",
         _encode,
-        f"unset IMAGEIO_FFMPEG_EXE, or install it: {encode.REMEDY}",
+        f"unset IMAGEIO_FFMPEG_EXE, or install ffmpeg: {encode.REMEDY}",
         ("temporary files",),
     ),
 )

@@ -75,7 +75,7 @@ def named(glass: object) -> str:
     plain = _plain(glass) if isinstance(glass, str) else ""
     if plain in known:
         return known[plain]
-    near = get_close_matches(plain, known, 1)
+    near = get_close_matches(plain[:50], known, 1)  # a long text would need much memory
     raise ValueError(f"unknown; did you mean {known[near[0]]}?" if near else f"unknown; allowed: {', '.join(GLASSES)}")
 
 

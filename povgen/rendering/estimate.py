@@ -16,7 +16,7 @@ ENOUGH = 0.05  # CPU seconds that pictures of two sizes have to differ by, for e
 OUTPUT = 1.5e-7  # CPU seconds for a pixel of a finished picture: decoding, drawing and encoding
 WAIT = 0.65  # seconds that POV-Ray sleeps during each frame
 LONG = 60.0  # seconds of wall time
-# More CPU seconds than a ray takes: below 1e-4 also with partial reflections.
+# upper bounds of the CPU seconds of a ray, also with partial reflections
 DEAREST = {"povray": 1e-4, "gl": 1e-6}
 
 
@@ -94,7 +94,7 @@ def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
         start = _cpu(runner)
         texts = [to_text(scene) for scene in scenes]
         text = (_cpu(runner) - start) / len(scenes)
-        # the first picture of a process of gl includes its start: it is no part of what more pixels cost
+        # the CPU seconds of the first picture of a process of gl include its start, which has no part in the cost of a ray
         base = 1 if small.renderer == "gl" else 0
         seconds = [cpu(size) for size in SIZES[:2]]
         if base or seconds[1] - seconds[0] < ENOUGH:
@@ -110,7 +110,7 @@ def _render(scene: Scene, text: str, runner: Runner, rendering: Rendering) -> No
 
 
 def _cpu(runner: Runner) -> float:
-    """Return the CPU seconds of povgen and of the processes that have ended. Those of gl go on: they say theirs."""
+    """Return the CPU seconds of povgen and of the processes that have ended. Those of gl go on, and report theirs."""
     own = sum(usage.ru_utime + usage.ru_stime for usage in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
     return own + sum(getattr(runner, "cpu_seconds", ()))
 
@@ -122,8 +122,8 @@ def describe(scenes: Sequence[Scene], rendering: Rendering, found: Estimate) -> 
     what, each = ("a picture", "") if len(scenes) == 1 else (f"{len(scenes)} frames", " each")  # a shard can have none
     differing = f", {count} of them different," if count < len(scenes) else ""
     return (
-        f"{what}{differing} of {width}x{height} pixels, about {_rounded(found.cpu / max(count, 1))} CPU seconds{each}, "
-        f"without those in the cache: about {duration(found.wall)} on {cores()} cores"
+        f"{what}{differing} of {width}x{height} pixels, about {_rounded(found.cpu / max(count, 1))} CPU seconds{each}: "
+        f"about {duration(found.wall)} on {cores()} cores if none is in the cache"
     )
 
 

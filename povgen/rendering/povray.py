@@ -279,7 +279,7 @@ class Runner:
             write=[*written, Path(os.devnull)],
         )
         if status or not (folder / rendering.file).stat().st_size:
-            fewer = "; fewer --workers get more" if memory < max_memory() else ""
+            fewer = "; with fewer --workers it is higher" if memory < max_memory() else ""
             out_of_memory = f"out of memory: its limit is {_mebibytes(memory)}{fewer}"
             raise _failure(rendering, folder, status, messages.decode(errors="replace"), out_of_memory)
         return folder / rendering.file

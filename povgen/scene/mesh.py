@@ -63,7 +63,7 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
             )
         scale = height / tall
     points *= scale
-    note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (height= states another)"]
+    note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (another: height=)"]
     if len(triangles) < count and moved * scale > 1e-5:
         note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
     if left_out:

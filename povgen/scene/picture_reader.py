@@ -2,7 +2,8 @@
 
 The folder has the user's file, GIVEN. The process writes DECODED, which is the file for renderers, and ANSWER, in JSON:
 the new file's name, its size and its mean colour, or the `fault` of the user's file. If the exit status is not 0, there
-is no answer: it is the system's number of an error such as ENOSPC, or else the picture needs too much time or memory.
+is no answer: the status is the system's number of an error such as ENOSPC, or else the picture needs too much time or
+memory.
 
 What a file states about its colours is applied, or the file is refused: no colour is shown as another.
 """
@@ -31,7 +32,7 @@ EXR = b"v/1\x01"
 BAND = 256  # rows of a picture that are converted at once
 LISTED = 12  # channels that a message names
 SRGB_GAMMA = 0.45, 0.46  # of a PNG file: means sRGB
-CICP_SRGB = bytes((1, 13, 0, 1))  # the numbers of sRGB in a PNG file's part cICP
+CICP_SRGB = bytes((1, 13, 0, 1))  # the numbers of sRGB in a PNG file's chunk cICP
 ADOBE_RGB = 256 / 563, (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329)  # gamma and chromaticities
 TIFF_BITS, TIFF_MEANING, TIFF_SIGNS, TIFF_WHITE, TIFF_PRIMARIES = 258, 262, 339, 318, 319  # tags of TIFF
 WHITE_IS_0 = 0  # for TIFF_MEANING
@@ -130,7 +131,7 @@ def _stated(image: "Image.Image", data: bytes) -> tuple[float | None, Sequence[f
     place = data.find(b"\0\0\0\4cICP", 0, data.find(b"IDAT")) if image.format == "PNG" else -1
     if place >= 0:
         if data[place + 8 : place + 12] != CICP_SRGB:
-            raise ValueError("should be a PNG file in sRGB: its part cICP states other colours")
+            raise ValueError("should be a PNG file in sRGB: its chunk cICP states other colours")
         info.pop("icc_profile", None)  # cICP precedes it
     if place >= 0 or "srgb" in info:
         return None, hdr.SRGB

@@ -163,7 +163,7 @@ def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float 
 
 
 def _for_no_glass(name: str, wavelength: float) -> str:
-    return f"{name} = {wavelength:g}: for no glass; allowed: with glass, such as glass = BK7"
+    return f"{name} = {wavelength:g}: needs a glass; allowed: with one, such as glass = BK7"
 
 
 def _distances(z1: "ArrayLike") -> "Floats":

@@ -413,8 +413,8 @@ def _name_files_outside(folder: str | Path, name: str, values: tuple[object, ...
     """
     for path in dict.fromkeys(Path(path).resolve() for path in _paths(values)):
         if not path.is_relative_to(Path(folder).resolve()):
-            text = f"povgen: warning: {name}: it names a file that is not in its folder, {str(path)!r}"
-            logging.getLogger("povgen").warning(f"{text}; the files that povgen makes can contain it")
+            text = f"povgen: warning: {name} names a file outside its folder, {str(path)!r}"
+            logging.getLogger("povgen").warning(f"{text}; what povgen makes can contain this file")
 
 
 def _paths(value: object) -> Iterator[str]:

@@ -102,16 +102,16 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
 
 
 def _jumps(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
-    """Yield a warning if POV-Ray's camera interpolates over more than a pixel where rays jump."""
+    """Yield a warning if POV-Ray's camera interpolates over more than two pixels where rays jump."""
     if not rendering or rendering.renderer == "gl" or not (found := jumps(scene)).share:
         return
     wide = min(found.step, scene.aperture / camera_cells(scene)) / scene.view * rendering.size[1]
     if wide > 2:
         names = ", ".join(dict.fromkeys(sheet.name for sheet in scene.ideal))
-        where = f"sheet = {names}: in {100 * found.share:.2g} % of the window, neighbouring rays go very different"
+        where = f"sheet = {names}: in {100 * found.share:.2g} % of the window, neighbouring rays differ much in"
         yield (
             "sheet",
-            f"{where} ways; POV-Ray's picture is wrong there by up to {wide:.2g} pixels; allowed: renderer = gl",
+            f"{where} direction; POV-Ray's picture is wrong there by up to {wide:.2g} pixels; allowed: renderer = gl",
         )
 
 

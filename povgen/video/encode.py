@@ -205,15 +205,15 @@ def check_encoder(ending: str) -> None:
     except (OSError, subprocess.SubprocessError):  # only IMAGEIO_FFMPEG_EXE is not tested by imageio_ffmpeg itself
         raise InputError(
             f"IMAGEIO_FFMPEG_EXE = {named!r}: no ffmpeg that can be started; "
-            f"allowed: an ffmpeg, or without it {NEED_NO_FFMPEG}"
+            f"allowed: the path of an ffmpeg; {NEED_NO_FFMPEG} need none"
         ) from None
     ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
     if not _can_write(ending, ffmpeg):
         others = [kind for kind in FORMATS if kind not in (ending, ".gif") and _can_write(kind, ffmpeg)]
         raise InputError(
-            f"output = *{ending}: {ffmpeg} cannot encode it (by {FORMATS[ending][0]}): "
+            f"output = *{ending}: {ffmpeg} has no working encoder {FORMATS[ending][0]}: "
             f"{'unset IMAGEIO_FFMPEG_EXE' if named else REMEDY}; "
-            f"allowed without that: {', '.join([*others, NEED_NO_FFMPEG])}"
+            f"allowed with this ffmpeg: {', '.join([*others, NEED_NO_FFMPEG])}"
         )
 
 

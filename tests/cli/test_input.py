@@ -302,7 +302,7 @@ def test_a_file_that_nobody_named_is_not_written_over(arguments, file, unmeasure
     monkeypatch.setattr(povray.Runner, "run", lambda *_: pytest.fail("rendered"))
     (tmp_path / file).parent.mkdir(exist_ok=True)
     (tmp_path / file).symlink_to(tmp_path / "elsewhere")
-    text = f"{file!r} is there, and povgen did not write it; allowed: another output\n"
+    text = f"{file!r} exists, and povgen did not write it; allowed: another output\n"
     assert refused(arguments, tmp_path) == f"povgen: output: {text}"
     (tmp_path / file).unlink()
     Image.new("RGB", (32, 32)).save(tmp_path / file, "png")
@@ -316,7 +316,7 @@ def test_a_file_of_povgens_is_written_over(tmp_path):
     for name in ("chess.mp4", "%d.png"):
         assert povgen([*movies, name], tmp_path) == povgen(movies[:-1], tmp_path) == (0, "", "")
     (tmp_path / "a.csv").write_text("time,volts\n")
-    with pytest.raises(InputError, match="a.csv' is there"):
+    with pytest.raises(InputError, match="a.csv' exists"):
         check_unasked([tmp_path / "a.csv"])
     (tmp_path / "a.html").write_text(to_html("demo/index", page.data({}), "", [], fonts.encoded()))
     check_unasked([tmp_path / name for name in ("a.html", "missing")])
@@ -535,8 +535,8 @@ def test_an_ffmpeg_without_the_encoder_is_refused_before_a_frame_is_rendered(
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
     monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
     said = refused(["movie", "vary-z1", "-o", f"a{ending}"], tmp_path)
-    assert f"output = *{ending}: {program} cannot encode it (by {lacks}): unset IMAGEIO_FFMPEG_EXE" in said
-    assert f"allowed without that: {others}" in said and ".gif, frames/%04d.png" in said
+    assert f"output = *{ending}: {program} has no working encoder {lacks}: unset IMAGEIO_FFMPEG_EXE" in said
+    assert f"allowed with this ffmpeg: {others}" in said and ".gif, frames/%04d.png" in said
     assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
 
 
@@ -700,7 +700,7 @@ def test_the_seed_of_random_builds(tmp_path, monkeypatch):
 
     monkeypatch.setattr(tolerance, "drawn", drawn)
     assert "the seed is 5" in refused(["tolerance", "chess", "--deviation", "turn=0.1", "--seed", "5"], tmp_path)
-    assert "seed = 5: no build has an error" in refused(["tolerance", "chess", "--seed", "5"], tmp_path)
+    assert "seed = 5: no random builds are made; allowed: with --deviation" in refused(["tolerance", "chess", "--seed", "5"], tmp_path)
 
 
 def test_tolerance_says_which_options_have_no_effect(tmp_path):

@@ -136,7 +136,7 @@ def test_as_large_as_it_can_be(tmp_path):
     said = dict(warnings(scene))["piece"]
     assert (
         said
-        == f"piece = '{path}': scaled to a height of {y.max():.3g} tiles (height= states another); {mesh_reader.FLAT}"
+        == f"piece = '{path}': scaled to a height of {y.max():.3g} tiles (another: height=); {mesh_reader.FLAT}"
     )
     slim = tmp_path / "slim.obj"
     slim.write_bytes(obj(CORNERS * (0.1, 9, 0.1)))

@@ -242,7 +242,7 @@ BAR = f"intersection {{ {BAR} plane {{ -z, 0.1 }} translate 0.3*y }}"
         ("intersection { box { -2, 2 } sphere { 0.4*y, 0.4 } }", ""),  # its box is larger than the piece
         ("box { <-0.51, 0, -0.4>, <0.4, 0.6, 0.4> }", "0.510 tiles from its axis, and 0.600 up;"),
         ("union { sphere { 0.4*y, 0.4 } sphere { <0.1, 0.2, 2>, 0.1 } }", "2.099 tiles from its axis"),
-        ("cylinder { 0, 5*y, 0.3 }", "5.000 up; allowed: 0.5 and 4.0, as if scaled by 0.800"),
+        ("cylinder { 0, 5*y, 0.3 }", "5.000 up; allowed: up to 0.5 and 4.0; it fits if scaled by 0.800"),
         ("plane { y, 0 }", "tiles from its axis"),
     ],
 )

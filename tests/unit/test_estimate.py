@@ -81,13 +81,13 @@ def test_a_time_in_words():
 
 def test_what_a_dry_run_says(tmp_path):
     for scenes, size, said in (
-        ([Chess()], (480, 360), "a picture of 480x360 pixels, about 8 CPU seconds, "),
-        ([Chess(alpha=n) for n in range(4)], (64, 48), "4 frames of 64x48 pixels, about 2 CPU seconds each, "),
+        ([Chess()], (480, 360), "a picture of 480x360 pixels, about 8 CPU seconds: "),
+        ([Chess(alpha=n) for n in range(4)], (64, 48), "4 frames of 64x48 pixels, about 2 CPU seconds each: "),
         ([Chess(alpha=n % 4) for n in range(24)], (64, 48), "24 frames, 4 of them different, of 64x48 pixels, "),
-        ([], (480, 360), "0 frames of 480x360 pixels, about 8 CPU seconds each, "),  # of a shard
+        ([], (480, 360), "0 frames of 480x360 pixels, about 8 CPU seconds each: "),  # of a shard
     ):
         text = estimate.describe(scenes, Rendering(size=size), estimate.Estimate(8, 90))
-        assert text.startswith(said) and text.endswith(f"without those in the cache: about 1.5 min on {cores()} cores")
+        assert text.startswith(said) and text.endswith(f": about 1.5 min on {cores()} cores if none is in the cache")
     status, out, err = povgen(["movie", "vary-alpha", "--frames", "4", "--size", "64x48", "--dry-run"], tmp_path)
     assert (
         status == 0 and out.startswith("4 frames of 64x48 pixels, about ") and not err and not list(tmp_path.iterdir())

@@ -43,10 +43,10 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
     ("call", "words"),
     [
         (lambda: Chess(alpha=400), ["alpha = 400", "360 degrees"]),
-        (lambda: Chess(alfa=3), ["'alfa': unknown", "alpha"]),
+        (lambda: Chess(alhpa=3), ["'alhpa': unknown in the scene chess; did you mean alpha?"]),
         (lambda: Chess(alpha="x" * 999), ["alpha = 'xxx", "number"]),
         (lambda: Chess(z1=True), ["z1 = True", "true or false"]),
-        (lambda: Chess(self=3), ["'self': unknown"]),
+        (lambda: Chess(self=3), ["'self': unknown in the scene chess; allowed: alpha, prisms, "]),
         (lambda: Chess(z1=0.1), ["z1 = 0.1", "knight"]),
         (lambda: Chess(piece=("pawn", "king")), ["two pieces, at x = 0, z1 = 2 and at x = 0, z1 = 2, "]),
         (lambda: demo("page.html", pieces=["nix.inc"]), ["piece = 'nix.inc': should be a name or a file"]),
@@ -102,16 +102,16 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: setattr(live(Chess()), "scene", 3), ["scene", "Chess(...)"]),
         (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
         (lambda: live(np.zeros((2, 2))), ["scene = array([[0., 0.], [0., 0.]])"]),
-        (lambda: Chess(eye={1, 2}), ["eye = {1, 2}: should have an order"]),
-        (lambda: Chess(color={"red": 1}.keys()), ["color = dict_keys(['red']): should have an order"]),
-        (lambda: Sweep(parameter="eye", values=[{0, 1}, (1, 2)]), ["values = [{0, 1}, (1, 2)]: should have an order"]),
-        (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should have an order"]),
+        (lambda: Chess(eye={1, 2}), ["eye = {1, 2}: should be in order"]),
+        (lambda: Chess(color={"red": 1}.keys()), ["color = dict_keys(['red']): should be in order"]),
+        (lambda: Sweep(parameter="eye", values=[{0, 1}, (1, 2)]), ["values = [{0, 1}, (1, 2)]: should be in order"]),
+        (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should be in order"]),
         *(
-            (lambda values=values: Chess(**values), ["should have no _ in a number"])
+            (lambda values=values: Chess(**values), ["should be written without _"])
             for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"x": ["1", "1_0"]}, {"error": "turn=0_1"}]
             + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}]
         ),
-        (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should have no _ in a number"]),
+        (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
         (lambda: render(repeat(Chess())), ["more than 30000 scenes"]),
         (lambda: results(repeat(Chess()), "nu"), ["more than 200000 scenes"]),

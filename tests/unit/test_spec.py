@@ -282,7 +282,7 @@ def test_a_file_outside_the_folder_of_the_toml_file_is_named(text, outside, tmp_
     monkeypatch.chdir(tmp_path)
     caplog.set_level("WARNING", "povgen")  # a movie with --quiet, of another test, has changed it
     MovieSpec.load("specs/a.toml", {"piece": "pawn"} if "law" in text else {})
-    said = f"specs/a.toml: it names a file that is not in its folder, {str(tmp_path / str(outside))!r}"
+    said = f"specs/a.toml names a file outside its folder, {str(tmp_path / str(outside))!r}"
     assert [said in message for message in caplog.messages] == [True] * (outside is not None)
 
 

@@ -26,7 +26,7 @@ def command(
         str | None, typer.Option(metavar="N", help="how many random builds, 1 to 100000 (default 200)")
     ] = None,
     seed: Annotated[
-        str | None, typer.Option(metavar="N", help="of the random numbers of the builds (default 1)")
+        str | None, typer.Option(metavar="N", help="seed of the random numbers of the builds (default 1)")
     ] = None,
     workers: Annotated[
         str | None,
@@ -62,7 +62,7 @@ def command(
     spread = tolerance.Spread(deviation=deviation or [], **given)
     if given and not deviation:
         name = next(iter(given))
-        raise InputError(f"{name} = {given[name]}: no build has an error; allowed with --deviation")
+        raise InputError(f"{name} = {given[name]}: no random builds are made; allowed: with --deviation, such as turn=0.1")
     random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
