@@ -52,7 +52,7 @@ class Spread(Model):
         "if facets or pitches is given, each build has random prisms of its own",
     )
     builds: Annotated[int, Field(ge=1, le=100_000)] = Field(default=200, description="random builds, 1 to 100000")
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="seed of the random numbers, 0 to 2^32 - 1")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="seed of random numbers, 0 to 2^32 - 1")
 
     @model_validator(mode="after")
     def _check_deviation(self) -> Self:

@@ -94,7 +94,7 @@ def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
         start = _cpu(runner)
         texts = [to_text(scene) for scene in scenes]
         text = (_cpu(runner) - start) / len(scenes)
-        # the CPU seconds of the first picture of a process of gl include its start, which has no part in the cost of a ray
+        # the first picture of a process of gl includes its start, which has no part in the cost of a ray
         base = 1 if small.renderer == "gl" else 0
         seconds = [cpu(size) for size in SIZES[:2]]
         if base or seconds[1] - seconds[0] < ENOUGH:

@@ -700,7 +700,9 @@ def test_the_seed_of_random_builds(tmp_path, monkeypatch):
 
     monkeypatch.setattr(tolerance, "drawn", drawn)
     assert "the seed is 5" in refused(["tolerance", "chess", "--deviation", "turn=0.1", "--seed", "5"], tmp_path)
-    assert "seed = 5: no random builds are made; allowed: with --deviation" in refused(["tolerance", "chess", "--seed", "5"], tmp_path)
+    assert "seed = 5: no random builds; allowed: with --deviation" in refused(
+        ["tolerance", "chess", "--seed", "5"], tmp_path
+    )
 
 
 def test_tolerance_says_which_options_have_no_effect(tmp_path):

@@ -134,10 +134,7 @@ def test_as_large_as_it_can_be(tmp_path):
     assert np.hypot(x, z).max() == pytest.approx(0.5, abs=1e-5) and y.min() == 0
     assert z[y.argmax()] > 0 < y.max()  # the corner with the greatest y has the least z of the file
     said = dict(warnings(scene))["piece"]
-    assert (
-        said
-        == f"piece = '{path}': scaled to a height of {y.max():.3g} tiles (another: height=); {mesh_reader.FLAT}"
-    )
+    assert said == f"piece = '{path}': scaled to a height of {y.max():.3g} tiles (another: height=); {mesh_reader.FLAT}"
     slim = tmp_path / "slim.obj"
     slim.write_bytes(obj(CORNERS * (0.1, 9, 0.1)))
     assert points(Chess(piece=slim).piece)[:, 1].max() == pytest.approx(mesh.MAX_HEIGHT, abs=1e-4)

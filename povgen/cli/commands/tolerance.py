@@ -62,7 +62,7 @@ def command(
     spread = tolerance.Spread(deviation=deviation or [], **given)
     if given and not deviation:
         name = next(iter(given))
-        raise InputError(f"{name} = {given[name]}: no random builds are made; allowed: with --deviation, such as turn=0.1")
+        raise InputError(f"{name} = {given[name]}: no random builds; allowed: with --deviation, such as turn=0.1")
     random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
     if output:
         output = checked_output(output, [".png"], inputs=input_files([made]))
