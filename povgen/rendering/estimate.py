@@ -92,12 +92,14 @@ def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
 
     with thread_pool(runner, workers) as pool:
         start = _cpu(runner)
-        texts = [to_text(scene) for scene in scenes]
+        # the camera of ideal sheets is divided as finely as the whole picture needs
+        fine = "ViewHeight/image_height", f"ViewHeight/{rendering.size[1]}"
+        texts = [to_text(scene).replace(*fine) for scene in scenes]
         text = (_cpu(runner) - start) / len(scenes)
         # the first picture of a process of gl includes its start, which has no part in the cost of a ray
         base = 1 if small.renderer == "gl" else 0
         seconds = [cpu(size) for size in SIZES[:2]]
-        if base or seconds[1] - seconds[0] < ENOUGH:
+        if base or seconds[1] - seconds[0] < max(ENOUGH, seconds[0] / 4):  # measured times vary
             seconds.append(cpu(SIZES[2]))
     pixels = [width * height for width, height in SIZES]
     ray = max((seconds[-1] - seconds[base]) / (pixels[len(seconds) - 1] - pixels[base]), 0.0)

@@ -8,6 +8,7 @@ from conftest import povgen, refused
 from povgen import Chess, MovieSpec, PovrayError, Rendering
 from povgen.rendering import estimate
 from povgen.rendering.parallel import cores
+from povgen.scene.sdl import to_pov
 
 COST = estimate.Cost(start=0.5, text=0.1, picture=0.2, ray=1e-5)
 
@@ -19,6 +20,7 @@ def test_what_is_measured(renderer, monkeypatch):
 
     def render(scene, text, runner, rendering):
         assert rendering.renderer == renderer and rendering.antialias is None and rendering.timeout == 7
+        assert text == "ViewHeight/360"
         sizes.append(rendering.size)
         spent.append(COST.picture + COST.ray * rendering.size[0] * rendering.size[1])
         if renderer == "gl" and len(sizes) > 2:  # the processes have been started
@@ -27,7 +29,13 @@ def test_what_is_measured(renderer, monkeypatch):
     monkeypatch.setattr(estimate, "_cpu", lambda runner: [*accumulate(spent)][-1])
     monkeypatch.setattr(estimate, "_render", render)
     scenes = [Chess(alpha=alpha, sheet="ideal") for alpha in (1, 2)]
-    monkeypatch.setattr(estimate, "renderer_of", lambda *a: (lambda scene: spent.append(COST.text), Stopped(), 1))
+
+    def written(scene):
+        spent.append(COST.text)
+        return "ViewHeight/image_height"
+
+    assert written(scenes[0]) in to_pov(Chess(sheet="law", law="x, abs(y), z")) and spent.pop()
+    monkeypatch.setattr(estimate, "renderer_of", lambda *a: (written, Stopped(), 1))
     assert estimate.measured(scenes, Rendering(renderer=renderer, timeout=7)) == pytest.approx(COST)
     assert sizes == [size for size in estimate.SIZES[: 3 if renderer == "gl" else 2] for _ in scenes]
 
