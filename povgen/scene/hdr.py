@@ -39,9 +39,9 @@ def read(data: bytes) -> "Light":
     if not head or head[3] == head[6]:
         raise ValueError(WHOLE)
     stated = dict(line.split(b"=", 1) for line in head[1].splitlines() if b"=" in line)
-    if (kind := stated.get(b"FORMAT", b"32-bit_rle_rgbe").strip()) != b"32-bit_rle_rgbe":
+    if (kind := stated.get(b"FORMAT", RGBE).strip()) != RGBE:
         raise ValueError(
-            f"should be a Radiance file of red, green and blue (32-bit_rle_rgbe), not {shown(kind.decode())}"
+            f"should be a Radiance file of red, green and blue ({RGBE.decode()}), not {shown(kind.decode())}"
         )
     rows, width = int(head[4]), int(head[7])
     if rows * width > MAX_PIXELS:
@@ -136,8 +136,7 @@ def written(light: "Light") -> bytes:
     pixels = np.empty((height, width, 4), np.uint8)
     pixels[..., 3] = np.where((fraction > 0) & (exponent > -128), exponent + 128, 0)  # 0: black
     pixels[..., :3] = np.ldexp(light, 8 - exponent[..., None]) * (pixels[..., 3:] > 0)
-    head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
-    return head.encode() + pixels.tobytes()
+    return b"#?RADIANCE\nFORMAT=%s\n\n-Y %d +X %d\n" % (RGBE, height, width) + pixels.tobytes()
 
 
 def _old_pixels(data: bytes, count: int) -> "NDArray[np.uint8]":
