@@ -140,8 +140,8 @@ def _obj(data: bytes) -> tuple[Any, Any, Any, str]:
             vertices.extend((float(x), float(y), float(z)))
         elif word in (b"f", b"fo"):
             for value in values:
-                index = int(value.partition(b"/")[0])  # from 1; -1 is the last vertex before this line
-                corners.append(index - 1 if index > 0 else len(vertices) // 3 + index)
+                index = int(value.partition(b"/")[0])  # from 1; -1 is the last vertex before this line; 0 is none
+                corners.append(len(vertices) // 3 + index if index < 0 else index - 1)
             sizes.append(len(values))
         elif word in (b"l", b"p"):
             left_out = FLAT

@@ -390,6 +390,7 @@ def test_values_that_are_refused(tmp_path):
         ("obj", b"v 0 0 0\nv 0 0 1\nf 1 2 99999999\n", "should be a mesh whose vertices exist"),
         ("obj", b"v 0 0 0\nf 1 1 -2\nv 0 0 1\n", "should be a mesh whose vertices exist"),
         ("obj", obj() + b"\nf 0 1 2", "should be a mesh whose vertices exist"),
+        ("obj", b"v 0 0 0\nv 1 0 0\nf 1 2 0\nv 0 0 1\n", "should be a mesh whose vertices exist"),
         ("obj", obj() + b"\nv 1 2", "should be a whole obj file"),
         ("obj", obj() + b"\nsurf 0 1 0 1 1 2 3", "should be an OBJ file of polygons alone, without 'surf'"),
         ("obj", obj() + b"\ncall other.obj", "without 'call'"),
