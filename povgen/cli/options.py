@@ -272,8 +272,8 @@ def split(values: Values) -> tuple[Values, Values]:
 def made_folder(output: Path, files: Mapping[str, Iterable[str]]) -> AbstractContextManager[Path]:
     """Make the folder for a command's output, as files.output_folder does. Check all other values before this call.
 
-    `files` has the names of the files that are written there. Each key is the file that shows whether povgen wrote the
-    others. Raises InputError if one of them is there and povgen did not write it.
+    `files` has the names of the files that the command writes there. The key of each group of names is the file that
+    shows whether povgen wrote this group. Raises InputError if one of these files exists and povgen did not write it.
     """
     from povgen.files import in_home, output_folder
     from povgen.record import check_unasked

@@ -55,7 +55,7 @@ class Ghost(NamedTuple):
 
     orders: tuple[int, ...]  # in each sheet, of a ray from the eye
     position: complex  # where the eye sees the point, in the plane of the window
-    share: float  # of the rays from the eye to a square at the position, _PATCH pitches wide: those that take this path
+    share: float  # of the rays from the eye to a square of _PATCH pitches at the position: how many take this path
 
 
 def ghosts(
@@ -65,8 +65,8 @@ def ghosts(
 
     L and the eye E are x + iy. z1 and z2 are the distances of L and of E from the plane z = 0 of the sheets, and
     `window` is the window's side. Ghosts with a share below `least` are left out. The list is empty if a sheet consists
-    of prisms. Ghosts are found by tracing rays from the eye to the whole window: of each combination of orders, the
-    position is that at which rays to L cross the window, on average.
+    of prisms. Rays are traced from the eye to the whole window. For each combination of orders, a linear function of
+    their places in L's plane is fitted to their places in the window. Its value at L is the ghost's position.
     """
     found: list[Ghost] = []
     shapes = [sheet.shape for sheet in sheets if isinstance(sheet.shape, Profile)]

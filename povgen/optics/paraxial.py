@@ -31,9 +31,7 @@ Matrix = NDArray[np.float64]  # (..., 5, 5)
 # The matrix of a profile is fitted to rays. Their slopes across the ridges are FAN_SIDE values from -FAN to FAN. For
 # each of these slopes, there are rays at FAN_SIDE places of a period.
 FAN, FAN_SIDE = 0.1, 41
-_WIDTH = (
-    61.0  # the width of the sheet through which rays are traced, in periods (cells), if they are in the middle one; odd
-)
+_WIDTH = 61.0  # periods, odd: the width of the sheet through which rays that enter the middle period are traced
 
 
 def free(distance: float) -> Matrix:

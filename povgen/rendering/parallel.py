@@ -63,9 +63,9 @@ def default_workers() -> int:
 def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
     """Start a Python process that runs a module of povgen, and return it with a pipe as its standard input.
 
-    Its `stdout` is the pipe of its `stopping.answers`. Its standard output is nowhere: libraries and Python's own start
-    can write into it. `environment` are further environment variables. If a signal stops povgen, the process is killed.
-    Raises KeyboardInterrupt if povgen was asked to stop.
+    Its `stdout` is the pipe of its `stopping.answers`. Its standard output is discarded, because libraries and Python's
+    own start can write there. `environment` are further environment variables. If a signal stops povgen, the process is
+    killed. Raises KeyboardInterrupt if povgen was asked to stop.
     """
     folders = [str(Path(__file__).parents[2]), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     path = os.pathsep.join(os.path.abspath(each) for each in folders)  # the process has another working directory

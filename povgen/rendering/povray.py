@@ -49,8 +49,9 @@ TRIES = 2
 POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
-# If many run at once, each gets its share of this machine's memory, but not less than these bytes. Measured: two sheets
-# of 3000 prisms need 160 MiB, a picture of 1920x1080 at antialias = 2x 384 MiB, one of 7680x4320 1 GiB.
+# POV-Ray processes that run at once share this machine's memory. Each gets at least these bytes: for itself, and for
+# each pixel. Measured: two sheets of 3000 prisms need 160 MiB, a picture of 1920x1080 at antialias = 2x 384 MiB, one of
+# 7680x4320 1 GiB.
 LEAST_MEMORY, PIXEL_MEMORY = 256 << 20, 32
 THREAD_MEMORY = 1 << 27  # bytes of address space for each thread: its stack, and what malloc reserves for it
 MAX_FILE = 1 << 30  # bytes in each file that it writes
@@ -96,7 +97,7 @@ def binary(name: str = "povray") -> str:
 
 
 def max_memory(at_once: int = 1, pixels: float = 0) -> int:
-    """Return how many bytes of address space POV-Ray gets if so many run at once, for pictures of so many pixels."""
+    """Return how many bytes of address space each of `at_once` POV-Ray processes gets, for a picture of `pixels`."""
     machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels))
     return min(MAX_MEMORY, share, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
@@ -210,7 +211,7 @@ class Runner:
     def __init__(self, threads: int = 1, part: Callable[[float], None] | None = None, at_once: int = 1) -> None:
         """Each POV-Ray gets this number of threads, or fewer if their memory would exceed POV-Ray's limit.
 
-        `at_once` POV-Rays divide this machine's memory.
+        `at_once` POV-Ray processes divide this machine's memory.
         `part` is called during a render, from another thread. Its argument is the fraction of the picture, 0 to 1, that
         has been drawn since the last call.
         """

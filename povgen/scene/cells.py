@@ -18,7 +18,7 @@ JUMP = 0.1  # see `Jumps`
 
 
 class Jumps(NamedTuple):
-    """Where rays jump: those of neighbouring points go very different ways. Lengths are in tiles.
+    """Where rays jump: the directions of neighbouring rays differ much. Lengths are in tiles.
 
     The ray of a point inside a triangle jumps if it ends farther from where interpolation says than `tolerance`, and
     than JUMP of the distances between the ends of the corners' rays.

@@ -13,7 +13,7 @@ PATIENCE = 120  # seconds
 def run(module: str, argument: str, what: str, data: bytes | None = None) -> subprocess.CompletedProcess[bytes]:
     """Run one of these modules, which reads a file of the kind `what`. Raises ValueError after PATIENCE seconds.
 
-    With `data`, the standard input, the result has what the process writes. Otherwise nothing of that is read.
+    `data` is the process's standard input. Without `data`, the result has nothing of what the process writes.
     """
     path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}

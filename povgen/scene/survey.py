@@ -188,9 +188,9 @@ def _level(
 def max_trace_level(scene: Scene, found: Survey | None = None) -> int:
     """Return POV-Ray's max_trace_level (5 or more). A ray that meets this many faces is black.
 
-    `found` is the scene's survey; without it, rays are traced. Surveys leave partial reflection out. With it, the light
-    that a ray carries ends the ray (`limits.LEAST_LIGHT`), and the level is as high as it may be. A probe (a scene for
-    measuring) can set the level with `trace_level`.
+    `found` is the scene's survey; without it, rays are traced. Surveys leave partial reflection out. With
+    partial reflection, POV-Ray follows a ray until it carries too little light (`limits.LEAST_LIGHT`), and the level is
+    MAX_FACES. A probe (a scene for measuring) can set the level with `trace_level`.
     """
     level: int | None = getattr(scene, "trace_level", None)
     if level or not scene.has_prisms:
