@@ -109,7 +109,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         *(
             (lambda values=values: Chess(**values), ["should be written without _"])
             for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"x": ["1", "1_0"]}, {"error": "turn=0_1"}]
-            + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}]
+            + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}, {"parameter": "k=1_0"}]
         ),
         (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
