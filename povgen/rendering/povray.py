@@ -351,7 +351,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str, out
     `out_of_memory` is what the error says if memory is the reason.
     """
     first, last = _ends(folder / FATAL)
-    missing = MISSING.search(" ".join(messages.split()))
+    missing = MISSING.search(messages.replace("\n", ""))  # lines are broken before a space, or within a word
     place = missing or re.match(r"File: (.*?)  Line: (\d+)\n", first)
     said = one_line(" ".join(last.rpartition("Error:")[2].split())) if "Error:" in last else ""
     said = said.removeprefix("Parse halted by #error directive: ")
