@@ -102,10 +102,10 @@ def jumps(scene: Scene) -> Jumps:
     POV-Ray's text divides cells into some 100,000 triangles in half a minute; `step` follows from that. If more than a
     quarter of the cells count, they are not divided.
     """
-    import numpy as np
-
     if template(scene) != "law":
         return Jumps()
+    import numpy as np  # slow to load, and a picture from the cache does not need it
+
     farthest, tolerance = max(scene.distances, default=2 * scene.z2), 10 * MAX_CAMERA_ERROR * scene.view / 960
 
     def ends(P: "Complexes") -> "Floats":
