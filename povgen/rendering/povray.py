@@ -49,10 +49,10 @@ TRIES = 2
 POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
-# POV-Ray processes that run at once share this machine's memory. Each gets at least these bytes: for itself, and for
-# each pixel. Measured: two sheets of 3000 prisms need 160 MiB, a picture of 1920x1080 at antialias = 2x 384 MiB, one of
-# 7680x4320 1 GiB.
-LEAST_MEMORY, PIXEL_MEMORY = 256 << 20, 32
+# POV-Ray processes that run at once share this machine's memory. Each gets at least these bytes: for itself, for each
+# pixel, and for each picture of sky or floor. Measured: two sheets of 3000 prisms need 160 MiB, a picture of 1920x1080
+# at antialias = 2x 384 MiB, one of 7680x4320 1 GiB, and with a sky of light of 8192x4096 pixels up to 1 GiB.
+LEAST_MEMORY, PIXEL_MEMORY, PICTURE_MEMORY = 256 << 20, 32, 768 << 20
 THREAD_MEMORY = 1 << 27  # bytes of address space for each thread: its stack, and what malloc reserves for it
 MAX_FILE = 1 << 30  # bytes in each file that it writes
 MAX_MESSAGES = 1 << 16  # bytes of its messages that are read
@@ -96,10 +96,13 @@ def binary(name: str = "povray") -> str:
     return str(Path(found).absolute())  # absolute, because the program is started in other folders
 
 
-def max_memory(at_once: int = 1, pixels: float = 0) -> int:
-    """Return how many bytes of address space each of `at_once` POV-Ray processes gets, for a picture of `pixels`."""
+def max_memory(at_once: int = 1, pixels: float = 0, shown: int = 0) -> int:
+    """Return how many bytes of address space each of `at_once` POV-Ray processes gets, for a picture of `pixels`.
+
+    `shown` is how many pictures of sky and floor the scene shows.
+    """
     machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels))
+    share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels) + PICTURE_MEMORY * shown)
     return min(MAX_MEMORY, share, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
 
 
@@ -257,8 +260,9 @@ class Runner:
             part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
         config.write_text(CONFIG)
         (folder / SCENE).write_text(source, "utf-8")
-        for name, png in pictures.used(source).items():
-            (folder / name).write_bytes(png)
+        shown_files = pictures.used(source)
+        for name, content in shown_files.items():
+            (folder / name).write_bytes(content)
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
         state = (folder / rendering.file).with_suffix(".pov-state")
         state.unlink(missing_ok=True)
@@ -268,7 +272,7 @@ class Runner:
             file.write_bytes(b"")
         threads = 1 if ORDER_MATTERS.search(source) else self._threads
         width, height = rendering.size
-        memory = max_memory(self._at_once, rendering.supersampling**2 * width * height)
+        memory = max_memory(self._at_once, rendering.supersampling**2 * width * height, len(shown_files))
         start, starters = _starter(rendering.timeout, threads, memory)
         programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
