@@ -223,7 +223,7 @@ def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'
     message = "Timed out waiting for worker thread startup"
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", fake, message])
-    monkeypatch.setattr(povray, "RUN", [*povray.RUN, Path("/usr/bin"), Path("/bin")])
+    monkeypatch.setattr(povray, "libraries", lambda *_: [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     assert povray.run("scene", TINY, tmp_path).read_text() == "scene"
 
 
@@ -245,7 +245,7 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     show = 'cp "$HOME/.povray/3.7/povray.conf" frame.png'
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", show])
-    monkeypatch.setattr(povray, "RUN", [*povray.RUN, Path("/usr/bin"), Path("/bin")])
+    monkeypatch.setattr(povray, "libraries", lambda *_: [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     for folder in (tmp_path / "absolute", Path("relative")):
         folder.mkdir()
         assert povray.run("", TINY, folder).read_text() == povray.CONFIG
