@@ -4,6 +4,7 @@ from math import asin, cos, radians, sin
 
 import numpy as np
 import pytest
+from conftest import PROJECT
 
 from povgen import Chess, InputError
 from povgen.liveview.values import values
@@ -44,6 +45,20 @@ def test_a_tilt_and_the_opposite_rotation_of_the_rays_are_the_same():
     assert (tilted.end == plain.end).all() and (tilted.faces == plain.faces).all()
     np.testing.assert_allclose(tilted.position, plain.position @ sheet.axes + middle, atol=1e-12)
     np.testing.assert_allclose(tilted.direction, plain.direction @ sheet.axes, atol=1e-12)
+
+
+def test_a_tilt_of_both_sheets_displaces_the_object():
+    """By this angle at the eye, as docs/tolerances.md says. It also states what an eye's pupil adds to the blur."""
+    scene = FINE
+    for tilts in (("tilt_x", "far_tilt_x"), ("tilt_y", "far_tilt_y")):
+        tilted = scene.replace(error=dict.fromkeys(tilts, 0.5))
+        moved = abs(tilted.apparent_position(*scene.objects[0]) - scene.apparent_position(*scene.objects[0]))
+        turn = np.exp(-1j * np.radians(scene.alpha))
+        expected = abs(1 - turn) * scene.z1 / abs(scene.z2 + scene.z1 * turn)  # for each radian
+        assert moved / scene.z2 == pytest.approx(np.radians(0.5) * expected, rel=0.04)
+    blurs = [pupil / np.sqrt(8) * abs((1 / (scene.z2 + scene.z1 * turn)).imag) for pupil in (0.02, 0.04, 0.08)]
+    stated = "D = 2, 4 and 8 mm this is {:.1f}, {:.1f} and {:.1f}".format(*np.degrees(blurs) * 60)  # a tile is 100 mm
+    assert stated in " ".join((PROJECT / "docs" / "tolerances.md").read_text("utf-8").split())
 
 
 def test_a_sheet_that_is_turned_changes_alpha_by_twice_as_much():

@@ -4,6 +4,7 @@ import re
 import tomllib
 
 import pytest
+from conftest import PROJECT
 
 from povgen.liveview.languages import FOLDER, tables
 from povgen.liveview.page import ALL_KINDS, KEPT
@@ -116,3 +117,11 @@ def test_no_sentence_is_in_the_scripts():
             if re.search(r"[A-Z][a-z]+ [a-z]|\b(the|of|is|are|at|and|in|for|by|with|from) ", words):
                 found.append((name, words))
     assert not found
+
+
+def test_the_labels_that_the_docs_name_are_those_of_the_page():
+    usage = (PROJECT / "docs" / "usage.md").read_text("utf-8")
+    section = usage.partition("## The page to teach with")[2].partition("\n## ")[0]
+    named = set(re.findall(r"(?<!\*)\*([^*`]+)\*", section)) - {"vary α", "vary z₁"}  # movies
+    labels = {line.lower() for text in map(parts, ENGLISH.values()) for line in text.split("\n")}
+    assert len(named) > 20 and not [name for name in named if name.lower() not in labels]
