@@ -463,11 +463,13 @@ class Scene(ParametersOfSheets):
         self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
     ) -> tuple["Complexes", "Booleans"]:
         """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
+        import numpy
 
         from povgen.optics import apparent
 
         position = self.apparent_position(L, z1, alpha, near)
-        slope = (position - self.E) / self.z2
+        with numpy.errstate(invalid="ignore"):  # the position can be infinite
+            slope = (position - self.E) / self.z2
         return position, apparent.passes(slope, self.E, self._with_alpha(alpha), self.depth)
 
     @input_errors()

@@ -308,6 +308,13 @@ def test_an_object_very_far_away_appears_where_a_far_one_does(sheet):
         assert (nu, M * z1) == pytest.approx((far_nu, far_M * 1e12), nan_ok=True)
 
 
+def test_an_object_that_appears_at_infinity_is_not_visible():
+    """numpy warns of nothing."""
+    with np.errstate(all="raise"):
+        position, is_visible = Chess(alpha=180, z1=6, z2=6, sheet="ideal").seen(0.1, 6)
+    assert np.isinf(position) and not is_visible
+
+
 @pytest.mark.parametrize("sheet", ["ideal", "detailed", "lenticular"])
 def test_no_position_belongs_to_an_infinite_angle(sheet):
     scene = Chess(sheet=sheet)
