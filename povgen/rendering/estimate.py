@@ -1,9 +1,11 @@
 """How long rendering takes, before it begins: small pictures of up to three of the scenes are rendered and timed."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import NamedTuple
 
+from povgen.errors import PovrayError
 from povgen.rendering import cache
 from povgen.rendering.frames import named, renderer_of
 from povgen.rendering.parallel import Runner, cores, thread_pool
@@ -144,9 +146,10 @@ def _rounded(number: float, digits: int = 2) -> str:
 def if_long(scenes: Sequence[Scene], rendering: Rendering) -> str | None:
     """Return what `describe` says of these pictures if they take more than a minute, otherwise None.
 
-    Small pictures are rendered only if these may take so long.
+    Small pictures are rendered only if these may take so long. If they fail, the result is None.
     """
     most = rays(_frames(scenes, rendering), rendering) * DEAREST[rendering.renderer]
-    if most / cores() < LONG or (found := estimate(scenes, rendering)).wall < LONG:
-        return None
-    return describe(scenes, rendering, found)
+    with suppress(PovrayError):  # the pictures themselves say why they fail
+        if most / cores() > LONG and (found := estimate(scenes, rendering)).wall > LONG:
+            return describe(scenes, rendering, found)
+    return None

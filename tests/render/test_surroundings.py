@@ -489,7 +489,7 @@ CICP_P3, CICP_SRGB = ((b"cICP", bytes(numbers)) for numbers in ((12, 13, 0, 1), 
         (png_with((200, 100, 50), (b"cHRM", P3)), (215, 93, 31)),  # Display P3, by CSS Color 4
         (png_with((0, 0, 0), icc_profile=b"no profile" * 20), "whose ICC profile is whole"),
     ],
-    ids=lambda value: str(len(value)),
+    ids=lambda value: "file" if isinstance(value, bytes) else None,  # the date in a profile changes its length
 )
 def test_what_a_png_file_states_about_its_colours(data, wanted):
     if isinstance(wanted, str):
@@ -547,7 +547,7 @@ ADOBE = b"Exif\0\0II*\0\x08\0\0\0" + b"".join(
         (file_of(RED, "png", icc_profile=profile_of("LAB")), "for its colours, RGB, not for 'Lab'"),
         (file_of(RED, "jpeg", quality=100, exif=ADOBE), (233, 24, 24)),
     ],
-    ids=lambda value: str(len(value)),
+    ids=lambda value: "file" if isinstance(value, bytes) else None,  # the date in a profile changes its length
 )
 def test_what_other_files_state_about_their_colours(data, wanted):
     test_what_a_png_file_states_about_its_colours(data, wanted)
@@ -567,7 +567,7 @@ TRANSPARENT[2, 3, 1] = 254
         png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 9))),
         file_of(GREY, "png")[:33] + chunk(b"tRNS", struct.pack(">H", 1000)) + file_of(GREY, "png")[33:],
     ],
-    ids=lambda value: str(len(value)),
+    ids=lambda value: "file" if isinstance(value, bytes) else None,  # the date in a profile changes its length
 )
 def test_transparent_pixels_are_refused(data):
     with pytest.raises(ValueError, match="without transparent pixels"):

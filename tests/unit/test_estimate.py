@@ -6,6 +6,7 @@ import pytest
 from conftest import povgen, refused
 
 from povgen import Chess, MovieSpec, PovrayError, Rendering
+from povgen.errors import TransientError
 from povgen.rendering import estimate
 from povgen.rendering.parallel import cores
 from povgen.scene.sdl import to_pov
@@ -119,3 +120,9 @@ def test_what_is_long(monkeypatch):
     assert estimate.if_long(many, Rendering()).startswith("100 frames of 480x360 pixels") and measured == [3]
     assert estimate.if_long([Chess()], Rendering()) is None and measured == [3]
     assert estimate.if_long([Chess()], Rendering(quality="high")) is None and measured == [3, 1]
+
+    def fail(*_):
+        raise TransientError("POV-Ray was killed")
+
+    monkeypatch.setattr(estimate, "measured", fail)
+    assert estimate.if_long(many, Rendering()) is None  # the pictures themselves can succeed
