@@ -293,7 +293,8 @@ def povgen(line, stdin=b""):
 # Names of what may be at fault, and ways to say what is allowed.
 NAMED = {*FIELDS, *MovieSpec.model_fields, *Sweep.model_fields, *(name for _, name in OPTIONS), "shard", "option"}
 NAMED |= {"argument", "standard input", "toml", "movie", "missing", "x", "'"}
-ALLOWED = r"allowed|\(.+\)|should|missing|No such|Missing|requires|unexpected|not TOML|does not take|magnified|Invalid|did you mean"
+ALLOWED = r"allowed|\(.+\)|should|missing|No such|Missing|requires|unexpected|not TOML|does not take|magnified|Invalid"
+ALLOWED += "|did you mean"
 
 
 def tried(line, stdin=b""):
