@@ -3,10 +3,12 @@
 import errno
 import os
 import re
+import select
 import shlex
 import shutil
 import sys
 import threading
+import time
 import warnings
 from pathlib import Path
 from unittest.mock import Mock
@@ -178,8 +180,16 @@ def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
     assert "movie.toml: title: missing" in refused(["movie", "movie.toml"], tmp_path)
     writes = os.open(tmp_path / "movie.toml", os.O_RDWR)  # as `povgen movie <(...)`
     os.write(writes, b"title = 3")
-    threading.Timer(0.2, os.close, [writes]).start()
+
+    def close():
+        while select.select([writes], [], [], 0)[0]:  # the text has not been read yet
+            time.sleep(0.01)
+        os.close(writes)
+
+    thread = threading.Thread(target=close)
+    thread.start()
     assert "movie.toml: title = 3" in refused(["movie", "movie.toml"], tmp_path)
+    thread.join()
 
 
 def test_warnings_of_python_are_not_shown(tmp_path, monkeypatch):
