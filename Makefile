@@ -146,7 +146,7 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
 	$(VENV)/bin/mypy --config-file lint/mypy.ini lint/script.py
-	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js templates tests
+	$(VENV)/bin/node $(VENV)/lint/node_modules/eslint/bin/eslint.js --config $(VENV)/lint/eslint.config.js povgen tests
 	$(VENV)/bin/node $(VENV)/lint/node_modules/typescript/bin/tsc -p lint
 	$(VENV)/bin/node $(VENV)/lint/workflows.js .github/workflows/*.yml
 	$(VENV)/bin/zizmor --quiet --offline .github

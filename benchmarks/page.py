@@ -8,8 +8,8 @@ from pathlib import Path
 from statistics import median
 
 from povgen.files import temporary_folder
-from povgen.liveview.page import demo
 from povgen.measure.browser import chromium
+from povgen.page.page import demo
 
 SIZE = {"width": 1280, "height": 800}
 BEFORE, MEASURED = 4, 10  # seconds: the page first finds how many pixels it can draw at once

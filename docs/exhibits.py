@@ -13,7 +13,7 @@ from page_picture import ADDRESS
 from panels import PANELS
 
 from povgen import Chess, MovieSpec, live, to_pov
-from povgen.liveview.page import ALL_KINDS, KEPT
+from povgen.page.page import ALL_KINDS, KEPT
 from povgen.scene.scenes import SCENES, Scene
 from povgen.sheets import PARAMETERS
 
@@ -89,7 +89,7 @@ def _of(words: list[str]) -> Exhibit:
 
 
 def address(scene: Scene, words: list[str]) -> str:
-    """Return the page's address of a scene (templates/demo/address.js), or nothing if the page cannot show it."""
+    """Return the page's address of a scene (povgen/page/address.js), or nothing if the page cannot show it."""
     given = scene.model_fields_set
     several = [
         name for name in ("x", "piece", "z1") if isinstance(getattr(scene, name, 0), tuple) and len(scene.distances) > 1

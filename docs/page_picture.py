@@ -7,8 +7,8 @@ from argparse import ArgumentParser
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from povgen.liveview.page import demo
 from povgen.measure.browser import chromium
+from povgen.page.page import demo
 
 ADDRESS = "#sheet=ideal&alpha=66&show=position,circles,image"
 

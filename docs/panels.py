@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from povgen import Chess, Scene, Spheres, render
+from povgen.paper import agreement
 from povgen.settings import Rendering
-from povgen.teach import agreement
 from povgen.video import encode
 from povgen.video.captions import Caption
 from povgen.video.overlay import Item, annotated, key, strip

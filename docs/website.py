@@ -19,7 +19,7 @@ from exhibits import Exhibit, exhibits
 from first_picture import RATE
 from sphinx.application import Sphinx
 
-from povgen.liveview.page import demo
+from povgen.page.page import demo
 from povgen.version import __version__
 from povgen.video import encode
 

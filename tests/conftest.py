@@ -17,10 +17,10 @@ from hypothesis import settings
 
 from povgen import MovieSpec, Spheres
 from povgen.cli import app
-from povgen.liveview.page import KINDS
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
+from povgen.page.page import KINDS
 from povgen.scene.scenes import SCENES
 
 PROJECT = Path(__file__).parents[1]
@@ -244,7 +244,7 @@ EXPORTED = (
 )
 
 
-MODULES = [f"{path}.js" for path in ("live/geometry", "live/sheets", *(f"demo/{name}" for name in EXPORTED))]
+MODULES = [f"{path}.js" for path in ("liveview/geometry", "liveview/sheets", *(f"page/{name}" for name in EXPORTED))]
 
 
 class Node:
@@ -266,7 +266,8 @@ class Node:
     @classmethod
     def of_page(cls, scenes=()):
         """Return one with the modules of the teaching page, which also know the laws of scenes."""
-        from povgen.liveview import page, scripts
+        from povgen.liveview import scripts
+        from povgen.page import page
         from povgen.scene.laws import to_live
         from povgen.scene.pieces import PIECES
 

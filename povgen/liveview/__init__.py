@@ -1,1 +1,1 @@
-"""The live view and the page around it, for a browser. May import all but `measure`, `teach` and `cli`."""
+"""The live view, the ray tracer in the browser. May import all but `page`, `measure`, `paper` and `cli`."""

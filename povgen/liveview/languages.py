@@ -1,13 +1,13 @@
-"""The teaching page's sentences: templates/demo/languages/ has a table for each language."""
+"""The teaching page's sentences: povgen/liveview/languages/ has a table for each language."""
 
 import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-from povgen.scene.sdl import TEMPLATES
 from povgen.sheets.sheet import Sheet
 
-FOLDER = TEMPLATES / "demo" / "languages"
+FOLDER = Path(__file__).with_name("languages")
 
 
 def tables(kinds: Mapping[str, type[Sheet]]) -> dict[str, dict[str, Any]]:

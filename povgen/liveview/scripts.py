@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from graphlib import TopologicalSorter
 
 from povgen.scene.laws import Text
-from povgen.scene.sdl import TEMPLATES, to_javascript
+from povgen.scene.sdl import PACKAGE, to_javascript
 
 IMPORT = re.compile(r'^import (?:(?:\* as )?([^"]+) from )?"([^"]+)";\n', re.M)
 COMMENT = re.compile(r"^ *//.*\n", re.M)
@@ -19,9 +19,9 @@ EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))",
 
 
 def script(*mains: str, laws: Sequence[Text]) -> str:
-    """Return a script that runs modules and all that they import. `mains` are the modules' paths in templates/.
+    """Return a script that runs modules and all that they import. `mains` are the modules' paths in povgen/.
 
-    The module live/laws.js is made from `laws`. Raises graphlib.CycleError for a circle of imports.
+    The module liveview/laws.js is made from `laws`. Raises graphlib.CycleError for a circle of imports.
     """
     texts: dict[str, str] = {}
     graph: dict[str, list[str]] = {}
@@ -29,8 +29,8 @@ def script(*mains: str, laws: Sequence[Text]) -> str:
     while waiting:
         path = waiting.pop()
         if path not in texts:
-            made = path == "live/laws.js"
-            texts[path] = to_javascript(laws) if made else (TEMPLATES / path).read_text("utf-8")
+            made = path == "liveview/laws.js"
+            texts[path] = to_javascript(laws) if made else (PACKAGE / path).read_text("utf-8")
             near = [posixpath.join(posixpath.dirname(path), found[2]) for found in IMPORT.finditer(texts[path])]
             graph[path] = [posixpath.normpath(other) for other in near]
             waiting += graph[path]

@@ -13,7 +13,7 @@ from povgen.sheets.profile import ProfileSheets
 
 
 def values(scene: Scene) -> dict[str, Any]:
-    """Return a scene's parameters for `LiveView` (templates/live/view.js): tiles, degrees, colours 0 to 1 (sRGB).
+    """Return a scene's parameters for `LiveView` (povgen/liveview/view.js): tiles, degrees, colours 0 to 1 (sRGB).
 
     Raises InputError for what the live view cannot show.
     """

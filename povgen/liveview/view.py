@@ -17,11 +17,11 @@ from povgen.liveview.values import values
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
 from povgen.scene.scenes import SCENES, Scene, checked_scene, input_files, pieces
-from povgen.scene.sdl import TEMPLATES, to_html
+from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.shader import surroundings
 from povgen.validation import Model
 
-MOVABLE = {"eye", "alpha"}  # what the user can move in the view (templates/live/moving.js)
+MOVABLE = {"eye", "alpha"}  # what the user can move in the view (povgen/liveview/moving.js)
 Side = Annotated[int, Field(ge=32, le=7680)]
 
 
@@ -87,7 +87,7 @@ class Live:
         import traitlets
 
         class Widget(anywidget.AnyWidget):
-            _esm = (TEMPLATES / "jupyter/widget.js").read_text("utf-8")
+            _esm = (PACKAGE / "liveview/widget.js").read_text("utf-8")
             html = traitlets.Unicode().tag(sync=True)
             size = traitlets.Tuple().tag(sync=True)
             scene = traitlets.Dict().tag(sync=True)
@@ -136,7 +136,7 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
     shown = stored(volumes(pieces(scene)))
     data = {"scene": values(scene), "volumes": shown, "label": _label(scene), "failures": failures}
     laws = to_live([scene, *others])
-    return to_html("live/page", data, script("live/main.js", laws=laws), laws)
+    return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws)
 
 
 def _label(scene: Scene) -> str:

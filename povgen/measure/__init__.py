@@ -1,1 +1,1 @@
-"""What is measured: accuracy, stability and speed, and the charts of it. May import all but `teach` and `cli`."""
+"""What is measured: accuracy, stability and speed, and charts of it. May import all but `page`, `paper` and `cli`."""

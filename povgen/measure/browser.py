@@ -82,7 +82,7 @@ class View:
         self.page.evaluate("(values) => povgen.main.view.set(values)", values(scene))
 
     def readout(self, size: Size) -> dict[str, Floats]:
-        """Return `ray`, `shown` and `met`, (height, width, 4) each. templates/live/readout.glsl explains them."""
+        """Return `ray`, `shown` and `met`, (height, width, 4) each. povgen/liveview/readout.glsl explains them."""
         names = ("ray", "shown", "met")
         script = f"(size) => Object.values(povgen.readout.readout(povgen.main.view, ...size)).map({ENCODE})"
         found = self.page.evaluate(script, list(size))

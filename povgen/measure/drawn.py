@@ -97,7 +97,7 @@ class Drawn:
         self._scene, self._shapes = scene, volumes(pieces(scene))
 
     def readout(self, size: Size) -> dict[str, NDArray[np.float32]]:
-        """Return `ray`, `shown` and `met`, (height, width, 4) each. templates/live/readout.glsl explains them."""
+        """Return `ray`, `shown` and `met`, (height, width, 4) each. povgen/liveview/readout.glsl explains them."""
         text = self._text("readout")
         return dict(zip(("ray", "shown", "met"), _drawn(lambda drawer: drawer.readout(text, size)), strict=True))
 

@@ -25,10 +25,10 @@ from povgen.scene.sdl import to_pov
 from povgen.video.still import render
 
 PICTURE = (320, 240)  # pictures are compared at this size
-RAYS = 64  # a pixel: `PACE.RAYS` in templates/live/scheduling.js
+RAYS = 64  # a pixel: `PACE.RAYS` in povgen/liveview/scheduling.js
 SHADOW_RAYS = 13  # through the same point, for soft shadows: each ray tests whether one of the sun's lights is hidden
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
-SKY, OBJECT = 0, 3  # templates/live/objects.glsl
+SKY, OBJECT = 0, 3  # povgen/liveview/objects.glsl
 PRISM_SCENES: tuple[dict[str, Any], ...] = (
     {},
     {"alpha": 35, "prisms": 400},

@@ -119,7 +119,7 @@ class Drawer:
                     yield band / kind.type(rays) if is_light else band
 
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
-        """Return the arrays ray, shown and met, (height, width, 4), as templates/live/readout.glsl describes them."""
+        """Return the arrays ray, shown and met, (height, width, 4), as povgen/liveview/readout.glsl describes them."""
         (program,) = self._prepared(scene, "shader")
         numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
@@ -221,7 +221,7 @@ def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
     """Return the distances to a piece's surface, (z, y, x), in voxels, below 0 inside, as pieceShape.js does.
 
     `volume` has the fields of `volumes.Volume`. `grid` is the number of points along x, y and z. The script is
-    templates/live/pieceShape.js.
+    povgen/liveview/pieceShape.js.
     """
     steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
     stored = np.cumsum(steps, axis=0, dtype=np.uint8)

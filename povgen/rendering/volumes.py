@@ -44,7 +44,7 @@ Mask = NDArray[np.bool_]
 
 
 class Volume(NamedTuple):
-    """A piece's distance field. `templates/live/pieceShape.js` reads it."""
+    """A piece's distance field. `povgen/liveview/pieceShape.js` reads it."""
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
     # A byte for each point is 128 + 127 * distance / most, at least 1 and at most 255. The distance is below 0 inside.

@@ -1,4 +1,4 @@
-"""Materials, light and sky, for POV-Ray (templates/*.pov.j2) and for the live view (templates/live/*.glsl) alike.
+"""Materials, light and sky, for POV-Ray (templates/*.pov.j2) and for the live view (povgen/liveview/*.glsl) alike.
 
 Colours are red, green and blue: linear light, 0 to 1. Numbers are text, as the scene's text shows them. Formulas are in
 POV-Ray's language; `floats` makes GLSL of them. Lengths are in tiles.

@@ -35,6 +35,7 @@ if TYPE_CHECKING:  # numpy is slow to load
     from povgen.optics.profile import Profile
 
 TEMPLATES = own_folder("templates")
+PACKAGE = Path(__file__).parents[1]  # whose folders have the texts of pages, shaders and captions
 COMPILED = TEMPLATES / "__pycache__"
 
 
@@ -55,7 +56,7 @@ class _Compiled(FileSystemBytecodeCache):
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader([TEMPLATES, PACKAGE]),
         bytecode_cache=_Compiled(str(COMPILED), f"%s.{sys.implementation.cache_tag}"),
         undefined=StrictUndefined,
         autoescape=select_autoescape(["html.j2"]),
@@ -84,8 +85,8 @@ def _environment() -> Environment:
 
 
 def _raw(name: str) -> str:
-    """Return the text of a file in templates/ unchanged: braces in a script are not Jinja's."""
-    return (TEMPLATES / name).read_text("utf-8")
+    """Return the text of a file in povgen/ unchanged: braces in a script are not Jinja's."""
+    return (PACKAGE / name).read_text("utf-8")
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:
@@ -250,20 +251,20 @@ def to_html(
     texts: Sequence[laws.Text],
     fonts: Mapping[str, str] | None = None,
 ) -> str:
-    """Return a page of the live view, `live/page` or `demo/index`, with its styles. Its script reads `data`.
+    """Return a page of the live view, `liveview/page` or `page/index`, with its styles. Its script reads `data`.
 
-    `texts` are the laws that its shaders know. `demo/index` has `fonts`: text, bold and symbols as base64.
+    `texts` are the laws that its shaders know. `page/index` has `fonts`: text, bold and symbols as base64.
     """
     return _environment().get_template(f"{page}.html.j2").render(data=data, script=script, laws=texts, fonts=fonts)
 
 
 def to_javascript(texts: Sequence[laws.Text]) -> str:
-    """Return the module live/laws.js: the laws that the page's scripts know."""
-    return _environment().get_template("live/laws.js.j2").render(laws=texts)
+    """Return the module liveview/laws.js: the laws that the page's scripts know."""
+    return _environment().get_template("liveview/laws.js.j2").render(laws=texts)
 
 
 def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
-    """Return one of the live view's fragment shaders, live/`main`.glsl with all that it includes.
+    """Return one of the live view's fragment shaders, liveview/`main`.glsl with all that it includes.
 
     The caller adds the lines before it, #version and #define. `texts` are the laws that the shader knows.
     """
@@ -271,7 +272,7 @@ def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
         parts = [main]
     else:
         parts = ["objects", "prisms", "materials", "laws", "view", main]
-    return "\n".join(_environment().get_template(f"live/{part}.glsl").render(laws=texts) for part in parts)
+    return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(laws=texts) for part in parts)
 
 
 def _input(file: str) -> str:
@@ -283,7 +284,7 @@ def _input(file: str) -> str:
 
 def to_caption(number: int, data: dict[str, object]) -> str:
     """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
-    return _environment().get_template(f"figures/figure{number}.md.j2").render(data)
+    return _environment().get_template(f"paper/captions/figure{number}.md.j2").render(data)
 
 
 def to_report(
@@ -293,9 +294,8 @@ def to_report(
     pictures: Sequence[tuple[str, str]],
 ) -> str:
     """Return a page of HTML with tables (name, head, rows) and pictures (name, PNG file as base64)."""
-    return (
-        _environment().get_template("report.html.j2").render(title=title, text=text, tables=tables, pictures=pictures)
-    )
+    template = _environment().get_template("measure/report.html.j2")
+    return template.render(title=title, text=text, tables=tables, pictures=pictures)
 
 
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:

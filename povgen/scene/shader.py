@@ -1,7 +1,7 @@
 """What the live view's shaders are given for a scene: constants for the compiler, and uniforms.
 
 This module needs no file and no browser.
-templates/live/values.js does the same in a page. Lengths are in tiles, angles of the result in radians.
+povgen/liveview/values.js does the same in a page. Lengths are in tiles, angles of the result in radians.
 """
 
 from collections.abc import Sequence
@@ -137,7 +137,7 @@ def _profiles(scene: Scene) -> "list[Profile | None]":
 
 
 def _edges(profiles: "Sequence[Profile | None]") -> dict[str, Any]:
-    """Return the uniforms of profiles in templates/live/prisms.glsl."""
+    """Return the uniforms of profiles in povgen/liveview/prisms.glsl."""
     several = [profile.edges if profile else () for profile in profiles]
     most = max(map(len, several))
     if not most:

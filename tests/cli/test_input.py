@@ -21,9 +21,9 @@ from PIL import Image
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
 from povgen.files import output_folder
-from povgen.liveview import page
 from povgen.liveview.view import Live
 from povgen.measure import charts, stability
+from povgen.page import page
 from povgen.record import check_unasked
 from povgen.rendering import auto, gl_runner, povray
 from povgen.scene.sdl import to_html
@@ -328,7 +328,7 @@ def test_a_file_of_povgens_is_written_over(tmp_path):
     (tmp_path / "a.csv").write_text("time,volts\n")
     with pytest.raises(InputError, match="a.csv' exists"):
         check_unasked([tmp_path / "a.csv"])
-    (tmp_path / "a.html").write_text(to_html("demo/index", page.data({}), "", [], fonts.encoded()))
+    (tmp_path / "a.html").write_text(to_html("page/index", page.data({}), "", [], fonts.encoded()))
     check_unasked([tmp_path / name for name in ("a.html", "missing")])
     docs = PROJECT / "docs"  # what earlier commands wrote
     check_unasked(docs.glob("tolerances/*.csv"))
@@ -497,7 +497,7 @@ def test_the_page_is_compared_without_povray(tmp_path, monkeypatch):
 def test_without_an_extra(arguments, extra, tmp_path, monkeypatch):
     """Neither a folder nor the frame of a table is left."""
     loaded = [name for name in sys.modules if name.partition(".")[0] == extra]
-    ours = [name for name in sys.modules if name.startswith(("povgen.measure.", "povgen.teach."))]
+    ours = [name for name in sys.modules if name.startswith(("povgen.measure.", "povgen.paper."))]
     for name in (*loaded, *ours):
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, extra, None)

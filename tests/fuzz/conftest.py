@@ -180,12 +180,12 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli import checkup
-    from povgen.liveview import page
     from povgen.measure import charts, field, glass, speed, stability, stability_chart, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
+    from povgen.page import page
+    from povgen.paper import figures
     from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, results, volumes
     from povgen.scene import quantities, spec
-    from povgen.teach import figures
     from povgen.video import build, encode
 
     started = Path.cwd()

@@ -11,8 +11,8 @@ import pytest
 from axe_playwright_python.base import AXE_SCRIPT
 from conftest import AXE, FAULTS, NAMES
 
-from povgen.liveview.page import demo
 from povgen.measure.browser import chromium
+from povgen.page.page import demo
 
 ENVIRONMENT = Path(sys.prefix)
 SIZE = {"width": 1280, "height": 720}

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from povgen import Chess, InputError, Movie, Rendering, live, movie, progress, render, save, show, to_pov
-from povgen.liveview.page import demo
+from povgen.page.page import demo
 from povgen.video import still
 
 SCENE = Chess(sheet="none")

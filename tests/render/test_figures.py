@@ -8,10 +8,10 @@ import pytest
 
 from povgen import Spheres
 from povgen.optics import equations
+from povgen.paper import agreement, figures
+from povgen.paper.figures import FIGURES, save_figure
 from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
-from povgen.teach import agreement, figures
-from povgen.teach.figures import FIGURES, save_figure
 
 pytestmark = pytest.mark.xdist_group("figures")  # one process makes the figures
 LINE_DRAWINGS = {1, 2, 5}

@@ -19,7 +19,7 @@ from povgen.scene.sdl import to_crossings
 
 
 def stored(volume):
-    """Return the stored distances, in voxels, as templates/live/pieceShape.js decodes them: (x, y, z)."""
+    """Return the stored distances, in voxels, as povgen/liveview/pieceShape.js decodes them: (x, y, z)."""
     steps = np.frombuffer(zlib.decompress(base64.b64decode(volume.data)), np.uint8).reshape(volumes.GRID[::-1])
     return ((np.cumsum(steps, axis=0, dtype=np.uint8).astype(float) - 128) / 127 * volume.most).transpose(2, 1, 0)
 

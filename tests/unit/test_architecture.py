@@ -22,8 +22,9 @@ LAYERS = {
     "video": {"optics", "sheets", "scene", "rendering"},
     "liveview": {"optics", "sheets", "scene", "rendering", "video"},
     "measure": {"optics", "sheets", "scene", "rendering", "video", "liveview"},
-    "teach": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure"},
-    "cli": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure", "teach"},
+    "page": {"optics", "sheets", "scene", "rendering", "video", "liveview"},
+    "paper": {"optics", "sheets", "scene", "rendering", "video", "measure"},
+    "cli": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure", "page", "paper"},
 }
 BASE = {"errors", "files", "limits", "progress", "record", "remedies", "settings", "stopping", "validation", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything

@@ -2,16 +2,20 @@
 
 import re
 import tomllib
+from pathlib import Path
 
 import pytest
 from conftest import PROJECT
 
 from povgen.liveview.languages import FOLDER, tables
-from povgen.liveview.page import ALL_KINDS, KEPT
+from povgen.page import page
+from povgen.page.page import ALL_KINDS, KEPT
 from povgen.scene.pieces import PIECES
 
 TABLES = tables(ALL_KINDS)
-SCRIPTS = {path.name: path.read_text("utf-8") for path in FOLDER.parent.iterdir() if path.suffix in (".js", ".j2")}
+SCRIPTS = {
+    path.name: path.read_text("utf-8") for path in Path(page.__file__).parent.iterdir() if path.suffix in (".js", ".j2")
+}
 PLURALS = {"zero", "one", "two", "few", "many", "other"}
 
 

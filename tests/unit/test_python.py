@@ -30,7 +30,7 @@ from povgen import (
     save,
     to_pov,
 )
-from povgen.liveview.page import demo
+from povgen.page.page import demo
 from povgen.scene.scenes import Scene
 from povgen.scene.spec import Sweep
 from povgen.settings import Options

@@ -33,7 +33,7 @@ def command(
     **options: object,
 ) -> None:
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
-    from povgen.liveview.page import demo
+    from povgen.page.page import demo
     from povgen.rendering.parallel import worker_count
 
     _, options = split(options)

@@ -28,7 +28,7 @@ def command(
             )
     files = {f"figure{number}.md": [f"figure{number}.{kind}" for kind in ("md", "png", "svg")] for number in numbers}
     with made_folder(output, files) as folder:
-        from povgen.teach.figures import save_figure  # after all checks, because matplotlib is slow to load
+        from povgen.paper.figures import save_figure  # after all checks, because matplotlib is slow to load
 
         for number in numbers:
             for path in save_figure(int(number), folder, rendering):

@@ -35,7 +35,7 @@ def browser():
 @pytest.fixture(scope="package")
 def demo_file(tmp_path_factory):
     """The teaching page, in a folder whose name has to be quoted in a URL."""
-    from povgen.liveview.page import demo
+    from povgen.page.page import demo
 
     return demo(tmp_path_factory.mktemp("demo") / "a démo #1.html", progress=False)
 

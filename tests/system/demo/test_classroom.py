@@ -6,7 +6,7 @@ from conftest import FAULTS, sentence
 from playwright.sync_api import expect
 
 from demo.conftest import show
-from povgen.liveview.page import KINDS
+from povgen.page.page import KINDS
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

@@ -8,8 +8,8 @@ from conftest import BEYOND, scene_of
 from playwright.sync_api import expect
 
 from demo.conftest import numbers, show
-from povgen.liveview.page import ALL_KINDS, KEPT
 from povgen.optics import equations
+from povgen.page.page import ALL_KINDS, KEPT
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 NOT_A_NUMBER = r"NaN|Infinity|null|undefined(?!<|; r = )|\[object"

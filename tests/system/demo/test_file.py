@@ -7,8 +7,8 @@ from conftest import PROJECT, povgen, refused
 from playwright.sync_api import expect
 
 from povgen import InputError, Spheres, live
-from povgen.liveview import page as teaching
-from povgen.liveview.page import demo
+from povgen.page import page as teaching
+from povgen.page.page import demo
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 
@@ -18,7 +18,7 @@ def test_the_page_is_one_small_file(demo_file):
     text = demo_file.read_text("utf-8")
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r'(src|href)="(?!data:|\$\{)', text)
-    assert all(path.read_text() in text for path in (PROJECT / "templates" / "demo").glob("*.css"))
+    assert all(path.read_text() in text for path in (PROJECT / "povgen" / "page").glob("*.css"))
 
 
 def test_a_page_has_one_global_name(browser, demo_file, tmp_path):

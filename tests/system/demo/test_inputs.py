@@ -8,8 +8,8 @@ from conftest import scene_of, wait_for
 from playwright.sync_api import expect
 
 from demo.conftest import bounds, centre, drag, numbers, show
-from povgen.liveview.page import KINDS
 from povgen.optics import equations
+from povgen.page.page import KINDS
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

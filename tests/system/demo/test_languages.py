@@ -5,7 +5,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import centre, opened, show
 from povgen.liveview.languages import tables
-from povgen.liveview.page import ALL_KINDS
+from povgen.page.page import ALL_KINDS
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

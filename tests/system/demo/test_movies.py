@@ -4,8 +4,8 @@ import pytest
 from playwright.sync_api import expect
 
 from demo.conftest import opened, show
-from povgen.liveview import page as teaching
-from povgen.liveview.page import demo
+from povgen.page import page as teaching
+from povgen.page.page import demo
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

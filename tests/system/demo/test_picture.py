@@ -7,8 +7,8 @@ from PIL import Image
 from playwright.sync_api import expect
 
 from demo.conftest import COARSE, WORK, centre, picture, pixels, show
-from povgen.liveview.page import KINDS
 from povgen.optics import apparent
+from povgen.page.page import KINDS
 
 pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 

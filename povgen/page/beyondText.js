@@ -1,7 +1,7 @@
 // What the page says of the choices beyond the paper, in sentences.
 
-import * as geometry from "../live/geometry.js";
-import { bending } from "../live/sheets.js";
+import * as geometry from "../liveview/geometry.js";
+import { bending } from "../liveview/sheets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { kinds } from "./beyond.js";
 import { abs, arg, minus, quotient } from "./complex.js";

@@ -1,8 +1,8 @@
 // Rays of light through all windows of the scene, as lines in space: traced through each prism (trace.js), or turned by the
 // law of an ideal sheet. Points are [x, y, z], in tiles.
 
-import * as geometry from "../live/geometry.js";
-import { bending, hasPrisms } from "../live/sheets.js";
+import * as geometry from "../liveview/geometry.js";
+import { bending, hasPrisms } from "../liveview/sheets.js";
 import { passage } from "./trace.js";
 import { abs, finite, minus, plus, resolved, scaled } from "./complex.js";
 import { data, pick } from "./data.js";

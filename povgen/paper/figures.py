@@ -1,4 +1,4 @@
-"""Draw the paper's six figures. templates/figures/ has the text of the captions; `agreement` measures their numbers.
+"""Draw the paper's six figures. captions/ has the text of the captions; `agreement` measures their numbers.
 
 In drawings of space the z axis points to the left, so that light travels to the right.
 """
@@ -14,12 +14,8 @@ from povgen.files import save
 from povgen.measure.plotting import Axes, Figure, save_drawing, style, withStroke
 from povgen.optics import equations
 from povgen.optics.prism import Prism
-from povgen.rendering.frames import read_png, render_all
-from povgen.scene.scenes import Chess, Scene, Spheres
-from povgen.scene.sdl import to_caption
-from povgen.settings import Rendering
-from povgen.teach import agreement
-from povgen.teach.drawing import (
+from povgen.paper import agreement
+from povgen.paper.shapes import (
     GREY,
     RAY,
     SHEET,
@@ -37,6 +33,10 @@ from povgen.teach.drawing import (
     write,
     xy,
 )
+from povgen.rendering.frames import read_png, render_all
+from povgen.scene.scenes import Chess, Scene, Spheres
+from povgen.scene.sdl import to_caption
+from povgen.settings import Rendering
 from povgen.video import overlay
 from povgen.video.outline import outlines
 

@@ -1,6 +1,6 @@
 // A dashed outline of the piece on the picture: a prediction by drawing, or what the picture has to be made to match.
 
-import { radians } from "../live/geometry.js";
+import { radians } from "../liveview/geometry.js";
 import { abs, arg, minus, plus, scaled, times, turn } from "./complex.js";
 import { $ } from "./data.js";
 import * as equations from "./equations.js";

@@ -1,7 +1,7 @@
 // Measuring on the picture: a protractor with two arms, whose ends are a ruler's too, and a table of what a class has measured, over
 // the curves of the equations. Points are in tiles of the window's plane.
 
-import { radians } from "../live/geometry.js";
+import { radians } from "../liveview/geometry.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, write } from "./data.js";
 import { refresh } from "./frame.js";

@@ -1,6 +1,6 @@
 // Show the state everywhere: in the picture, the diagram, the numbers, the address, and in words.
 
-import { benchText } from "../live/readout.js";
+import { benchText } from "../liveview/readout.js";
 import { fromHash, toHash } from "./address.js";
 import { drawQuestion, endGlide, rewriteQuestion } from "./asking.js";
 import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./controls.js";

@@ -1,7 +1,7 @@
 // Two settings side by side: a curtain across the picture, to the right of which the window has other sheets. A second live view
 // draws them. It is made when it is first wanted.
 
-import { LiveView } from "../live/view.js";
+import { LiveView } from "../liveview/view.js";
 import { $, data } from "./data.js";
 import { refresh } from "./frame.js";
 import { percent, say } from "./language.js";

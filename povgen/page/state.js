@@ -1,6 +1,6 @@
 // What the page shows. Lengths are in tiles, points are [x, y] as the eye sees them.
 
-import * as geometry from "../live/geometry.js";
+import * as geometry from "../liveview/geometry.js";
 import { clamped, data, pick } from "./data.js";
 import { say } from "./language.js";
 import { brief, isAngle, SYMBOL } from "./numbers.js";

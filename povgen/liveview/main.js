@@ -1,4 +1,4 @@
-// The page that shows the live view alone. In Jupyter it exchanges values with Python, by way of jupyter/widget.js.
+// The page that shows the live view alone. In Jupyter it exchanges values with Python, by way of liveview/widget.js.
 
 import { movable } from "./moving.js";
 import { benchText } from "./readout.js";

@@ -1,7 +1,7 @@
 // The guided start: it moves by itself, step by step, can be left at any time and run again. With reduced motion each step waits for
 // the button.
 
-import { radians } from "../live/geometry.js";
+import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
 import { $ } from "./data.js";

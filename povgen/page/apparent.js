@@ -1,8 +1,8 @@
 // Where the eye sees a point through windows with sheets of any kinds: povgen/optics/apparent.py. A ray from the eye E with the
 // slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in live/sheets.js.
 
-import * as geometry from "../live/geometry.js";
-import { bending, hasPrisms } from "../live/sheets.js";
+import * as geometry from "../liveview/geometry.js";
+import { bending, hasPrisms } from "../liveview/sheets.js";
 import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 
 /** @typedef {number[]} Point */

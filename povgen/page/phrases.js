@@ -1,6 +1,6 @@
 // Parts of sentences.
 
-import { radians, shape } from "../live/geometry.js";
+import { radians, shape } from "../liveview/geometry.js";
 import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
 import { contents, SHOWN } from "./contents.js";

@@ -1,6 +1,6 @@
 // Numbers, as the page prints them and as it reads them.
 
-import { radians } from "../live/geometry.js";
+import { radians } from "../liveview/geometry.js";
 import { finite } from "./complex.js";
 import { data } from "./data.js";
 import { entry, localised, say, separator } from "./language.js";

@@ -1,7 +1,7 @@
 // The canvas, its picture as a file, and what is shown where there is none.
 
-import { still } from "../live/readout.js";
-import { LiveView } from "../live/view.js";
+import { still } from "../liveview/readout.js";
+import { LiveView } from "../liveview/view.js";
 import { toHash } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { replace } from "./beyond.js";

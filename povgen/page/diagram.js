@@ -1,6 +1,6 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
-import { radians } from "../live/geometry.js";
+import { radians } from "../liveview/geometry.js";
 import { isGeneral } from "./beyond.js";
 import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { $, clamped } from "./data.js";

@@ -1,6 +1,6 @@
 """Make the teaching page: the live view beside the geometry and the equations of the paper. It is one HTML file.
 
-The page's text and scripts are in templates/demo/. It needs no network. POV-Ray's movies are files beside it.
+The page's text and scripts are in povgen/page/. It needs no network. POV-Ray's movies are files beside it.
 """
 
 import os
@@ -87,7 +87,7 @@ def demo(
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
     laws = to_live()
     made = data(shown, shapes, presets, first)
-    text = to_html("demo/index", made, script("demo/main.js", laws=laws), laws, fonts.encoded())
+    text = to_html("page/index", made, script("page/main.js", laws=laws), laws, fonts.encoded())
     save(text.encode(), page)
     return page
 

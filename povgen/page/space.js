@@ -1,8 +1,8 @@
 // The light in space: eye, frame, sheets and object, and rays that are traced through them (rays.js). Or one prism.
 // Points are [x, y, z], in tiles. Depths are to scale, unless the whole is very long.
 
-import * as geometry from "../live/geometry.js";
-import { hasPrisms } from "../live/sheets.js";
+import * as geometry from "../liveview/geometry.js";
+import { hasPrisms } from "../liveview/sheets.js";
 import { passage } from "./trace.js";
 import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
 import { seenAt, SHOWN } from "./contents.js";

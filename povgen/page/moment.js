@@ -1,8 +1,8 @@
 // The numbers that follow from what the user has set (state.js): positions, angles, magnifications. Lengths are in tiles,
 // points are [x, y] as the eye sees them.
 
-import * as geometry from "../live/geometry.js";
-import { hasPrisms, windows } from "../live/sheets.js";
+import * as geometry from "../liveview/geometry.js";
+import { hasPrisms, windows } from "../liveview/sheets.js";
 import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
 import { inSeries, isGeneral } from "./beyond.js";
 import { abs, arg, determinant, minus, plus, resolved, scaled, times, turn } from "./complex.js";

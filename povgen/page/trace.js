@@ -1,7 +1,7 @@
 // The exact ray trace through the sheets of Dove prisms, or of lenses, in a window, with numbers of 64 bits: povgen/optics/trace.py, whose
 // comments explain the method. x, y and z are the scene's, in tiles.
 
-import { radians, shape, sheets } from "../live/geometry.js";
+import { radians, shape, sheets } from "../liveview/geometry.js";
 
 const [NONE, BASE, NEAR, TOP, FAR] = [0, 1, 2, 3, 4];  // faces of a prism, as in trace.py; those of lenses are 1 and 2
 const BORDER = 255;                                     // in place of a face: the border between two lenses

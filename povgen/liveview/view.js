@@ -10,7 +10,7 @@ import { field } from "./pieceShape.js";
 
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
-  // If the view cannot be shown, `failed` is called with a name of the table `failures` (templates/demo/languages/), and with what
+  // If the view cannot be shown, `failed` is called with a name of the table `failures` (povgen/liveview/languages/), and with what
   // the browser says; with null when it can be shown again.
   /** @param {(why: string | null, reason?: string) => void} failed */
   constructor(canvas, scene, volumes, failed = () => {}) {
