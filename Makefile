@@ -88,8 +88,8 @@ test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-release
 	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
 
-test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## tests with every Python here, with the oldest packages, and in Firefox
-	$(VENV)/bin/python -m pytest tests/release --numprocesses 2
+test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## the variants that take long; tests with every Python here, with the oldest packages, and in Firefox
+	$(VENV)/bin/python -m pytest -m release --numprocesses 6 --dist loadgroup
 
 coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage
 	$(begin)

@@ -82,6 +82,24 @@ settings.register_profile("povgen", deadline=None, derandomize=True, database=No
 settings.load_profile("povgen")
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest selects tests by their marks
+def pytest_collection_modifyitems(items):
+    """Mark tests by their files.
+
+    A test of a browser or a cluster that fails is run once more: it depends on other programs. The end of the run names
+    it as RERUN. The tests in a file of the page share a browser.
+    """
+    for item in items:
+        path = item.path.relative_to(PROJECT / "tests")
+        if path.parts[0] == "release":
+            item.add_marker("release")
+        if path.parent.name == "demo":
+            item.add_marker(pytest.mark.xdist_group(path.stem))
+        if path.parent.name == "demo" or path.name in ("test_live.py", "test_cluster.py", "test_firefox.py"):
+            item.add_marker(pytest.mark.flaky(reruns=1))
+            item.add_marker(pytest.mark.timeout(600))
+
+
 @pytest.fixture(autouse=True, scope="session")
 def cache(tmp_path_factory):
     """A cache for this run, which all its processes share. So no frame of an earlier version of the code is used."""

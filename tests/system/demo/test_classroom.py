@@ -8,8 +8,6 @@ from playwright.sync_api import expect
 from demo.conftest import show
 from povgen.page.page import KINDS
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 SMALL = [(800, 600), (853, 683), (640, 620), (899, 580), (360, 640)]
 
 

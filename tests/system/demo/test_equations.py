@@ -11,7 +11,6 @@ from demo.conftest import numbers, show
 from povgen.optics import equations
 from povgen.page.page import ALL_KINDS, KEPT
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 NOT_A_NUMBER = r"NaN|Infinity|null|undefined(?!<|; r = )|\[object"
 
 

@@ -10,8 +10,6 @@ from povgen import InputError, Spheres, live
 from povgen.page import page as teaching
 from povgen.page.page import demo
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 def test_the_page_is_one_small_file(demo_file):
     assert demo_file.stat().st_size < 1_250_000

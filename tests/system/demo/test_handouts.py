@@ -10,8 +10,6 @@ from playwright.sync_api import expect
 
 from demo.conftest import COARSE, DRAWN, bounds, opened, picture, pixels, show
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 @pytest.fixture
 def share(page):

@@ -11,8 +11,6 @@ from demo.conftest import bounds, centre, drag, numbers, show
 from povgen.optics import equations
 from povgen.page.page import KINDS
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 def test_sliders_of_other_sheets(page):
     """A focal length has both signs, and a lens is weak in the middle of the slider. An angle is linear."""

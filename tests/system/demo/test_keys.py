@@ -9,7 +9,6 @@ from playwright.sync_api import expect
 
 from demo.conftest import heard, show
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 SIZES = {"laptop": (1280, 720), "phone": (390, 844), "phone sideways": (844, 390), "projector": (1920, 1080)}
 
 

@@ -7,8 +7,6 @@ from demo.conftest import centre, opened, show
 from povgen.liveview.languages import tables
 from povgen.page.page import ALL_KINDS
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 # A language in which each word of three or more letters is "жжж".
 STRANGE = """() => {
   const strange = (part, name) => typeof part === "string"

@@ -8,8 +8,6 @@ from playwright.sync_api import expect
 
 from demo.conftest import STILL, show
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 @pytest.fixture
 def measure(page):

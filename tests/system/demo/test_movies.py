@@ -7,8 +7,6 @@ from demo.conftest import opened, show
 from povgen.page import page as teaching
 from povgen.page.page import demo
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 def test_presets_play_loop_stop_and_scrub(page):
     show(page, sheet="none")

@@ -10,8 +10,6 @@ from demo.conftest import COARSE, WORK, centre, picture, pixels, show
 from povgen.optics import apparent
 from povgen.page.page import KINDS
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
     assert page.evaluate("[state.sheet, state.alpha, player.playing, state.scene]") == ["ideal", 66, False, "chess"]

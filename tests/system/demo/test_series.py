@@ -11,8 +11,6 @@ from demo.conftest import centre, show
 from demo.test_classroom import SMALL
 from demo.test_equations import NOT_A_NUMBER
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 LENS = {"windows": 2, "sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60}
 GLASS = {"windows": 2, "sheet": "axis", "sheet2": "detailed", "alpha": 10, "axis": [0, 1, 0], "alpha2": 40}
 

@@ -9,7 +9,6 @@ from demo.conftest import bounds, show
 from povgen.measure import field
 from povgen.optics import equations
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 SAYS = "#light-says"
 
 

@@ -6,7 +6,6 @@ import pytest
 from conftest import NAMES
 from playwright.sync_api import expect
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
 END = "tour.passed = 100"  # of the present step
 
 

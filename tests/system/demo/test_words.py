@@ -8,8 +8,6 @@ from playwright.sync_api import expect
 
 from demo.conftest import heard, show
 
-pytestmark = [pytest.mark.xdist_group("demo"), pytest.mark.timeout(600)]
-
 
 def test_a_question_about_an_image_does_not_give_its_answer(page):
     page.evaluate("openQuestion(QUESTIONS.findIndex(({ name }) => name === 'series'))")
