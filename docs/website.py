@@ -49,6 +49,7 @@ CONTENTS = {
     "What is measured": ["docs/accuracy", "docs/speed", "docs/cluster"],
     "The project": [
         "CONTRIBUTING",
+        "docs/architecture",
         "CODE_OF_CONDUCT",
         "SECURITY",
         "docs/roadmap",

@@ -6,7 +6,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections import Counter
 from functools import cache
 from pathlib import Path
 from textwrap import dedent
@@ -87,12 +86,18 @@ def links(page):
     return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S))
 
 
-def test_contributing_says_what_every_module_is_for():
-    """But not each command and each kind of sheet: their folders have one file for each."""
-    text = (PROJECT / "CONTRIBUTING.md").read_text()
-    modules = [path for path in (PROJECT / "povgen").rglob("*.py") if path.parent.name not in ("commands", "sheets")]
-    names = Counter(path.name for path in modules if path.name[0] != "_")  # two folders can have files of one name
-    assert [each for each, times in names.items() if text.count(f"`{each}`") < times] == []
+def test_the_page_of_the_architecture_has_every_folder():
+    text = (PROJECT / "docs" / "architecture.md").read_text()
+    folders = [path.parent.name for path in (PROJECT / "povgen").glob("*/__init__.py")]
+    named = re.findall(r"^\| `(\w+)/` \|", text, re.M)
+    assert sorted(named) == sorted(folders)
+    files = re.findall(r"^\| `(\w+)/`.*\| (.*) \|$", text, re.M)
+    assert all(
+        (PROJECT / "povgen" / folder / file).exists()
+        for folder, found in files
+        for file in found.replace("`", "").split(", ")
+    )
+    assert all((PROJECT / folder).is_dir() for folder in re.findall(r"`(\w+)/` (?:has|compares|configures|is)", text))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
