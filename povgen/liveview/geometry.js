@@ -29,6 +29,13 @@ function lenses(vertex, focal, index, side) {
   return side < 0 ? [0, corner, 1, corner, radius] : [1, corner, 0, corner, radius];
 }
 
+// The edges of a Dove prism: base, near facet, top, far facet.
+function dove(values) {
+  const { pitch, height, length } = prism(values), { gap, base_angle } = values;
+  const [low, high, base] = [gap / 2, 1 - gap / 2, length / pitch / 2], top = base - height / pitch / Math.tan(radians(base_angle));
+  return [[low, base, low, -base, 0], [low, -base, high, -top, 0], [high, -top, high, top, 0], [high, top, low, base, 0]];
+}
+
 // The cross-section of the sheets in a window, in pitches, and their number across the window; null for Dove prisms.
 // povgen/optics/profile.py. That of the kind "profile" is made in Python (povgen/liveview/values.py).
 function profile({ sheet, values }) {
@@ -45,6 +52,13 @@ export function shape(window) {
   if (!made) return { ...prism(window.values), edges: [] };
   const pitch = window.values.aperture / made.count, length = 2 * made.half * pitch;
   return { pitch, length, separation: length + made.gap * pitch, index: made.index, edges: made.edges };
+}
+
+// The same for the ray trace in a page, in pitches: Dove prisms have edges, too. `path` has the numbers of those that light on the
+// designed path meets on its way to greater z.
+export function outlines(window) {
+  const { pitch, length, index, edges } = shape(window);
+  return { pitch, half: length / pitch / 2, index, ...(edges.length ? { edges, path: [1, 2] } : { edges: dove(window.values), path: [2, 1, 4] }) };
 }
 
 const isSingle = ({ sheet, values }) => sheet === "single" || (sheet === "profile" && values.arrangement === "single");
@@ -69,17 +83,6 @@ export function depth(scene) {
 
 // z of the last window, from which the objects' z1 counts.
 const lastZ = (scene) => windows(scene).at(-1).z;
-
-// The window frame's cross-section, from the opening's front to its back: distance from the opening, and z. The lip's
-// width. templates/frame.pov.j2
-export function frameSection(scene) {
-  const half = depth(scene) / 2, { rim } = scene, slant = Math.min(rim, 2 * half);
-  return [
-    [0, -half], [0.6 * rim, -half], [0.75 * rim, 0.25 * slant - half], [rim, 0.5 * slant - half], [rim, half], [0, half],
-  ];
-}
-
-export const frameLip = (scene) => 0.2 * scene.rim;
 
 export const floorY = (scene) => -(scene.aperture / 2 + scene.rim);
 

@@ -67,7 +67,7 @@ Finish FrameTexture(vec3 p) {
       further = true;
     }
   }
-  if (beyond > 0.0 && beyond < frameLip && z < 1e-4 - frameDepth / 2.0) {
+  if (beyond > 0.0 && beyond < 0.2 * frameRim && z < 1e-4 - frameDepth / 2.0) {
     return Finish(vec3({{ materials.LIP }}), {{ materials.FINISHES.lip | join(", ") }}, true);
   }
   float fibres = Fibres(q.x, q.y, z);

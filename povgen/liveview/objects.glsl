@@ -11,8 +11,7 @@ const int OBJECT = 3;  // the first piece or sphere; the next is 4, and so on; t
 uniform float window;                  // side of the square windows
 uniform float windowZ[WINDOWS];        // z of the middle of each window, the nearest to the eye first
 uniform float frameDepth;              // extent of a window frame along z
-uniform vec2 frameSection[CORNERS];    // corners of its cross-section: distance from the opening, and z
-uniform float frameLip;                // width of the metal lip at the opening's front
+uniform float frameRim;                // width of a frame's sides
 uniform bool hasFloor;
 uniform float floorY;
 uniform float horizon;                 // how far away the floor ends
@@ -76,13 +75,16 @@ void meetFrame(vec3 o, vec3 d, inout Hit hit) {
     }
     return;
   }
-  vec2 rim = vec2(0);
-  for (int k = 0; k < CORNERS; k++) rim = max(rim, vec2(frameSection[k].x, abs(frameSection[k].y)));
-  vec3 corner = vec3(vec2(half_ + rim.x), rim.y);
+  float back = frameDepth / 2.0, slant = min(frameRim, frameDepth);
+  vec3 corner = vec3(vec2(half_ + frameRim), back);
   vec2 reach = boxed(o, d, -corner, corner);
   if (reach.x > reach.y || reach.y < 0.0 || reach.x > hit.t) return;
+  // the cross-section's corners, from the opening's front to its back: distance from the opening, and z (templates/frame.pov.j2)
+  vec2 section[6] = vec2[](
+    vec2(0, -back), vec2(0.6 * frameRim, -back), vec2(0.75 * frameRim, 0.25 * slant - back), vec2(frameRim, 0.5 * slant - back),
+    vec2(frameRim, back), vec2(0, back));
   vec2 centre = vec2(half_, 0);
-  for (int k = 1; k < CORNERS; k++) meetFrameFace(o, d, centre + frameSection[k - 1], centre + frameSection[k], hit);
+  for (int k = 1; k < 6; k++) meetFrameFace(o, d, centre + section[k - 1], centre + section[k], hit);
 }
 
 void meetFrames(vec3 o, vec3 d, inout Hit hit) {

@@ -14,7 +14,6 @@ export function defines(scene, { names, grid }) {
     PIECES: geometry.pieces(scene).length,
     SPHERES: scene.name === "spheres" ? Math.max(11, geometry.spheres(scene).length) : 0,
     VOLUMES: names.length,
-    CORNERS: geometry.frameSection(scene).length,
     GRID: grid.join(", "),
     ...Object.fromEntries(Object.keys(scene.pictures).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
@@ -47,8 +46,7 @@ export function uniforms(scene, { names, places }) {
     window: scene.aperture,
     windowZ: all.map(({ z }) => z),
     frameDepth: geometry.depth(scene),
-    frameSection: geometry.frameSection(scene),
-    frameLip: geometry.frameLip(scene),
+    frameRim: scene.rim,
     hasFloor: scene.name === "chess" && scene.floor !== "none",
     skyPicture: 2,
     floorPicture: 3,

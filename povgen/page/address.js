@@ -27,7 +27,7 @@ export function toHash() {
   /** @type {any} */
   const asked = QUESTIONS[question];
   if (asked?.own) parts.own = session.own_question;
-  else if (asked) parts.question = question + 1;
+  else if (asked) parts.question = asked.name;
   if (spoken.asked) parts.language = spoken.language;
   return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
@@ -38,7 +38,7 @@ export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
-  const question = given.has("own") ? own(given.get("own")) : Number(given.get("question")) - 1;
+  const question = given.has("own") ? own(given.get("own")) : numberOf(given.get("question"));
   if (QUESTIONS[question]) {
     Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
     session.lastQuestion = question;
@@ -47,6 +47,9 @@ export function fromHash(hash) {
   change(values);
   [session.replaced, session.own] = [null, {}];
 }
+
+// The number of the question with this name, or with this number from 1, as older links have it; -1 if there is none.
+const numberOf = (name) => QUESTIONS.findIndex((question, n) => name === question.name || name === String(n + 1));
 
 // The number of a teacher's own question in an address; -1 if it is none.
 function own(text) {

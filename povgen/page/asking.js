@@ -47,8 +47,7 @@ export function reveal() {
   const given = question.match ? String(isMatched(question)) : new FormData($("question-form")).get("prediction");
   session.drawn = question.match ? null : session.dashed;
   revealed.set(state.question, given);
-  const { before, after } = question;
-  glide({ ...before, ...(typeof after === "function" ? after() : after) });
+  glide({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
 }
 
 // Any input ends the movement: the page is then at its end.

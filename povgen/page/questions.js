@@ -84,7 +84,7 @@ export const QUESTIONS = [
     name: "half", expert: true,
     before: { ...UP, alpha: 90 }, tolerance: 0.1,
     answer: () => solved((z1) => nuDegrees(z1, 6, 90), 45, 0.1, 1000),
-    after: () => ({ z1: QUESTIONS[4].answer() }),
+    after() { return { z1: this.answer() }; },
   },
   {
     name: "upright",
@@ -100,7 +100,8 @@ export const QUESTIONS = [
   },
   {
     name: "most",
-    before: UP, tolerance: 5, after: () => ({ alpha: QUESTIONS[7].answer() }),
+    before: UP, tolerance: 5,
+    after() { return { alpha: this.answer() }; },
     answer: () => mostTurned(2, 6),
     numbers: () => ({ nu: degreesText(nuDegrees(2, 6, mostTurned(2, 6))) }),
   },

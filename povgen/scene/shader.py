@@ -39,7 +39,6 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
         "PIECES": len(scene.pieces) if isinstance(scene, Chess) else 0,
         "SPHERES": max(MOST_SPHERES, len(scene.objects)) if isinstance(scene, Spheres) else 0,
         "VOLUMES": len(names),
-        "CORNERS": len(_frame_section(scene)),
         "GRID": ", ".join(map(str, grid)),
     }
     if edges := [len(profile.edges) for profile in _profiles(scene) if profile]:
@@ -91,8 +90,7 @@ def uniforms(
         "window": scene.aperture,
         "windowZ": scene.places,
         "frameDepth": scene.depth,
-        "frameSection": _frame_section(scene),
-        "frameLip": 0.2 * scene.rim,
+        "frameRim": scene.rim,
         "hasFloor": isinstance(scene, Chess) and scene.floor != "none",
         "skyPicture": 2,
         "floorPicture": 3,
@@ -151,14 +149,6 @@ def _prism(scene: Scene, window: Scene | Window) -> Prism:
     """Return the shape of the prisms in a window. A window without prisms has values for them too."""
     values = scene.values_of(window, ("prisms", *SHAPE))
     return shape_of(values, scene.aperture / values["prisms"])
-
-
-def _frame_section(scene: Scene) -> list[tuple[float, float]]:
-    """Return the frame's cross-section, from the opening's front to its back: distance from the opening, and z."""
-    half, rim = scene.depth / 2, scene.rim
-    slant = min(rim, 2 * half)
-    front = [(0.0, -half), (0.6 * rim, -half), (0.75 * rim, 0.25 * slant - half), (rim, 0.5 * slant - half)]
-    return [*front, (rim, half), (0.0, half)]
 
 
 def _constants(laws: Sequence[Text]) -> int:

@@ -140,7 +140,7 @@ def test_a_prediction_is_kept_in_another_language(page):
         page.locator("#prediction input").fill("2,6")  # it can be changed
         page.evaluate("draw()")
         expect(page.locator("#prediction input")).to_have_value("2,6")
-        page.evaluate("fromHash('#question=5&language=es'); draw()")  # another question
+        page.evaluate("fromHash('#question=half&language=es'); draw()")  # another question
         expect(page.locator("#prediction input")).to_have_value("")
     finally:
         page.evaluate("choose('en'); draw()")
