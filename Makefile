@@ -164,8 +164,10 @@ chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/
 	@mkdir -p build
 	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > build/mitsuba.csv
 	@mv build/mitsuba.csv benchmarks/mitsuba.csv
-	$(POVGEN) chart --baselines benchmarks -o docs/chart
+	$(VENV)/bin/python benchmarks/charts.py docs/chart
 	$(VENV)/bin/python docs/lenticulars.py
+	$(VENV)/bin/python docs/ray_field.py
+	$(VENV)/bin/python docs/real_glass.py
 
 site: | $(VENV)/docs-ready  ## the site, build/site/index.html: these pages, the gallery, the live page, the Python interface
 	$(begin)

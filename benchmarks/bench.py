@@ -17,6 +17,7 @@ from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
 
 import numpy as np
+from charts import MAIN_SIZE, baselines
 from mitsuba_points import fastest
 from rich.console import Console
 from rich.table import Table
@@ -86,7 +87,7 @@ def movie(frames: int, sheet: str, width: int) -> tuple[float, float]:
 def lines() -> Iterator[Line]:
     """Yield the lines of the table."""
     detailed = to_pov(Chess())
-    by_hand = {name: to_pov(Chess(), sheet_macro=macro) for name, macro in speed.baselines(HERE).items()}
+    by_hand = {name: to_pov(Chess(), sheet_macro=macro) for name, macro in baselines().items()}
     for name, text in by_hand.items():
         bound = 0.25 if name == "intersections" else None
         yield "detailed, CPU s", f"union of {name}", *paired(cpu(detailed), cpu(text), 5), bound
@@ -123,9 +124,9 @@ def lines() -> Iterator[Line]:
 
 def equal_error(detailed: str, by_hand: str) -> Line:
     """Compare the hand-written scene at +A0.3 with povgen's cheapest sampling whose picture is no worse."""
-    scene, size = Chess(), speed.MAIN_SIZE
+    scene, size = Chess(), MAIN_SIZE
     reference = speed.sample(detailed, CONVERGED, size)[1]
-    theirs, picture = speed.sample(by_hand, speed.POVRAY_DEFAULT, size)
+    theirs, picture = speed.sample(by_hand, "1,0.3,3", size)
     wanted = speed.picture_error(picture, reference, scene)[0]
     found = []
     for sampling in speed.SAMPLINGS:

@@ -16,6 +16,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
 from threading import Thread
+from unittest.mock import patch
 
 import distributed
 from rich.console import Console
@@ -115,7 +116,11 @@ def own_cpu(who: int) -> float:
 
 def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
     """Return the wall seconds of a movie, and the CPU seconds of client and encoder for each of its frames."""
-    with temporary_folder() as folder, speed.empty_cache(folder / "cache"), running(workers) as (address, _):
+    with (
+        temporary_folder() as folder,
+        patch.dict(os.environ, POVGEN_CACHE=str(folder / "cache")),
+        running(workers) as (address, _),
+    ):
         movie(spec(2), folder / "first.mp4", scheduler=address, quality="draft")  # workers import their modules
         survey.of_inputs.cache_clear()  # forget the first movie's ray traces of these scenes
         client, encoder, start = own_cpu(RUSAGE_SELF), own_cpu(RUSAGE_CHILDREN), time.monotonic()
@@ -127,7 +132,7 @@ def whole_movie(count: int, workers: int) -> tuple[float, float, float]:
 def for_nothing(quality: str, workers: int) -> dict[str, float]:
     """Measure a frame that costs POV-Ray nothing: seconds alone and among many, CPU seconds, bytes."""
     scenes, rendering = spec(LONG).scenes("standard"), Rendering(quality=quality)
-    with temporary_folder() as folder, speed.empty_cache(folder / "cache"):
+    with temporary_folder() as folder, patch.dict(os.environ, POVGEN_CACHE=str(folder / "cache")):
         picture = folder / "picture.png"
         picture.write_bytes(still.as_file(scenes[LONG // 2], rendering))
         (folder / "stand_in.py").write_text(STAND_IN.format(str(picture)))

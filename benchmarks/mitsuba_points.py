@@ -1,4 +1,4 @@
-"""Measure Mitsuba 3 for the charts of `povgen chart`: the same mesh of prisms, several numbers of rays a pixel.
+"""Measure Mitsuba 3 for the charts of docs/speed.md: the same mesh of prisms, several numbers of rays a pixel.
 
 The argument is the Python that has Mitsuba. The output is a table with the columns of docs/chart/frames.csv. Mitsuba's
 scene has no piece, and boxes for the window's frame, so its pictures are compared with its own converged picture.
@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
+from charts import MAIN_SIZE
 
 from povgen import Chess
 from povgen.measure import speed
@@ -85,14 +86,14 @@ def fastest(python: str) -> Mitsuba:
 
 
 def main() -> None:
-    mitsuba, size = fastest(sys.argv[1]), speed.MAIN_SIZE
+    mitsuba, size = fastest(sys.argv[1]), MAIN_SIZE
     converged = mitsuba.sample(size, CONVERGED)[1]
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(FRAMES_HEAD)
     for rays in RAYS:
         seconds, picture = mitsuba.sample(size, rays)
         errors = speed.picture_error(picture, converged, Chess())
-        values = (f"{value:.4g}" for value in (seconds, *errors, errors[1]))
+        values = (f"{value:.4g}" for value in (seconds, *errors))
         table.writerow([f"Mitsuba {mitsuba.variant}", f"{rays} ray{'s' * (rays > 1)}", *size, *values])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, name_lines, plain_ticks, save_lines
+from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, plain_ticks, save_lines
 from povgen.optics.faces import Sheet
 from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism
@@ -142,7 +142,7 @@ def chart() -> None:
         for axis in (right.xaxis, right.yaxis):
             plain_ticks(axis)
         for ax in (left, right):
-            name_lines(ax)
+            ax.legend()
         save_lines(CHART.with_suffix(".csv"), left, right)
 
 

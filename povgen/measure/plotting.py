@@ -19,7 +19,6 @@ try:
     from cycler import cycler
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
     from matplotlib.patheffects import withStroke
@@ -31,8 +30,8 @@ except ImportError:
 
 # for the modules that draw
 __all__ = [
-    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Axis", "Figure", "FigureCanvasAgg", "drawn",
-    "name_lines", "plain_ticks", "point_to_better", "save_drawing", "save_lines", "save_table", "style", "withStroke",
+    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing", "save_lines",
+    "save_table", "style", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
 GREY = "#777777"
@@ -69,69 +68,6 @@ def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
         save_drawing(figure, *paths)
-
-
-def name_lines(ax: Axes, size: float = 10) -> None:
-    """Write the name of each labelled line of `ax` at the right of the axes. A thin line joins it to the line's end.
-
-    `size` is the size of the letters in points. Names that would overlap are moved apart. Call this when the limits of
-    the axes are final.
-    """
-    figure = ax.figure
-    figure.draw_without_rendering()  # type: ignore[union-attr]  # fixes the height of the axes
-    room = 1.3 * size / 72 * figure.dpi / ax.get_window_extent().height
-    named = []
-    for line in ax.lines:
-        x, y = np.array(line.get_xydata(), float).T
-        shown = np.isfinite(y) & (x >= ax.get_xlim()[0]) & (x <= ax.get_xlim()[1])
-        if not str(line.get_label()).startswith("_") and shown.any():
-            last = x[shown].argmax()
-            end = ax.transLimits.transform(ax.transScale.transform((x[shown][last], y[shown][last])))
-            named.append((end.clip(0, 1), line))
-    named.sort(key=lambda each: each[0][1])
-    heights = [end[1] for end, _ in named]
-    for _ in range(200):  # two names that are too near move apart by equal steps; all stay within the axes' height
-        heights = [min(max(height, room / 2), 1 - room / 2) for height in heights]
-        for n in range(len(heights) - 1):
-            short = room - (heights[n + 1] - heights[n])
-            if short > 0:
-                heights[n], heights[n + 1] = heights[n] - short / 2, heights[n + 1] + short / 2
-    for height, (end, line) in zip(heights, named, strict=True):
-        ax.annotate(
-            str(line.get_label()),
-            tuple(end),
-            (1.04, height),
-            xycoords="axes fraction",
-            textcoords="axes fraction",
-            arrowprops={
-                "arrowstyle": "-",
-                "color": line.get_color(),
-                "linewidth": 0.8,
-                "shrinkA": 1,
-                "shrinkB": 4,
-                "relpos": (0, 0.5),
-            },
-            color=line.get_color(),
-            fontsize=size,
-            va="center",
-            annotation_clip=False,
-        )
-
-
-def point_to_better(ax: Axes) -> None:
-    """Draw an arrow 'better' to the lower left of `ax`."""
-    ax.annotate(
-        "better",
-        (0.03, 0.03),
-        (0.14, 0.14),
-        xycoords="axes fraction",
-        textcoords="axes fraction",
-        arrowprops={"arrowstyle": "-|>", "color": "#3a7d44", "linewidth": 2},
-        color="#3a7d44",
-        fontweight="bold",
-        ha="center",
-        va="center",
-    )
 
 
 def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:

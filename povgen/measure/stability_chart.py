@@ -8,7 +8,7 @@ from textwrap import fill
 import numpy as np
 
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn, name_lines, plain_ticks, save_table
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn, plain_ticks, save_table
 from povgen.measure.probes import Floats
 from povgen.measure.stability_map import RENDERED, StabilityMap
 
@@ -72,7 +72,7 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> None:
             at = limit.value, 1.6 * measured.tolerance
             ax.annotate(name, at, (-6, 0), textcoords="offset points", ha="right", color=colour, fontsize=10)
     elif len(series) > 1:
-        name_lines(ax, 10)
+        ax.legend()
 
 
 def _draw_range(ax: Axes, measured: StabilityMap) -> None:

@@ -180,7 +180,7 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli import checkup
-    from povgen.measure import charts, field, glass, speed, stability, stability_chart, verify, verify_gl, verify_live
+    from povgen.measure import charts, speed, stability, stability_chart, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
@@ -227,12 +227,8 @@ def place(tmp_path_factory):
             patch.setattr(module, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
         patch.setattr(stability_chart, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
-        for name in ("samplings", "flicker", "prism_counts", "beyond", "workers"):
-            patch.setattr(speed, f"measure_{name}", lambda *_: [])
-        for name in ("save_frames", "save_prism_counts", "save_beyond", "save_workers"):
-            patch.setattr(charts, name, lambda *_: None)
-        patch.setattr(glass, "save_charts", lambda folder: None)
-        patch.setattr(field, "save_charts", lambda folder: None)
+        patch.setattr(speed, "measure_samplings", lambda *_: [])
+        patch.setattr(charts, "save_frames", lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(checkup, "faults", lambda report: [])
         assert build.encode is encode and page.build is build

@@ -1,11 +1,10 @@
 """The field of light's directions before a sheet: its curl, and the wave fronts that prisms make instead."""
 
-import imageio.v3 as iio
 import numpy as np
 import pytest
+import ray_field as field
 
 from povgen import Bundle, Chess
-from povgen.measure import field
 from povgen.optics import equations
 
 
@@ -81,11 +80,3 @@ def test_a_surface_perpendicular_to_the_rays():
     inner = np.s_[1:-1, 1:-1]
     np.testing.assert_allclose(step_turn[inner], -(along.imag * across)[inner], atol=1e-3)
     np.testing.assert_allclose(step_r[0, 1:-1], -along.real[0, 1:-1], atol=1e-3)
-
-
-def test_the_charts(tmp_path, monkeypatch):
-    monkeypatch.setattr(field, "light_of", lambda scene, radius, count, real=field.light_of: real(scene, radius, 100))
-    field.save_charts(tmp_path)
-    assert all(iio.imread(tmp_path / f"{name}.png").std() > 10 for name in ("field", "curl"))
-    assert "radius 0.6 tiles" in (tmp_path / "field.csv").read_text()
-    assert "z₂ = 4 tiles" in (tmp_path / "curl.csv").read_text()

@@ -1,12 +1,9 @@
 """Charts of polarisation and diffraction: their curves are those of the mathematics."""
 
-import csv
-
-import imageio.v3 as iio
 import numpy as np
 import pytest
+import real_glass as glass
 
-from povgen.measure import glass
 from povgen.measure.plotting import Figure
 from povgen.optics.diffraction import best_pitch
 
@@ -33,16 +30,3 @@ def test_the_dots_are_at_the_least_blur():
         assert least == pytest.approx(glass.minutes(np.array([0.99, 1, 1.01]) * pitch / 1e3, z1).min())
     z1, best = curves(glass.draw_best_pitch)["450 nm"].T
     assert best == pytest.approx(1e3 * best_pitch(450e-9, z1))
-
-
-def test_charts_are_written(tmp_path):
-    glass.save_charts(tmp_path)
-    files = {f"{name}.{kind}" for name in ("polarisation", "diffraction") for kind in ("png", "csv")}
-    assert {path.name for path in tmp_path.iterdir()} == files
-    assert all(np.ptp(iio.imread(path)) > 200 for path in tmp_path.glob("*.png"))
-    rows = list(csv.DictReader((tmp_path / "diffraction.csv").open()))
-    assert {row["line"] for row in rows} == {
-        name for name in (*curves(glass.draw_blur), *glass.WAVELENGTHS) if name[0] != "_"
-    }
-    green = [float(row["y"]) for row in rows if row["line"] == "550 nm"]
-    assert green == pytest.approx(curves(glass.draw_best_pitch)["550 nm"][:, 1], rel=1e-5)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+import ray_field as field
 from conftest import FAULTS
 from playwright.sync_api import expect
 
 from demo.conftest import bounds, show
-from povgen.measure import field
 from povgen.optics import equations
 
 SAYS = "#light-says"

@@ -1,6 +1,7 @@
-"""Charts of the field of light's directions before a sheet: it has a curl, so that light has no wave fronts there.
+"""Draw the charts of docs/beyond.md about the field of rays: `python docs/ray_field.py`.
 
-docs/beyond.md explains it. Lengths are in tiles, but in the panel about prisms in metres and micrometres.
+The directions of light before a sheet have a curl, so that light has no wave fronts there. Lengths are in tiles, but in
+the panel about prisms in metres and micrometres.
 """
 
 from collections.abc import Callable
@@ -181,3 +182,7 @@ def draw_curl(ax: Axes) -> None:
     ax.text(4, 1.42, f"z₂: distance before the sheet, tiles; z₁ = {Z1:g}", color=GREY)
     ax.set(xlabel="α, degrees", ylabel="curl of the rays' slopes, on the axis (1/tile)", xlim=(0, 180), ylim=(0, 1.75))
     ax.set_title("The field of rays has a curl, except at α = 0° and 180°", fontsize=11)
+
+
+if __name__ == "__main__":
+    save_charts(Path(__file__).parent / "chart")

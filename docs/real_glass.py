@@ -1,10 +1,10 @@
-"""Charts of what real glass does to light on the designed path: polarisation and diffraction. Nothing is rendered."""
+"""Draw the charts of docs/beyond.md about real glass, polarisation and diffraction: `python docs/real_glass.py`."""
 
 from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import GREY, Axes, drawn, name_lines, plain_ticks, save_lines
+from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks, save_lines
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.polarisation import jones, transmission
 from povgen.optics.prism import Prism
@@ -23,14 +23,14 @@ def save_charts(folder: Path) -> None:
         ax = figure.subplots()
         draw_polarisation(ax)
         save_lines(folder / "polarisation.csv", ax)
-        name_lines(ax)
+        ax.legend()
     with drawn(12, 4.5, folder / "diffraction.png") as figure:
         left, right = figure.subplots(1, 2)
         draw_blur(left)
         draw_best_pitch(right)
         save_lines(folder / "diffraction.csv", left, right)
         for ax in (left, right):
-            name_lines(ax)
+            ax.legend()
 
 
 def draw_polarisation(ax: Axes) -> None:
@@ -80,3 +80,7 @@ def draw_best_pitch(ax: Axes) -> None:
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)
     ax.set_title("The farther the object, the wider the best prisms")
+
+
+if __name__ == "__main__":
+    save_charts(Path(__file__).parent / "chart")

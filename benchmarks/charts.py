@@ -1,0 +1,204 @@
+"""The charts of docs/speed.md: `python benchmarks/charts.py FOLDER` measures and draws them; it takes an hour.
+
+With `--draw` nothing is measured: the charts are drawn from the tables that are in the folder.
+"""
+
+import csv
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from itertools import product
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+
+from povgen import Chess, movie, to_pov
+from povgen.files import temporary_folder
+from povgen.measure import charts, speed
+from povgen.measure.measured import SMALL, px, rms
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, plain_ticks, save_table
+from povgen.measure.targets import located, other_targets, series_targets, targets
+from povgen.progress import say
+from povgen.rendering import parallel
+from povgen.rendering.flip import CONVERGED
+from povgen.rendering.light import linear
+from povgen.scene import camera
+from povgen.sheets import OTHER
+
+HERE = Path(__file__).parent
+MAIN_SIZE = (320, 240)
+BASELINE_SAMPLINGS = ("off", "1,0.9,2", "1,0.3,3")  # the last is POV-Ray's own antialiasing, +A0.3
+FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
+FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
+PRISM_COUNTS = (25, 50, 100, 200, 400, 800, 1600, 3000)
+FURTHER_WINDOWS = ("alpha=120,z=2", "alpha=40,z=4")  # behind the first one, which has alpha = 120
+WORKER_COUNTS = (1, 2, 4, 8, 16)
+ROUNDS = 5
+HEADS = {  # of the tables
+    "flicker": ("antialias", "flicker"),
+    "prisms": ("sheet", "prisms", "CPU s", "position error (px)"),
+    "beyond": ("kind", "windows or sheet", "CPU s", "position error (px)"),
+    "workers": ("workers", "wall s", "fraction of cores busy", "cores"),
+}
+Row = tuple[object, ...]
+
+
+def baselines() -> dict[str, str]:
+    """Return the macros `Sheet` of prisms by hand, by their files' names."""
+    return {path.stem: path.read_text() for path in sorted(HERE.glob("*.inc"))}
+
+
+def frames() -> list[speed.Point]:
+    """Measure every renderer, and prisms by hand, with every sampling."""
+    texts = {name: to_pov(Chess(), sheet_macro=macro) for name, macro in baselines().items()}
+    others = [
+        speed.Point(name, sampling, MAIN_SIZE, partial(speed.sample, text, sampling, MAIN_SIZE))
+        for (name, text), sampling in product(texts.items(), BASELINE_SAMPLINGS)
+    ]
+    return speed.measure_samplings({"detailed": Chess(), "ideal": Chess(sheet="ideal")}, say, others)
+
+
+def flicker() -> Iterator[Row]:
+    """Yield each sampling and the flicker of a movie in which alpha grows.
+
+    Flicker is the mean, over the window, of |change of light from a frame to the next, less the same change in
+    converged pictures|. Light is linear, 0 black to 1 white. The change that belongs to the movement does not count.
+    """
+    texts = [to_pov(Chess(alpha=alpha + step)) for alpha in FLICKER_ANGLES for step in (0, FLICKER_STEP)]
+    window = camera.window(Chess(), MAIN_SIZE)
+
+    def changes(sampling: str) -> np.ndarray:
+        pictures = np.array([linear(speed.sample(text, sampling, MAIN_SIZE)[1][window]) for text in texts])
+        return pictures[1::2] - pictures[::2]
+
+    right = changes(CONVERGED)
+    for sampling in FLICKER_SAMPLINGS:
+        yield sampling, f"{abs(changes(sampling) - right).mean():.3g}"
+
+
+def costs_and_errors(cases: list) -> Iterator[tuple[float, float]]:
+    """Yield, for each case, the median CPU seconds of its scene and the RMS error of position of its targets.
+
+    A case is a scene, and squares behind the same sheets. The CPU seconds are for 640x480 pixels without antialiasing.
+    The error is the distance from the formula for infinitely fine sheets, in pixels of 1280x960.
+    """
+    texts = [to_pov(scene) for scene, _ in cases]
+    seconds = [[speed.sample(text, "off", SMALL)[0] for text in texts] for _ in range(ROUNDS)]
+    for cpu, (_, squares) in zip(np.median(seconds, 0), cases, strict=True):
+        off = []
+        for scene, seen in located(squares, SMALL):
+            fine = scene.replace(sheet="ideal") if scene.has_prisms else scene
+            off.append(abs(seen.position - fine.apparent_position(scene.L, scene.z1)))
+        yield cpu, px(rms(off))
+
+
+def prisms() -> Iterator[Row]:
+    """Yield sheet, number of prisms, CPU seconds and error of position."""
+    kinds = [("ideal", 100), *(("detailed", count) for count in PRISM_COUNTS)]
+    cases = [(Chess(sheet=sheet, prisms=n), targets(sheet, 6, seed=3, E=0j, prisms=n)) for sheet, n in kinds]
+    for kind, found in zip(kinds, costs_and_errors(cases), strict=True):
+        yield *kind, *found
+
+
+def beyond() -> Iterator[Row]:
+    """Yield a kind of sheet, how many windows or which sheet, CPU seconds and error of position."""
+    cases = {}
+    for sheet, count in product(("ideal", "detailed"), range(1, 4)):
+        shown = Chess(sheet=sheet, alpha=120, window=FURTHER_WINDOWS[: count - 1], z2=8)
+        cases[sheet, str(count)] = shown, series_targets(sheet, count, 6, seed=3, E=0j)
+    for sheet, squares in other_targets().items():
+        cases["other ideal sheets", sheet] = Chess(sheet=sheet, z2=5, **OTHER[sheet].examples[0]), squares
+    for kind, found in zip(cases, costs_and_errors([*cases.values()]), strict=True):
+        yield *kind, *found
+
+
+def workers() -> Iterator[Row]:
+    """Yield the number of workers, a movie's wall seconds, the fraction of the cores' time used, and the cores."""
+    cores = parallel.cores()
+    for count in WORKER_COUNTS:
+        with temporary_folder() as folder, patch.dict(os.environ, POVGEN_CACHE=str(folder / "cache")):
+            before, start = speed.cpu_seconds(), time.monotonic()
+            movie("vary-alpha", folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count, progress=False)
+            wall = time.monotonic() - start
+            yield count, wall, (speed.cpu_seconds() - before) / wall / cores, cores
+
+
+def draw_prisms(rows: list[list[str]], folder: Path) -> None:
+    with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
+        labels = {3: "distance from the ideal image (px of 1280x960)", 2: "CPU seconds for a frame of 640x480"}
+        for ax, (column, label) in zip(figure.subplots(1, 2), labels.items(), strict=True):
+            detailed = [(int(row[1]), float(row[column])) for row in rows if row[0] == "detailed"]
+            ax.plot(*np.transpose(detailed), "o-", color=PRISMS, label="2 × N prisms")
+            ideal = next(float(row[column]) for row in rows if row[0] == "ideal")
+            ax.axhline(
+                max(ideal, 0.01), color=IDEAL, label="ideal sheet" if ideal > 0.01 else "ideal sheet: below 0.01"
+            )
+            ax.set(xscale="log", xlabel="prisms N of a sheet", ylabel=label)
+            plain_ticks(ax.xaxis)
+            ax.grid(alpha=0.25)
+            ax.legend()
+        figure.axes[0].set(yscale="log")
+        plain_ticks(figure.axes[0].yaxis, (1,))
+        figure.axes[1].set_ylim(bottom=0)
+
+
+def draw_beyond(rows: list[list[str]], folder: Path) -> None:
+    names = [f"{row[1]} window{'s' * (row[1] > '1')}, {row[0]}" if row[1].isdecimal() else row[1] for row in rows][::-1]
+    with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
+        labels = {2: "CPU seconds for a frame of 640x480", 3: "distance from the exact position (px of 1280x960)"}
+        for ax, (column, label) in zip(figure.subplots(1, 2, sharey=True), labels.items(), strict=True):
+            colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows[::-1]]
+            bars = ax.barh(names, [float(row[column]) for row in rows[::-1]], color=colours)
+            ax.bar_label(
+                bars, [x if x != "0.00" else "below 0.01" for x in (f"{b.get_width():.2f}" for b in bars)], padding=4
+            )
+            ax.set(xlabel=label)
+            ax.margins(x=0.2)
+
+
+def draw_workers(rows: list[list[str]], folder: Path) -> None:
+    with drawn(8, 4.6, folder / "workers.png", folder / "workers.svg") as figure:
+        count, wall, busy, cores = np.transpose(np.array(rows, float))
+        ax = figure.subplots()
+        ax.plot(count, wall, "o-", color=PRISMS, label="measured")
+        ax.plot(count, wall * busy, ":", color=GREY, label="if no core were idle")
+        label = f"POV-Ray processes at once, on {cores[0]:g} cores"
+        ax.set(xlabel=label, ylabel="wall seconds for 61 frames of 320x240", xticks=count)
+        ax.set_ylim(0)
+        ax.legend()
+
+
+MEASURES: dict[str, Callable[[], Iterable[Row]]] = {
+    "flicker": flicker,
+    "prisms": prisms,
+    "beyond": beyond,
+    "workers": workers,
+}
+DRAWINGS = {"prisms": draw_prisms, "beyond": draw_beyond, "workers": draw_workers}
+
+
+def measure(folder: Path) -> None:
+    """Write the tables: frames.csv also has the rows of mitsuba.csv, which make has measured."""
+    _, *mitsuba = csv.reader((HERE / "mitsuba.csv").open())
+    save_table(folder / "frames.csv", charts.FRAMES_HEAD, [*(point.row for point in frames()), *mitsuba])
+    for name, rows in MEASURES.items():
+        save_table(folder / f"{name}.csv", HEADS[name], rows())
+        say(name)
+    (folder / "machine.txt").write_text(f"{speed.machine()}\n")
+
+
+def draw(folder: Path) -> None:
+    """Draw the charts of the tables in a folder."""
+    charts.draw_frames(folder)
+    for name, drawing in DRAWINGS.items():
+        _, *rows = csv.reader((folder / f"{name}.csv").open())
+        drawing(rows, folder)
+
+
+if __name__ == "__main__":
+    if "--draw" not in sys.argv:
+        measure(Path(sys.argv[1]))
+    draw(Path(sys.argv[1]))
