@@ -40,7 +40,7 @@ TAG_NAME, TAG_STRING = 0x45A3, 0x4487
 # how povgen's other files begin: pages, tables, captions
 OWN = re.compile(
     rb'<!DOCTYPE html>.{,200}<meta name="generator" content="povgen |(error,)?quantity,value\n|series,'
-    rb"|line,quantity along x,x,quantity along y,y\n|!\[[^\n]*\]\(figure[1-6]\.png\)\n",
+    rb"|method,antialias,width,height,CPU s,|!\[[^\n]*\]\(figure[1-6]\.png\)\n",
     re.DOTALL,
 )
 KINDS = "a PNG, EXR, MP4, WebM, WebP or GIF file that povgen wrote"
