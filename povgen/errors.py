@@ -6,6 +6,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from errno import EMFILE
 
 
 class InputError(ValueError):
@@ -69,3 +70,12 @@ def one_line(message: str) -> str:
     """Return a message as one line of printable characters. Of a long message, return its beginning and its end."""
     message = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
     return message if len(message) <= 1000 else f"{message[:500]} ... {message[-400:]}"
+
+
+def message_of(error: Exception) -> str:
+    """Return an error's message. For a file it is the file's name and the reason, without errno."""
+    if isinstance(error, OSError) and error.strerror:
+        file = error.filename2 or error.filename  # of two files, the second is written
+        limit = " (ulimit -n; fewer --workers need fewer files)" if error.errno == EMFILE else ""
+        return f"{file}: {error.strerror}{limit}" if file else f"{error.strerror}{limit}"
+    return str(error)

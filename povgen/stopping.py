@@ -7,6 +7,7 @@ import _thread
 import fcntl
 import os
 import select
+import shutil
 import signal
 import sys
 import time
@@ -124,8 +125,6 @@ def _remove_folders_and_end() -> None:
 
 
 def _remove_folders() -> None:
-    import shutil
-
     while left := [folder for folder in list(folders) if os.path.lexists(folder)]:
         for folder in left:
             shutil.rmtree(folder, ignore_errors=True)  # the loop tries again if a thread has just written there

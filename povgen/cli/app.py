@@ -4,66 +4,45 @@ The commands are in commands/. The models check values (`povgen.validation`).
 """
 
 import os
-import re
 import sys
 import warnings
 from functools import cache
 from importlib import import_module
-from inspect import getdoc
 from io import TextIOWrapper
-from textwrap import wrap
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from povgen import stopping
-from povgen.cli.options import OTHERS, columns, item, with_options
-from povgen.cli.report import message_of
-from povgen.errors import InputError, PovrayError, one_line, shown
+from povgen.errors import InputError, PovrayError, message_of, one_line, shown
 from povgen.progress import say, tell
 from povgen.version import __version__
 
 HELP = {"help_option_names": ["-h", "--help"]}
-COMMANDS = ("list", "pov", "frame", "movie", "info", "demo", "check", "cache", "verify", "chart", "tolerance", "figure")
-
-
-class _Described(TyperCommand):
-    """A command whose help lists its options under headings, in few lines."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401  (as click declares it)
-        width, usage = columns(), [f"Usage: {ctx.command_path} [OPTIONS]"]
-        groups: dict[str, list[str]] = {"Options": []}
-        for param in self.get_params(ctx):
-            about, default = getattr(param, "help", None) or "", getattr(param, "show_default", False)
-            if default and (isinstance(default, str) or param.default not in (None, False)):
-                about += f" (default {default if isinstance(default, str) else param.default})"
-            group = getattr(param, "rich_help_panel", None)
-            if param.param_type_name == "argument":
-                names = str(param.metavar or param.name.upper())
-                usage.append(names)
-            else:
-                names = ", ".join(param.opts)
-                names += f" {param.metavar}" if param.metavar and group is None else ""
-            about = re.sub(r"\(default:? ([^)]*)\)", r"[\1]", about)
-            groups.setdefault(group or "Options", []).extend(item(names, about, width))
-        text = [" ".join(usage)]
-        for paragraph in (self.help or "").split("\n\n"):
-            text += ["", *wrap(paragraph, width)]
-        for group, lines in groups.items():
-            if group == OTHERS:
-                names = " ".join(line.split()[0] for line in lines if line.startswith("  --"))
-                lines = wrap(names, width, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False)
-            text += ["", f"{group}:", *lines]
-        if "The picture" in groups:
-            text += ["", "In brackets: the defaults. The opposite of a switch: --no-overlay."]
-        formatter.write("\n".join(text) + "\n")
+COMMANDS = {
+    "list": "List the scenes with their parameters, kinds of sheets, pieces, glasses, and movies of povgen's own.",
+    "pov": "Write a scene's POV-Ray source to standard output, or to the file of -o.",
+    "frame": "Render a scene to a PNG or EXR file, or one again --from its file.",
+    "movie": "Render a movie, or one again --from its file. Finished frames stay in the cache.",
+    "info": "Print, as JSON, how a picture or a movie was made: its record, with every parameter.",
+    "demo": "Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network.",
+    "check": "Test POV-Ray, cache, sandbox and encoder with a small frame and movie; say how to mend faults.",
+    "cache": "Print what the cache holds, or empty it.",
+    "verify": "Compare what is rendered with the equations and the exact ray trace.",
+    "chart": "Measure the cost and the error of pictures, for every model of the sheets and every sampling.",
+    "tolerance": "Trace how errors of building a pair of sheets change what is seen, one by one and in random builds.",
+    "figure": "Make figures of the paper with captions that say how well they agree with it.",
+}
 
 
 @cache
 def _with_options(name: str) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
+    from povgen.cli.layout import Described  # these load the scenes
+    from povgen.cli.options import with_options
+
     alone = typer.Typer(add_completion=False)
-    alone.command(name, cls=_Described, context_settings=HELP)(
+    alone.command(name, cls=Described, context_settings=HELP)(
         with_options(import_module(f"povgen.cli.commands.{name}").command)
     )
     return typer.main.get_command(alone)
@@ -83,7 +62,7 @@ class _Commands(TyperGroup):
     def get_command(self, context: object, name: str) -> _Command:
         if name not in COMMANDS:
             raise InputError(f"command = {shown(name)}: unknown; allowed: {', '.join(COMMANDS)}")
-        return _Command(name, help=getdoc(import_module(f"povgen.cli.commands.{name}").command))
+        return _Command(name, help=COMMANDS[name])
 
 
 app = typer.Typer(

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from povgen import remedies
-from povgen.cli.report import message_of
-from povgen.errors import InputError, PovrayError
+from povgen.errors import InputError, PovrayError, message_of
 from povgen.files import temporary_folder
-from povgen.rendering import cache, povray, sandbox
+from povgen.rendering import cache, gl_runner, povray, sandbox
 from povgen.scene.scenes import Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
@@ -89,8 +88,6 @@ def _frame() -> str:
 
 def _gl() -> str:
     """Return which device the renderer gl draws with."""
-    from povgen.rendering import gl_runner
-
     return gl_runner.device()
 
 

@@ -8,24 +8,28 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from itertools import chain
 from pathlib import Path
-from shutil import get_terminal_size
-from textwrap import wrap
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, get_args, get_origin
 
 import typer
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
 
+from povgen.cli.layout import OTHERS
 from povgen.errors import InputError
+from povgen.files import in_home, output_folder
 from povgen.progress import say
+from povgen.record import Record, check_unasked
+from povgen.rendering import auto, cache
+from povgen.rendering.auto import RENDERERS
+from povgen.rendering.auto import Tolerance as AutoTolerance
+from povgen.rendering.views import views
+from povgen.scene import mesh
+from povgen.scene.scenes import SCENES, Scene, recorded
+from povgen.settings import Rendering, Sampling
+from povgen.sheets import PAPER, PARAMETERS, USED_BY
+from povgen.version import __version__
+from povgen.video.still import drawn_by
 
-if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
-
-    from povgen.record import Record
-    from povgen.rendering.auto import Tolerance as AutoTolerance
-    from povgen.scene.scenes import Scene
-
-OTHERS = "Parameters of other sheets, which povgen list explains"
-INDENT = 20  # characters before the text that says what an option does, in a help
 Command = Callable[..., None]
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, lists of texts, and Booleans of switches
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="chess or spheres")]
@@ -127,8 +131,6 @@ def with_options(command: Command) -> Command:
 
 def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
     """Return what to add to an error about an option that can be repeated, and that got several values at once."""
-    from povgen.scene import mesh
-
     for name, texts in repeated.items():
         several = (x for x in texts if re.search("[,; ]", x) and not os.path.exists(x) and not mesh.split(x))
         if re.search(rf"\b{name} = ", message) and any(several):
@@ -136,11 +138,8 @@ def _repeat(message: str, repeated: dict[str, list[str]]) -> str:
     return ""
 
 
-def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]:
+def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, FieldInfo]]]:
     """Return, for each field name, the names of the scenes that have the field ('' for Rendering) and their fields."""
-    from povgen.scene.scenes import SCENES
-    from povgen.settings import Rendering, Sampling
-
     fields: dict[str, list[tuple[str, FieldInfo]]] = {}
     groups = {"scenes": SCENES.values(), "sampling": [Sampling], "rendering": [Rendering]}
     for model in chain.from_iterable(groups[group] for group in models):
@@ -149,7 +148,7 @@ def _fields(models: tuple[str, ...]) -> dict[str, list[tuple[str, "FieldInfo"]]]
     return fields
 
 
-def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") -> inspect.Parameter:
+def _option(name: str, owners: list[tuple[str, FieldInfo]], more: str = "") -> inspect.Parameter:
     """Return a field's option, as a parameter with typer's annotation. `more` is added to the help.
 
     If the field differs between scenes, the help names the scenes.
@@ -172,10 +171,6 @@ def _option(name: str, owners: list[tuple[str, "FieldInfo"]], more: str = "") ->
 
 def _panel(name: str) -> str:
     """Return the heading under which a field's option stands in the help."""
-    from povgen.scene.scenes import Scene
-    from povgen.settings import Rendering
-    from povgen.sheets import PAPER, PARAMETERS, USED_BY
-
     if name in PARAMETERS and {*PAPER}.isdisjoint(USED_BY[name]):
         return OTHERS
     if name in (*PARAMETERS, "sheet", "window", "wavelength", "fresnel", "aperture"):
@@ -193,23 +188,8 @@ def _takes_several(annotation: object) -> bool:
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
 
 
-def columns() -> int:
-    """Return how wide a help is, in characters: as the terminal, but not so narrow that no word fits."""
-    return min(max(get_terminal_size().columns, 2 * INDENT), 120)
-
-
-def item(names: str, about: str, width: int) -> list[str]:
-    """Return the lines about an option or another name: the name, and beside it what it is."""
-    lines = wrap(about, width - INDENT, break_on_hyphens=False) or [""]
-    if len(names) > INDENT - 3:
-        return [f"  {names}", *(" " * INDENT + line for line in lines)]
-    return [f"  {names:{INDENT - 2}}{lines[0]}", *(" " * INDENT + line for line in lines[1:])]
-
-
-def described(field: "FieldInfo") -> str:
+def described(field: FieldInfo) -> str:
     """Return a field's help: its description and its default."""
-    from pydantic_core import PydanticUndefined
-
     default = field.default
     if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
@@ -218,10 +198,8 @@ def described(field: "FieldInfo") -> str:
     return about if said else f"{about} (default {default})"
 
 
-def scene_of(name: str, values: Values) -> "Scene":
+def scene_of(name: str, values: Values) -> Scene:
     """Return the scene of this name with these values. Values can be text. Raises InputError."""
-    from povgen.scene.scenes import SCENES
-
     if name not in SCENES:
         raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
     return SCENES[name](**values)
@@ -234,10 +212,6 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     from the output's ending if this is .exr, or if the record's picture has 32. Print a warning if another version of
     povgen or of the renderer made the file. Raises InputError if the file has no valid record.
     """
-    from povgen.scene.scenes import recorded
-    from povgen.version import __version__
-    from povgen.video.still import drawn_by
-
     record, scenes = recorded(source)
     options = record.rendering.model_dump()
     if options["bits"] == 32 or str(output).lower().endswith(".exr"):  # the bits then follow from the output's ending
@@ -258,8 +232,6 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
 
 def split(values: Values) -> tuple[Values, Values]:
     """Divide values into a scene's values and a rendering's. Raises InputError for eye_distance without stereo."""
-    from povgen.settings import Rendering
-
     rendering = {name: value for name, value in values.items() if name in Rendering.model_fields}
     if "eye_distance" in rendering and rendering.get("stereo", "none") == "none":
         raise InputError(
@@ -275,17 +247,13 @@ def made_folder(output: Path, files: Mapping[str, Iterable[str]]) -> AbstractCon
     `files` has the names of the files that the command writes there. The key of each group of names is the file that
     shows whether povgen wrote this group. Raises InputError if one of these files exists and povgen did not write it.
     """
-    from povgen.files import in_home, output_folder
-    from povgen.record import check_unasked
-    from povgen.rendering import cache
-
     cache.check()
     for sign, names in files.items():
         check_unasked((in_home(output) / name for name in names), in_home(output) / sign)
     return output_folder(output)
 
 
-def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "tuple[AutoTolerance | None, list[str]]":
+def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> tuple[AutoTolerance | None, list[str]]:
     """Return the tolerance of --sheet auto and the renderers that it may choose; None and [] for another sheet.
 
     Remove --renderer auto from the options. Raises InputError if the tolerance is not valid, if only one of --sheet
@@ -298,18 +266,17 @@ def auto_tolerance(values: Values, options: Values, tolerance: str | None) -> "t
         if renderer == "auto":
             raise InputError("renderer = 'auto': allowed: with --sheet auto, otherwise 'povray' or 'gl'")
         return None, []
-    from povgen.rendering.auto import RENDERERS, Tolerance
 
     if renderer == "auto":
         del options["renderer"]
-        return Tolerance.parse(tolerance), [*RENDERERS]
-    return Tolerance.parse(tolerance), [renderer]
+        return AutoTolerance.parse(tolerance), [*RENDERERS]
+    return AutoTolerance.parse(tolerance), [renderer]
 
 
 def chosen(
-    scenes: list["Scene"],
+    scenes: list[Scene],
     options: Values,
-    tolerance: "AutoTolerance",
+    tolerance: AutoTolerance,
     renderers: list[str],
     quiet: bool,
     scheduler: str | None = None,
@@ -319,10 +286,6 @@ def chosen(
     The scheduler does not take part in the choice. But if it does not answer, PovrayError is raised before anything is
     rendered. Raises what `auto.choose` raises.
     """
-    from povgen.rendering import auto
-    from povgen.rendering.views import views
-    from povgen.settings import Rendering
-
     if scheduler:
         from povgen.rendering.cluster import ask
 

@@ -1,36 +1,24 @@
 """The command line's messages and warnings."""
 
-from errno import EMFILE
+from collections.abc import Iterator
 from itertools import chain
-from typing import TYPE_CHECKING
 
+from povgen.cli.options import Values
 from povgen.progress import say
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from povgen.cli.options import Values
-    from povgen.scene.scenes import Scene
-    from povgen.settings import Rendering
-
-
-def message_of(error: Exception) -> str:
-    """Return an error's message. For a file it is the file's name and the reason, without errno."""
-    if isinstance(error, OSError) and error.strerror:
-        file = error.filename2 or error.filename  # of two files, the second is written
-        limit = " (ulimit -n; fewer --workers need fewer files)" if error.errno == EMFILE else ""
-        return f"{file}: {error.strerror}{limit}" if file else f"{error.strerror}{limit}"
-    return str(error)
+from povgen.rendering import surveys
+from povgen.rendering.estimate import if_long
+from povgen.rendering.views import views
+from povgen.scene.scenes import Scene
+from povgen.scene.warnings import warnings
+from povgen.settings import Rendering
+from povgen.sheets import SHEETS, USED_BY
+from povgen.sheets.layered import Layered
+from povgen.sheets.own import OwnLaw
 
 
-def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" = None) -> None:
+def warn(values: Values, scenes: list[Scene], rendering: Rendering | None = None) -> None:
     """Print a warning for each option of `values` that changes nothing, and for each limit that scenes exceed."""
-    from povgen.scene.warnings import warnings
-
     warn_unused(values, scenes)
-    if rendering:
-        from povgen.rendering import surveys
-        from povgen.rendering.views import views
     texts_by_limit: dict[str, list[str]] = {}
     shown = [views(scene, rendering) if rendering else [scene] for scene in scenes]
     if rendering:
@@ -46,11 +34,8 @@ def warn(values: "Values", scenes: list["Scene"], rendering: "Rendering | None" 
         say(f"povgen: warning: {texts[0]}{also}")
 
 
-def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
+def warn_unused(values: Values, scenes: list[Scene]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
-    from povgen.sheets import SHEETS, USED_BY
-    from povgen.sheets.layered import Layered
-
     layered = tuple(name for name, kind in SHEETS.items() if issubclass(kind, Layered))
     others = {"fresnel": layered, "wavelength": USED_BY["glass"]}
     sheets = {sheet.name for scene in scenes for sheet in scene.sheets}
@@ -69,10 +54,8 @@ def warn_unused(values: "Values", scenes: list["Scene"]) -> None:
         say(f"povgen: warning: {text}")
 
 
-def _unused_in_windows(scenes: list["Scene"], values: "Values") -> "Iterator[str]":
+def _unused_in_windows(scenes: list[Scene], values: Values) -> Iterator[str]:
     """Yield a text for each parameter of a further window, or of a law, that the user gave and that changes nothing."""
-    from povgen.sheets.own import OwnLaw
-
     shared: set[str] = set()  # the names in the laws whose numbers are the scene's
     for scene in scenes:
         for n, (window, sheet) in enumerate(zip((None, *scene.window), scene.sheets, strict=True), 1):
@@ -90,9 +73,7 @@ def _unused_in_windows(scenes: list["Scene"], values: "Values") -> "Iterator[str
         yield from (f"parameter: {name}: no effect, because no law contains it" for name in lost)
 
 
-def tell_if_long(scenes: list["Scene"], rendering: "Rendering") -> None:
+def tell_if_long(scenes: list[Scene], rendering: Rendering) -> None:
     """Say how long rendering takes, if that is more than a minute."""
-    from povgen.rendering.estimate import if_long
-
     if text := if_long(scenes, rendering):
         say(f"povgen: {text}")

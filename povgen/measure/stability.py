@@ -20,6 +20,7 @@ from povgen.scene.cells import camera_cells, grid_error
 from povgen.scene.scenes import APERTURE, VIEW, Chess
 from povgen.scene.survey import max_trace_level, survey
 from povgen.scene.warnings import possible_error, warnings
+from povgen.video.still import render
 
 TINY = (320, 240)
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
@@ -313,8 +314,6 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
     If prisms are narrower than pixels, each pixel shows a random ray, and its error does not grow any more.
     """
-    from povgen.video.still import render
-
     finding, y = "The narrower the prisms, the noisier the picture", "RMS error, one ray a pixel (1: white)"
     result = StabilityMap(
         "aliasing",

@@ -21,7 +21,7 @@ import platformdirs
 
 from povgen import files, settings
 from povgen.errors import InputError
-from povgen.rendering import povray
+from povgen.rendering import gl_runner, povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
@@ -47,8 +47,6 @@ def frame_path(source: str, rendering: Rendering) -> Path:
     """
     size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
     if rendering.renderer == "gl":
-        from povgen.rendering import gl_runner
-
         return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
     command = povray.command("povray", rendering)
     return path_for("\0".join([povray.version(), *command, size, settings.FILTER, source]), suffix)
@@ -244,7 +242,7 @@ def _stored() -> Iterator[tuple[float, int, Path]]:
                         yield status.st_atime, status.st_size, Path(entry.path)
 
 
-def _entries(parent: "Path | os.DirEntry[str]") -> "list[os.DirEntry[str]]":
+def _entries(parent: Path | os.DirEntry[str]) -> list[os.DirEntry[str]]:
     """Return what is in a folder: nothing if the folder is missing or unreadable."""
     with suppress(FileNotFoundError, NotADirectoryError, PermissionError), os.scandir(parent) as found:
         return list(found)

@@ -10,21 +10,21 @@ from contextlib import contextmanager
 from io import BytesIO
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL.PngImagePlugin import PngImageFile
 
 from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import unless_removed
 from povgen.record import PNG, png_parts
-from povgen.rendering import cache, povray, surveys
+from povgen.rendering import cache, gl_runner, gl_scene, light, povray, surveys
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
+from povgen.rendering.volumes import volumes
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
-
-if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
-    import numpy as np
-    from numpy.typing import NDArray
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
 BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
@@ -88,8 +88,6 @@ def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
     If `is_light`, return whether it is a complete frame of linear light (`light.unpacked`) of this size.
     """
     if is_light:
-        from povgen.rendering import light
-
         try:
             return light.unpacked(png, size).size > 0
         except ValueError:
@@ -191,16 +189,12 @@ def renderer_of(
     if rendering.renderer == "povray":
         if runner is None:
             if rendering.is_light:
-                from povgen.rendering import light
-
                 light.exr()  # raises an error before anything is rendered
             povray.warn_of(piece for scene in scenes for piece in pieces(scene).values())
         workers = workers or default_workers()
         at_once = max(1, min(workers, len(scenes)))  # a shard can have no scenes
         threads = cores() // max(1, len(scenes))  # the frames share the cores equally
         return _to_pov, runner or povray.Runner(threads, part, at_once), workers
-    from povgen.rendering import gl_runner, gl_scene  # POV-Ray needs neither
-    from povgen.rendering.volumes import volumes
 
     workers = workers or max(1, min(gl_runner.at_once(), len(scenes)))  # a shard can have no scenes
     runner = runner or gl_runner.Runner(workers, part)
@@ -262,10 +256,7 @@ def shard(scenes: list[Scene], part: str) -> list[Scene]:
     return scenes[int(found[1]) - 1 :: int(found[2])]
 
 
-def read_png(frame: Path | bytes) -> "NDArray[np.uint8]":
+def read_png(frame: Path | bytes) -> NDArray[np.uint8]:
     """Read a PNG file or its bytes. Return the picture: (height, width, 3) bytes of red, green and blue, read-only."""
-    import numpy as np
-    from PIL.PngImagePlugin import PngImageFile  # Image.open refuses large pictures; this file is known to be whole
-
     with PngImageFile(BytesIO(frame) if isinstance(frame, bytes) else frame) as image:
         return np.asarray(image)[..., :3]  # no copy: it would take a third of the time that decoding takes

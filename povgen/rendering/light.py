@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from povgen import remedies
 from povgen.errors import InputError
@@ -42,7 +43,6 @@ def _reduced(light: Light, size: tuple[int, int]) -> Light:
     """Return one colour's light, (height, width), reduced in size as by `reduced`."""
     if (2 * light.shape[0], 2 * light.shape[1]) == (3 * size[1], 3 * size[0]):
         return _two_thirds(_two_thirds(light).T).T
-    from PIL import Image
 
     return np.asarray(Image.fromarray(light).resize(size, Image.Resampling.BILINEAR))
 
@@ -57,8 +57,6 @@ def _two_thirds(light: Light) -> Light:
 
 def reduce_file(path: Path, size: tuple[int, int]) -> None:
     """Replace a PNG file's picture with the reduced one, of this width and height. Leave a damaged file unchanged."""
-    from PIL import Image
-
     try:
         with Image.open(path, formats=["PNG"]) as image:
             picture = np.asarray(image)[..., :3]

@@ -23,7 +23,7 @@ from typing import IO
 
 from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line, shown
-from povgen.rendering import sandbox
+from povgen.rendering import light, sandbox
 from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import origin_of
@@ -240,8 +240,6 @@ class Runner:
                 if attempt == TRIES:
                     raise TransientError(f"{fault}, {TRIES} times") from None
         if rendering.is_light or rendering.supersampling > 1:
-            from povgen.rendering import light  # loads numpy, which is slow
-
             if rendering.is_light:
                 return light.from_exr(path, rendering.size)
             light.reduce_file(path, rendering.size)

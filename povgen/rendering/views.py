@@ -1,19 +1,18 @@
 """A picture that is composed of several frames: two eyes' views, or a transparent background."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
+from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.prisms import RANDOM
-
-if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
-    from numpy.typing import NDArray
-
-    from povgen.rendering.light import Picture
 
 
 def views(scene: Scene, rendering: Rendering) -> list[Scene]:
@@ -65,8 +64,6 @@ def check_gl(scene: Scene) -> None:
 
 def _fits_32_bits(sheet: OwnLaw, scene: Scene) -> bool:
     """Return whether a law bends most rays alike with 32-bit numbers, as shaders compute it, and with 64 bits."""
-    import numpy as np
-
     side = np.linspace(-0.47, 0.49, 15) * scene.aperture
     place = side + 1j * side[:, None]
     ray = np.stack(((place - scene.E).real, (place - scene.E).imag, np.full(place.shape, scene.z2)), -1)
@@ -76,7 +73,7 @@ def _fits_32_bits(sheet: OwnLaw, scene: Scene) -> bool:
     return not lit.any() or bool((off[lit] < 0.01).mean() > 0.9)
 
 
-def composed(pictures: "Sequence[NDArray[Any]]", scene: Scene, rendering: Rendering) -> "NDArray[Any]":
+def composed(pictures: Sequence[NDArray[Any]], scene: Scene, rendering: Rendering) -> NDArray[Any]:
     """Return the scene's picture from the pictures of its `views`.
 
     Pictures are (height, width, 3) bytes, or light. With a transparent background, which light does not have, the
@@ -87,11 +84,10 @@ def composed(pictures: "Sequence[NDArray[Any]]", scene: Scene, rendering: Render
     return _joined(pictures, rendering)
 
 
-def _joined(eyes: "Sequence[NDArray[Any]]", rendering: Rendering) -> "NDArray[Any]":
+def _joined(eyes: Sequence[NDArray[Any]], rendering: Rendering) -> NDArray[Any]:
     """Return one picture from that of each eye. An anaglyph has the left eye's red, the right eye's green and blue."""
     if len(eyes) == 1:
         return eyes[0]
-    import numpy as np
 
     left, right = eyes
     if rendering.stereo == "anaglyph":
@@ -99,16 +95,12 @@ def _joined(eyes: "Sequence[NDArray[Any]]", rendering: Rendering) -> "NDArray[An
     return np.concatenate((left, right), axis=1)
 
 
-def _transparent(black: "Picture", white: "Picture") -> "Picture":
+def _transparent(black: Picture, white: Picture) -> Picture:
     """Return a picture with alpha from its appearances in front of black and of white.
 
     In linear light, white - black = 1 - alpha, and black = alpha times the colour. Red, green and blue each give an
     alpha; the greatest of the three is taken.
     """
-    import numpy as np
-
-    from povgen.rendering.light import encoded, linear
-
     darker, lighter = linear(black), linear(white)
     alpha = (1 - (lighter - darker).min(axis=2, keepdims=True)).clip(0, 1)
     colour = np.divide(darker, alpha, out=np.zeros_like(darker), where=alpha > 0).clip(0, 1)

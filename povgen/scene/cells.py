@@ -2,13 +2,13 @@
 
 from cmath import rect
 from math import ceil, hypot, inf, radians, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
+from povgen.optics.equations import Complexes, Floats
 from povgen.scene.scenes import Scene
-
-if TYPE_CHECKING:
-    from povgen.optics.equations import Complexes, Floats
 
 _CELLS = 16  # across the window, for the first estimate of the error
 # With the template "law" and several windows: the least number of cells across the first window. With fewer, a
@@ -104,11 +104,10 @@ def jumps(scene: Scene) -> Jumps:
     """
     if template(scene) != "law":
         return Jumps()
-    import numpy as np  # slow to load, and a picture from the cache does not need it
 
     farthest, tolerance = max(scene.distances, default=2 * scene.z2), 10 * MAX_CAMERA_ERROR * scene.view / 960
 
-    def ends(P: "Complexes") -> "Floats":
+    def ends(P: Complexes) -> Floats:
         start, unit = _behind_points(scene, P)
         return np.stack((start.real, start.imag, 0 * start.real), -1) + farthest * unit
 
@@ -134,8 +133,6 @@ def jumps(scene: Scene) -> Jumps:
 
 def is_dark(scene: Scene) -> bool:
     """Whether no light passes the ideal windows."""
-    import numpy as np
-
     return bool(np.isnan(_behind(scene, MAX_CELLS)[1]).all())
 
 
@@ -153,8 +150,6 @@ def _cells_of_laws(scene: Scene) -> int:
 
 
 def _cells_of_smooth_laws(scene: Scene) -> int:
-    import numpy as np
-
     error = _law_error(scene, _CELLS)
     if np.isnan(error):
         return 1 if is_dark(scene) else MAX_CELLS
@@ -167,8 +162,6 @@ def _cells_of_smooth_laws(scene: Scene) -> int:
 
 def _is_exact(scene: Scene) -> bool:
     """Whether interpolation between the window's corners is exact."""
-    import numpy as np
-
     start, unit = _behind(scene, 1)
     share = np.linspace(0.05, 0.95, 7)
     parts = np.array(np.meshgrid(share, share))
@@ -193,8 +186,6 @@ def _law_error(scene: Scene, n: int) -> float:
     It is computed in the middle of the cells' diagonals. Of all cells, the worst 2 % are left out. Of all objects, the
     one with the greatest error counts. NaN if there is no cell with light at its middle and at all of its corners.
     """
-    import numpy as np
-
     step = scene.aperture / n
     with np.errstate(invalid="ignore", divide="ignore"):
         start, corners = _behind(scene, n)
@@ -221,22 +212,18 @@ def _law_error(scene: Scene, n: int) -> float:
     return worst / scene.view * 960
 
 
-def _behind(scene: Scene, n: int) -> "tuple[Complexes, Floats]":
+def _behind(scene: Scene, n: int) -> tuple[Complexes, Floats]:
     """Return where lines of sight through the corners of n x n cells of the first window go.
 
     The results are the lines' places (n + 1, n + 1), x + iy in tiles, at the last ideal window, and their unit
     directions (n + 1, n + 1, 3) behind it. NaN: no light passes.
     """
-    import numpy as np
-
     side = np.linspace(-0.5, 0.5, n + 1) * scene.aperture
     return _behind_points(scene, side + 1j * side[:, None])
 
 
-def _behind_points(scene: Scene, P: "Complexes") -> "tuple[Complexes, Floats]":
+def _behind_points(scene: Scene, P: Complexes) -> tuple[Complexes, Floats]:
     """Return places and directions as `_behind` does, for lines of sight through the points P of the first window."""
-    import numpy as np
-
     P = P + (1.1e-9 + 0.7e-9j)  # as in camera/law.pov.j2: a law may divide by 0 on a line of symmetry, such as X = 0
     view, z = P - scene.E, -scene.z2
     direction = np.stack(np.broadcast_arrays(view.real, view.imag, scene.z2), -1)

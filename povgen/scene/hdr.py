@@ -5,15 +5,14 @@ Light is (height, width, 3) float32 of red, green and blue. 1 is the white of a 
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import shown
 
-if TYPE_CHECKING:  # numpy is slow to load
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Light = NDArray[np.float32]
+Light = NDArray[np.float32]
 
 RGBE = b"32-bit_rle_rgbe"
 MARK = b"#?"  # of a Radiance file, at its start
@@ -33,8 +32,6 @@ def read(data: bytes) -> "Light":
     EXPOSURE and COLORCORR change nothing: they say by what the stored light has been multiplied. Raises ValueError for
     any other file and for too many pixels.
     """
-    import numpy as np
-
     head = HEAD.match(data[:MAX_HEAD])
     if not head or head[3] == head[6]:
         raise ValueError(WHOLE)
@@ -70,8 +67,6 @@ def read(data: bytes) -> "Light":
 
 def clipped(light: "Light", chromaticities: Sequence[float]) -> "Light":
     """Return linear light of these chromaticities as that of sRGB, from 0 to MOST. NaN becomes 0. `light` changes."""
-    import numpy as np
-
     light = converted(np.nan_to_num(light, copy=False, nan=0, posinf=MOST, neginf=0), chromaticities)
     return np.clip(light, 0, MOST, out=light)
 
@@ -82,8 +77,6 @@ def converted(light: "Light", chromaticities: Sequence[float]) -> "Light":
     Chromaticities are as in SRGB. Another white is adapted by Bradford's method. Raises ValueError for those of no
     colours.
     """
-    import numpy as np
-
     if np.shape(chromaticities) == np.shape(SRGB) and np.allclose(chromaticities, SRGB, atol=1e-4):
         return light
     try:
@@ -99,10 +92,8 @@ def converted(light: "Light", chromaticities: Sequence[float]) -> "Light":
     return light @ matrix.T.astype(np.float32)
 
 
-def _to_xyz(chromaticities: Sequence[float]) -> "tuple[NDArray[Any], NDArray[Any]]":
+def _to_xyz(chromaticities: Sequence[float]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return the matrix from linear light of these chromaticities to XYZ, and the white's XYZ, whose Y is 1."""
-    import numpy as np
-
     x, y = np.reshape(chromaticities, (4, 2)).T
     columns = np.array([x, y, 1 - x - y])
     with np.errstate(all="ignore"):
@@ -112,16 +103,12 @@ def _to_xyz(chromaticities: Sequence[float]) -> "tuple[NDArray[Any], NDArray[Any
 
 def linear(encoded: Iterable[int]) -> "Light":
     """Return the light, 0 to 1, of sRGB bytes."""
-    import numpy as np
-
     share = np.asarray(encoded, np.float32) / 255
     return np.asarray(np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4), np.float32)
 
 
-def encoded(light: "NDArray[Any]") -> "NDArray[np.uint8]":
+def encoded(light: NDArray[Any]) -> NDArray[np.uint8]:
     """Return light as sRGB bytes. Light brighter than white becomes white, and below 0 black."""
-    import numpy as np
-
     light = light.clip(0, 1)
     share = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return (255 * share + 0.5).astype(np.uint8)
@@ -129,8 +116,6 @@ def encoded(light: "NDArray[Any]") -> "NDArray[np.uint8]":
 
 def written(light: "Light") -> bytes:
     """Return the Radiance file of light, with errors of up to 0.4 % of each pixel's greatest channel."""
-    import numpy as np
-
     height, width, _ = light.shape
     fraction, exponent = np.frexp(light.max(-1))
     pixels = np.empty((height, width, 4), np.uint8)
@@ -139,13 +124,11 @@ def written(light: "Light") -> bytes:
     return b"#?RADIANCE\nFORMAT=%s\n\n-Y %d +X %d\n" % (RGBE, height, width) + pixels.tobytes()
 
 
-def _old_pixels(data: bytes, count: int) -> "NDArray[np.uint8]":
+def _old_pixels(data: bytes, count: int) -> NDArray[np.uint8]:
     """Return pixels (count, 4) that are stored one after the other.
 
     In files of before 1991 the pixel 1, 1, 1, n stands for n copies of the one before; the next such pixel for 256 n.
     """
-    import numpy as np
-
     stored = np.frombuffer(data, np.uint8, len(data) // 4 * 4).reshape(-1, 4)[:count]
     is_run = (stored[:, :3] == 1).all(1)
     if not is_run.any():

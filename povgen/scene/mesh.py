@@ -3,13 +3,13 @@
 import re
 from functools import lru_cache
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from povgen.errors import at_most
 from povgen.scene import readers
-
-if TYPE_CHECKING:  # numpy is slow to load
-    from numpy.typing import NDArray
 
 NAME = re.compile(r"(.*\.(stl|obj|ply|glb))((?:,[a-z]+=[^,=]*)*)", re.IGNORECASE | re.DOTALL)
 OWN = re.compile(
@@ -40,7 +40,6 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     option, for a file that is no whole mesh, for a mesh without height, and for a height with which it is too wide.
     """
     height, up = _checked(kind, options)
-    import numpy as np  # slow to load
 
     vertices, triangles, (count, moved, is_open), left_out = _read(data, kind)
     x, y, z = vertices.T
@@ -96,10 +95,8 @@ def _checked(kind: str, text: str) -> tuple[float | None, str]:
     return height, up
 
 
-def _read(data: bytes, kind: str) -> "tuple[NDArray[Any], NDArray[Any], NDArray[Any], str]":
+def _read(data: bytes, kind: str) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], str]:
     """Return the three arrays of `mesh_reader`, and what it left out of the mesh."""
-    import numpy as np
-
     done = readers.run("mesh_reader", kind, "mesh", data)
     said = done.stderr.decode(errors="replace").rpartition("\n")[2]
     if done.returncode:
@@ -114,7 +111,7 @@ def is_own(text: str) -> bool:
     return bool(OWN.fullmatch(text))
 
 
-def _sdl(points: "NDArray[Any]", triangles: "NDArray[Any]") -> str:
+def _sdl(points: NDArray[Any], triangles: NDArray[Any]) -> str:
     """Return a text that declares `Piece` as a mesh2."""
     vectors = ",\n".join(f"<{x:.6g}, {y:.6g}, {z:.6g}>" for x, y, z in points.tolist())
     faces = ",\n".join(f"<{a}, {b}, {c}>" for a, b, c in triangles.tolist())

@@ -21,6 +21,8 @@ from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
 
+import numpy as np
+
 from povgen.scene import readers
 
 MAX_MEMORY = 3 << 30  # bytes of address space
@@ -53,7 +55,6 @@ GLB_ALLOWED = re.compile(r"KHR_mesh_quantization|[A-Z]+_(materials|texture|light
 def main() -> int:
     """Read, simplify and write a mesh. Return the exit status."""
     readers.limit(MAX_MEMORY, MAX_TIME)
-    import numpy as np  # after the limits are set
 
     try:
         *arrays, left_out = read(sys.stdin.buffer.read(), sys.argv[1])
@@ -81,8 +82,6 @@ def read(data: bytes, kind: str) -> tuple[Any, Any, Any, str]:
 
 def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any, str]:
     """Do what `read` does, but raise any error for a malformed file."""
-    import numpy as np
-
     # the vertices, the corners of all faces as indices of vertices, and the number of corners of each face
     vertices, corners, sizes, left_out = {"obj": _obj, "stl": _stl, "ply": _ply, "glb": _glb}[kind](data)
     if len(corners) and not (0 <= corners.min() and corners.max() < len(vertices)):
@@ -110,8 +109,6 @@ def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any, str]:
 
 
 def _stl(data: bytes) -> tuple[Any, Any, Any, str]:
-    import numpy as np
-
     if b"\0" in data[:134]:  # a binary file, which can have more after its last triangle
         count, there = int.from_bytes(data[80:84], "little"), max(0, len(data) - 84) // 50
         if there < count:
@@ -128,8 +125,6 @@ def _stl(data: bytes) -> tuple[Any, Any, Any, str]:
 
 
 def _obj(data: bytes) -> tuple[Any, Any, Any, str]:
-    import numpy as np
-
     data = data.removeprefix(BOM).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     data = re.sub(rb"#[^\n]*", b"", data).replace(b"\\\n", b" ")
     vertices, corners, sizes, left_out = array("d"), array("q"), array("q"), ""
@@ -151,8 +146,6 @@ def _obj(data: bytes) -> tuple[Any, Any, Any, str]:
 
 
 def _ply(data: bytes) -> tuple[Any, Any, Any, str]:
-    import numpy as np
-
     head, _, body = re.split(rb"end_header[ \t]*(\r\n|\n|\r)", data, maxsplit=1)
     lines = [line.split() for line in head.splitlines() if line.split()]
     (order,) = (PLY_ORDERS[line[1]] for line in lines if line[0] == b"format")
@@ -234,8 +227,6 @@ class _Rows:
 
 
 def _glb(data: bytes) -> tuple[Any, Any, Any, str]:
-    import numpy as np
-
     document, binary = _chunks(data)
     required = [name for name in document.get("extensionsRequired", ()) if not GLB_ALLOWED.fullmatch(name)]
     for name in [*required, *(name for name in GLB_REFUSED if f'"{name}"'.encode() in data)]:
@@ -285,8 +276,6 @@ def _chunks(data: bytes) -> tuple[Any, bytes]:
 
 def _numbers(document: Any, binary: bytes, index: int) -> Any:  # noqa: ANN401
     """Return the numbers of an accessor of a GLB file, (count, size)."""
-    import numpy as np
-
     accessor = document["accessors"][index]
     kind, size, count = GLB_TYPES[accessor["componentType"]], GLB_SIZES[accessor["type"]], accessor["count"]
 
@@ -308,8 +297,6 @@ def _numbers(document: Any, binary: bytes, index: int) -> Any:  # noqa: ANN401
 
 def _placed(node: Any) -> Any:  # noqa: ANN401
     """Return a node's matrix, (4, 4), for column vectors."""
-    import numpy as np
-
     if "matrix" in node:
         return np.reshape(node["matrix"], (4, 4)).T
     place = np.eye(4)
@@ -321,23 +308,17 @@ def _placed(node: Any) -> Any:  # noqa: ANN401
 
 
 def _strip(corners: Any) -> Any:  # noqa: ANN401  (numpy's)
-    import numpy as np
-
     return np.column_stack((corners[:-2], corners[1:-1], corners[2:]))
 
 
 def _fan(corners: Any) -> Any:  # noqa: ANN401  (numpy's)
     """Return the triangles of convex faces (..., n): (..., n - 2, 3)."""
-    import numpy as np
-
     second, third = corners[..., 1:-1], corners[..., 2:]
     return np.stack((np.broadcast_to(corners[..., :1], second.shape), second, third), axis=-1)
 
 
 def _triangles(vertices: Any, corners: Any, sizes: Any) -> Any:  # noqa: ANN401  (numpy's)
     """Return the triangles of faces (n, 3), also of faces that are not convex. Faces of two corners are left out."""
-    import numpy as np
-
     starts, found = np.cumsum(sizes) - sizes, [np.empty((0, 3), np.int64)]
     for size in np.unique(sizes[sizes > 2]):
         faces = corners[starts[sizes == size][:, None] + np.arange(size)]
@@ -360,8 +341,6 @@ def _ears(points: Any, normal: Any) -> Any:  # noqa: ANN401  (numpy's)
 
     The corners are numbered from 0. A face that crosses itself has no inside: then any triangles are returned.
     """
-    import numpy as np
-
     axis = np.abs(normal).argmax()  # the face is seen along this axis, counterclockwise
     flat = points[:, (axis + 1) % 3] + 1j * points[:, (axis + 2) % 3] * np.sign(normal[axis])
     found, left = [], np.arange(len(points))
@@ -391,8 +370,6 @@ def _clustered(vertices: Any, triangles: Any, size: float) -> tuple[Any, Any, fl
 
     The results are the vertices, the triangles that are left, and the greatest distance by which a vertex moves.
     """
-    import numpy as np
-
     cells = ((vertices - vertices.min(axis=0)) / size).astype(np.int64)
     _, number, count = np.unique(cells @ [1, 2**21, 2**42], return_inverse=True, return_counts=True)
     number = number.reshape(-1)

@@ -14,14 +14,14 @@ import sys
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from PIL import Image, ImageCms, ImageOps
 
 from povgen import remedies
 from povgen.errors import one_line, shown
 from povgen.scene import hdr, readers
-
-if TYPE_CHECKING:  # slow to load; here after the limits are set
-    from PIL import Image
 
 GIVEN, DECODED, ANSWER = "given", "decoded", "answer"
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
@@ -89,10 +89,8 @@ def check_size(width: int, height: int) -> None:
         raise ValueError("should be a picture of 2x2 to {}x{} pixels, not {}x{}".format(*MAX_SIZE, width, height))
 
 
-def colours(data: bytes) -> "Image.Image":
+def colours(data: bytes) -> Image.Image:
     """Return a picture of colours, upright and in sRGB."""
-    from PIL import Image, ImageOps
-
     with Image.open(BytesIO(data), formats=FORMATS) as image:
         check_size(max(image.size), min(image.size))  # before Exif data turn it
         _check_opaque(image, data)
@@ -116,7 +114,7 @@ def colours(data: bytes) -> "Image.Image":
     return _by_numbers(upright.convert("RGB"), gamma, chromaticities)
 
 
-def _check_opaque(image: "Image.Image", data: bytes) -> None:
+def _check_opaque(image: Image.Image, data: bytes) -> None:
     """Raise ValueError if a pixel is transparent, also partly."""
     if image.has_transparency_data:
         # of 16 bits, Pillow does not apply the transparent colour
@@ -125,7 +123,7 @@ def _check_opaque(image: "Image.Image", data: bytes) -> None:
             raise ValueError("should be a picture without transparent pixels: draw it on a background first")
 
 
-def _stated(image: "Image.Image", data: bytes) -> tuple[float | None, Sequence[float]]:
+def _stated(image: Image.Image, data: bytes) -> tuple[float | None, Sequence[float]]:
     """Return the gamma (None for sRGB's curve) and the chromaticities that a file without a profile states."""
     info, tags = image.info, getattr(image, "tag_v2", {})
     place = data.find(b"\0\0\0\4cICP", 0, data.find(b"IDAT")) if image.format == "PNG" else -1
@@ -153,10 +151,8 @@ def _stated(image: "Image.Image", data: bytes) -> tuple[float | None, Sequence[f
     return gamma, chromaticities
 
 
-def _by_profile(image: "Image.Image", profile: bytes | None) -> "Image.Image":
+def _by_profile(image: Image.Image, profile: bytes | None) -> Image.Image:
     """Return a picture in sRGB, by its ICC profile. Without one, its colours are Lab of ICC's white, D50."""
-    from PIL import ImageCms
-
     try:
         given = ImageCms.ImageCmsProfile(BytesIO(profile) if profile else ImageCms.createProfile("LAB"))
         space = given.profile.xcolor_space.strip()
@@ -170,11 +166,8 @@ def _by_profile(image: "Image.Image", profile: bytes | None) -> "Image.Image":
     raise ValueError(f"should be a picture whose ICC profile is for its colours, {kept}, not for {shown(space)}")
 
 
-def _by_numbers(image: "Image.Image", gamma: float | None, chromaticities: Sequence[float]) -> "Image.Image":
+def _by_numbers(image: Image.Image, gamma: float | None, chromaticities: Sequence[float]) -> Image.Image:
     """Return a picture in sRGB. `gamma` and `chromaticities` are as for `_stated`."""
-    import numpy as np
-    from PIL import Image
-
     if gamma is None and np.allclose(chromaticities, hdr.SRGB, atol=0.002):
         return image
     levels = hdr.linear(range(256)) if gamma is None else (np.arange(256) / 255) ** (1 / gamma)
@@ -185,10 +178,8 @@ def _by_numbers(image: "Image.Image", gamma: float | None, chromaticities: Seque
     return Image.fromarray(pixels)
 
 
-def exr(path: Path) -> "hdr.Light":
+def exr(path: Path) -> hdr.Light:
     """Return the light in an EXR file."""
-    import numpy as np
-
     try:
         import OpenEXR
     except ImportError:

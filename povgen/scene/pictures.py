@@ -15,6 +15,7 @@ from io import BytesIO
 from pathlib import Path
 from weakref import WeakValueDictionary
 
+from PIL import Image
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
@@ -151,7 +152,6 @@ def as_png(file: File) -> bytes:
     """Return a new file's content as PNG. Light brighter than white becomes white."""
     if not file.name.endswith(".hdr"):
         return file.content
-    from PIL import Image
 
     png = BytesIO()
     Image.fromarray(hdr.encoded(hdr.read(file.content))).save(png, "png")

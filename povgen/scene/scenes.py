@@ -14,6 +14,10 @@ from itertools import combinations, islice, pairwise
 from math import hypot, inf, radians, remainder
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, TypeVar
 
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import ArrayLike
+from PIL import ImageColor
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -25,10 +29,13 @@ from pydantic import (
 
 from povgen import limits
 from povgen.errors import InputError, at_least, at_most, input_errors, one_line, shown
-from povgen.optics import glasses
+from povgen.optics import apparent, equations, glasses
+from povgen.optics.equations import Booleans, Complexes, Floats
+from povgen.optics.ghosts import Ghost, ghosts
 from povgen.optics.prism import Prism
+from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
 from povgen.record import Record, info
-from povgen.scene import pictures
+from povgen.scene import camera, pictures
 from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
 from povgen.scene.recorded import scenes
@@ -53,15 +60,6 @@ from povgen.sheets.prisms import SHAPE, PrismPair, Prisms, shape_of
 from povgen.sheets.profile import ProfileFile
 from povgen.sheets.sheet import Ideal, Sheet
 from povgen.validation import Model, as_flag, as_pair
-
-if TYPE_CHECKING:  # numpy is slow to load
-    from numpy.random import Generator
-    from numpy.typing import ArrayLike
-
-    from povgen.optics import apparent
-    from povgen.optics.equations import Booleans, Complexes, Floats
-    from povgen.optics.ghosts import Ghost
-    from povgen.optics.rays import Bundle, Spot, Traced
 
 T = TypeVar("T")
 APERTURE = 3.0  # the default side of the window, tiles
@@ -110,8 +108,6 @@ def _colour(value: str) -> str:
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """Return red, green and blue (sRGB, 0 to 1) of a colour's name or code. Raises ValueError for any other text."""
-    from PIL import ImageColor
-
     try:
         parts = ImageColor.getrgb(colour)
         if len(parts) > 3 or max(parts) > 255:
@@ -166,10 +162,8 @@ def _for_no_glass(name: str, wavelength: float) -> str:
     return f"{name} = {wavelength:g}: needs a glass; allowed: with one, such as glass = BK7"
 
 
-def _distances(z1: "ArrayLike") -> "Floats":
+def _distances(z1: ArrayLike) -> Floats:
     """Return distances of objects as floats. Raises ValueError for one that is infinite or below 0."""
-    from povgen.optics import equations
-
     checked = equations.real("z1", z1, 0)
     if (checked == inf).any():
         raise ValueError("z1 = inf; allowed: finite numbers, tiles")
@@ -353,21 +347,20 @@ class Scene(ParametersOfSheets):
         return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
 
     @property
-    def elements(self) -> "apparent.Windows":
+    def elements(self) -> apparent.Windows:
         """The windows as in `optics.apparent`."""
         return self._elements(self.sheets)
 
-    def _elements(self, sheets: tuple[Sheet, ...]) -> "apparent.Windows":
+    def _elements(self, sheets: tuple[Sheet, ...]) -> apparent.Windows:
         return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), sheets, strict=True)]
 
-    def _with_alpha(self, alpha: "ArrayLike | None") -> "apparent.Windows":
+    def _with_alpha(self, alpha: ArrayLike | None) -> apparent.Windows:
         """Return the windows as in `optics.apparent`. `alpha`, in degrees, replaces that of the first window."""
         if alpha is None:
             return self.elements
-        import numpy
 
         first, *others = self.sheets
-        turned = type(first)({**first.values, "alpha": numpy.asarray(alpha, float)[()]}, first.aperture)
+        turned = type(first)({**first.values, "alpha": np.asarray(alpha, float)[()]}, first.aperture)
         return self._elements((turned, *others))
 
     @property
@@ -419,8 +412,8 @@ class Scene(ParametersOfSheets):
 
     @input_errors()
     def apparent_position(
-        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
-    ) -> "Complexes":
+        self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
+    ) -> Complexes:
         """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `apparent.position` finds.
 
         L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own, if its sheet has an
@@ -429,29 +422,23 @@ class Scene(ParametersOfSheets):
         is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN, or L
         or alpha is infinite. Raises InputError for a z1 that is infinite or below 0.
         """
-        import numpy  # slow to load, and few scenes need a prediction
-
-        from povgen.optics import apparent, equations
-
-        z1, L, near = _distances(z1), numpy.asarray(L, complex), equations.real("near", near, 0)
+        z1, L, near = _distances(z1), np.asarray(L, complex), equations.real("near", near, 0)
         if alpha is not None:
             alpha = equations.real("alpha", alpha)
-            alpha = numpy.where(numpy.isfinite(alpha), alpha, numpy.nan)[()]
+            alpha = np.where(np.isfinite(alpha), alpha, np.nan)[()]
         turns = 0 if alpha is None else alpha
-        shape = numpy.broadcast_shapes(*map(numpy.shape, (L, z1, near, turns)))
-        L = numpy.broadcast_to(numpy.where(numpy.isfinite(L) & ~numpy.isnan(near), L, numpy.nan), shape)
+        shape = np.broadcast_shapes(*map(np.shape, (L, z1, near, turns)))
+        L = np.broadcast_to(np.where(np.isfinite(L) & ~np.isnan(near), L, np.nan), shape)
         if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
-            turn = numpy.radians(self.alpha if alpha is None else numpy.fmod(alpha, 360))
+            turn = np.radians(self.alpha if alpha is None else np.fmod(alpha, 360))
             return equations.apparent_position(L, self.E, z1, self.z2, turn)
         elements = self._with_alpha(alpha)
-        if alpha is not None and numpy.ndim(alpha) and apparent.matrix(elements) is None:
+        if alpha is not None and np.ndim(alpha) and apparent.matrix(elements) is None:
             # the search is for a single alpha
-            return numpy.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
+            return np.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
         return apparent.position(L, self.E, z1, elements, near, self.depth)
 
-    def visible(
-        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
-    ) -> "Booleans":
+    def visible(self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0) -> Booleans:
         """Return whether light from a point reaches the eye through the windows, by the prediction.
 
         The light must pass inside each window frame's front and back, and inside each window at the middle planes of
@@ -460,20 +447,16 @@ class Scene(ParametersOfSheets):
         return self.seen(L, z1, alpha, near)[1]
 
     def seen(
-        self, L: "ArrayLike", z1: "ArrayLike", alpha: "ArrayLike | None" = None, near: "ArrayLike" = 0
-    ) -> tuple["Complexes", "Booleans"]:
+        self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
+    ) -> tuple[Complexes, Booleans]:
         """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
-        import numpy
-
-        from povgen.optics import apparent
-
         position = self.apparent_position(L, z1, alpha, near)
-        with numpy.errstate(invalid="ignore"):  # the position can be infinite
+        with np.errstate(invalid="ignore"):  # the position can be infinite
             slope = (position - self.E) / self.z2
         return position, apparent.passes(slope, self.E, self._with_alpha(alpha), self.depth)
 
     @input_errors()
-    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> "list[Ghost]":
+    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> list[Ghost]:
         """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
 
         L (complex) and z1 are in tiles. Ghosts with a share (`Ghost.share`, 0 to 1) below `least` are left out. So are
@@ -481,15 +464,13 @@ class Scene(ParametersOfSheets):
         ideal sheets and Dove prisms, and for an L that is NaN or infinite. Raises InputError for a z1 that is infinite
         or below 0.
         """
-        from povgen.optics.ghosts import ghosts
-
         _distances(z1)
         if self.window or not self.layered or not isfinite(L):
             return []
         return ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0), self.aperture, least)
 
     @input_errors()
-    def nu_and_M(self, z1: "ArrayLike") -> tuple["Floats", "Floats"]:
+    def nu_and_M(self, z1: ArrayLike) -> tuple[Floats, Floats]:
         """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
 
         For a single window with the sheet "ideal" they are eqs. 8 and 9, corrected (docs/errata.md). Otherwise they are
@@ -499,32 +480,25 @@ class Scene(ParametersOfSheets):
         than to rotate light about its normal, because it can distort an object. z1 is in tiles; arrays broadcast.
         Raises InputError for a z1 that is infinite or below 0.
         """
-        import numpy
-
-        from povgen.optics import apparent, equations
-
         z1 = _distances(z1)
         if not self.only_rotates:
-            return (nothing := numpy.full(numpy.shape(z1), numpy.nan)[()]), nothing
+            return (nothing := np.full(np.shape(z1), np.nan)[()]), nothing
         alpha = remainder(sum(self.alphas), 360)
         if self.sheets[0].name == "ideal" and not self.window:
             r = equations.r(z1, self.z2)
             nu, M = equations.nu(r, radians(self.alpha)), equations.M(r, radians(self.alpha))
         else:
             nu, M = apparent.nu_and_M(z1, self.elements)
-        return alpha / 2 + numpy.remainder(numpy.degrees(nu) - alpha / 2 + 180, 360) - 180, M
+        return alpha / 2 + np.remainder(np.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
     @input_errors()
-    def rays(self, size: str | Sequence[int]) -> "Bundle":
+    def rays(self, size: str | Sequence[int]) -> Bundle:
         """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
 
         The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
         one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
         more than 40 million pixels.
         """
-        from povgen.optics.rays import AT_ONCE
-        from povgen.scene import camera
-
         width, height = _Picture(size=size).size
         if width * height > AT_ONCE:
             raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
@@ -532,8 +506,8 @@ class Scene(ParametersOfSheets):
 
     @input_errors()
     def pencil(
-        self, point: "ArrayLike", count: int = 1000, middle: complex = 0, radius: float | None = None, seed: int = 1
-    ) -> "Bundle":
+        self, point: ArrayLike, count: int = 1000, middle: complex = 0, radius: float | None = None, seed: int = 1
+    ) -> Bundle:
         """Return `count` rays from a point (x, y, z), in tiles, to random points of a disc in a window.
 
         The window is the one nearest to the point. Rays from a point behind the last window run towards the eye, as
@@ -542,13 +516,11 @@ class Scene(ParametersOfSheets):
         window contains. The same `seed` gives the same rays. Raises InputError for a point between the windows, and for
         numbers outside their ranges.
         """
-        from povgen.optics.rays import AT_ONCE, checked_count, joined, pencil
-
         count = checked_count("count", count, AT_ONCE)
         return joined(pencil(self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed))
 
     @input_errors()
-    def trace(self, rays: "Bundle", max_faces: int = 60, partial: "Generator | None" = None) -> "Traced":
+    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
         """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
 
         Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
@@ -556,21 +528,19 @@ class Scene(ParametersOfSheets):
         Otherwise reflection is only total. Raises InputError for a ray that does not start outside the windows, or does
         not run towards them, and for a `max_faces` that is not a whole number from 1 to 100,000.
         """
-        from povgen.optics.rays import trace_windows
-
         return trace_windows(rays, self.windows, self.aperture, self.depth, max_faces, partial)
 
     @input_errors()
     def spot(
         self,
-        point: "ArrayLike",
+        point: ArrayLike,
         z: float,
         count: int = 10_000,
         middle: complex = 0,
         radius: float | None = None,
         seed: int = 1,
         stray: bool = False,
-    ) -> "Spot":
+    ) -> Spot:
         """Return the spot diagram of light from a point: where a `pencil` crosses the plane z, in tiles.
 
         The rays are extended both ways, so that the plane can be that of a virtual image. Only rays that leave on the
@@ -578,8 +548,6 @@ class Scene(ParametersOfSheets):
         part at a time, so memory is needed for the points of the diagram only. Other arguments and errors are those of
         `pencil`. Raises InputError for a z that is not finite, too.
         """
-        from povgen.optics.rays import pencil, spot
-
         radius = self.aperture / 2 if radius is None else radius
         parts = pencil(self.windows, point, count, middle, radius, seed)
         return spot((self.trace(rays) for rays in parts), z, as_flag("stray", stray))

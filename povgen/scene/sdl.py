@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from shlex import quote
 from types import NoneType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from jinja2.bccache import Bucket
@@ -20,6 +20,7 @@ from povgen import limits
 from povgen.errors import InputError, shown
 from povgen.files import own_folder
 from povgen.optics.prism import Prism
+from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
 from povgen.scene.mesh import TALLEST
 from povgen.scene.pieces import FILE_RADIUS, PieceFile
@@ -30,9 +31,6 @@ from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
 from povgen.sheets.prisms import PrismPair, Prisms
 from povgen.version import __version__
-
-if TYPE_CHECKING:  # numpy is slow to load
-    from povgen.optics.profile import Profile
 
 TEMPLATES = own_folder("templates")
 PACKAGE = Path(__file__).parents[1]  # whose folders have the texts of pages, shaders and captions
@@ -211,9 +209,9 @@ class ProfileWindow(NamedTuple):
 
     window: int  # counted from 0
     sheet: Layered
-    shape: "Prism | Profile"
+    shape: Prism | Profile
     suffix: str  # the end of its parameters' names in the text
-    near: "Prism | Profile | None" = None  # the profile of the near sheet, if it differs from `shape`
+    near: Prism | Profile | None = None  # the profile of the near sheet, if it differs from `shape`
 
     @property
     def periods(self) -> str:

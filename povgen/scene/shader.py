@@ -6,9 +6,10 @@ povgen/liveview/values.js does the same in a page. Lengths are in tiles, angles 
 
 from collections.abc import Sequence
 from math import cos, radians, sin
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from povgen.optics.prism import Prism
+from povgen.optics.profile import Profile
 from povgen.scene.laws import Text, to_live
 from povgen.scene.pictures import Picture
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
@@ -18,9 +19,6 @@ from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.prisms import SHAPE, shape_of
 from povgen.sheets.sheet import Ideal, Sheet
-
-if TYPE_CHECKING:  # numpy is slow to load
-    from povgen.optics.profile import Profile
 
 BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
 # The shader is compiled for at least this number of spheres, so that scenes with fewer can use the same shader.
@@ -128,13 +126,13 @@ def uniforms(
     } | _edges(profiles)
 
 
-def _profiles(scene: Scene) -> "list[Profile | None]":
+def _profiles(scene: Scene) -> list[Profile | None]:
     """Return the profile of the sheets in each window, None for Dove prisms and ideal sheets."""
     shapes = (sheet.shape if isinstance(sheet, Layered) else None for sheet in scene.sheets)
     return [None if isinstance(shape, Prism) else shape for shape in shapes]
 
 
-def _edges(profiles: "Sequence[Profile | None]") -> dict[str, Any]:
+def _edges(profiles: Sequence[Profile | None]) -> dict[str, Any]:
     """Return the uniforms of profiles in povgen/liveview/prisms.glsl."""
     several = [profile.edges if profile else () for profile in profiles]
     most = max(map(len, several))

@@ -6,16 +6,16 @@ out at the lens opposite.
 """
 
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
+from povgen.optics import apparent, trace
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.faces import Sheet
 from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
-
-if TYPE_CHECKING:
-    from povgen.optics import trace
-    from povgen.optics.equations import Complexes, Floats
-    from povgen.optics.faces import Sheet
 
 
 class Survey(NamedTuple):
@@ -43,7 +43,7 @@ def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
     return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.depth, side)
 
 
-def prism_sheets(windows: tuple[Placed, ...]) -> "tuple[Sheet, ...]":
+def prism_sheets(windows: tuple[Placed, ...]) -> tuple[Sheet, ...]:
     """Return the sheets of prisms in windows, the nearest to the eye first."""
     return tuple(layer for number, window in enumerate(windows) for layer in window.sheet.layers_at(window.z, number))
 
@@ -81,10 +81,6 @@ def _traced(given: SurveyInputs) -> Survey:
     on the designed path. Ideal windows always stand before the prisms. If there are any, the traced rays start at the
     last ideal one.
     """
-    import numpy as np
-
-    from povgen.optics import trace
-
     windows, z2, E, aperture, depth, side = given
     glass = prism_sheets(windows)
     faces = sum(len(trace.path_of(sheet.shape)) for sheet in glass)
@@ -110,7 +106,7 @@ def _traced(given: SurveyInputs) -> Survey:
     return Survey(level, designed)
 
 
-def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
+def _crossings_up_to(number: int, given: SurveyInputs) -> Complexes:
     """Return the points (number + 1, rays) where rays from the eye cross the windows 0 to `number`.
 
     Only rays that cross the windows before `number`, and enter the frame of this one, are returned. Here the sheets
@@ -119,10 +115,6 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
     arrive, it is divided into 4 side^2 cells, and then into 16 side^2. There can still be fewer. In each cell there is
     a random point, the same each time. Regularly spaced points would make moire with the prisms.
     """
-    import numpy as np
-
-    from povgen.optics import apparent
-
     windows, z2, E, aperture, depth, side = given
     half = aperture / 2
     elements, z = [], -z2
@@ -130,7 +122,7 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
         elements.append((window.z - z, window.sheet.thin))
         z = window.z
 
-    def crossings(P: "Complexes") -> "Complexes":
+    def crossings(P: Complexes) -> Complexes:
         followed = apparent.follow((P - E) / z2, E, elements)
         place, slope, *_ = followed[-1]
         return np.stack([*(each for each, *_ in followed), place - depth / 2 * slope])  # the last: where it enters
@@ -163,17 +155,13 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> "Complexes":
 
 
 def _level(
-    origin: "Floats",
-    direction: "Floats",
-    found: "trace.Rays",
-    glass: "tuple[Sheet, ...]",
+    origin: Floats,
+    direction: Floats,
+    found: trace.Rays,
+    glass: tuple[Sheet, ...],
     window: float,
 ) -> int:
     """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""
-    import numpy as np
-
-    from povgen.optics import trace
-
     reached = found.count > 0
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
     # 0.8 is a margin: pictures can lose a larger fraction than this sample

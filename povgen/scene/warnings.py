@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from povgen.limits import (
     MAX_CONDITION,
     MAX_ERROR,
@@ -9,6 +11,7 @@ from povgen.limits import (
     MIN_PIXELS_PER_PRISM,
     moire_alpha,
 )
+from povgen.optics import uncertainty
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
 from povgen.scene.pieces import PieceFile, words
 from povgen.scene.scenes import Scene, pieces
@@ -88,7 +91,6 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
     """Yield a warning if no light passes the ideal windows, and one for each object that the overlay cannot mark."""
     if scene.is_empty:
         return
-    import numpy as np
 
     if scene.ideal and is_dark(scene):
         names = dict.fromkeys(name for sheet in scene.ideal for name in sheet.values)
@@ -120,8 +122,6 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
 
     L (complex), z1 and `radius` are those of the object, in tiles. The result is infinite if it appears at infinity.
     """
-    from povgen.optics import uncertainty
-
     P = complex(scene.apparent_position(L, z1, near=radius))
     return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements) / scene.view * 960
 

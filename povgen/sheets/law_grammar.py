@@ -19,10 +19,10 @@ import keyword
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:  # numpy is slow to load
-    from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike
 
 # The functions, with the number of their arguments and numpy's name.
 FUNCTIONS = {
@@ -82,7 +82,7 @@ class Law:
     def _text(self) -> str:
         return ", ".join(self.expressions())
 
-    def bend(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
+    def bend(self, direction: ArrayLike, place: ArrayLike, values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return the unit directions (..., 3) behind the sheet. They are NaN where no light passes.
 
         `direction` (..., 3) are vectors with z > 0, of lengths from 1e-150 to 1e150. `place` is complex, X + iY, and
@@ -90,14 +90,12 @@ class Law:
         """
         return self._bent(self._code, direction, place, values, "float64")
 
-    def bend_in_32_bits(self, direction: "ArrayLike", place: "ArrayLike", values: Mapping[str, float]) -> Any:  # noqa: ANN401
+    def bend_in_32_bits(self, direction: ArrayLike, place: ArrayLike, values: Mapping[str, float]) -> Any:  # noqa: ANN401
         """Return what `bend` returns, but computed as shaders do: with 32-bit numbers, except for the `constants`."""
         constants = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
         return self._bent(_compiled(self._extracted[1]), direction, place, constants, "float32")
 
     def _bent(self, code: Any, direction: Any, place: Any, values: Mapping[str, float], kind: str) -> Any:  # noqa: ANN401
-        import numpy as np
-
         d = np.asarray(direction, float)
         with np.errstate(all="ignore"):  # light that does not pass is NaN
             x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
@@ -126,8 +124,6 @@ class Law:
         for below in (node.right for node in divisions if isinstance(node.op, ast.Div)):
             names = {each.id for each in ast.walk(below) if isinstance(each, ast.Name)} - {*FUNCTIONS}
             if not names & {*RAY}:  # the same for all rays
-                import numpy as np
-
                 numbers = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
                 with np.errstate(all="ignore"):
                     is_zero = _evaluated(_compiled([below]), numbers)[0] == 0
@@ -190,8 +186,6 @@ class Law:
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
         """Return the values of the `constants`. `values` has the parameters' values by name."""
-        import numpy as np
-
         with np.errstate(all="ignore"):
             return [float(number) for number in _evaluated(_compiled(self._extracted[0]), values)]
 
@@ -316,7 +310,6 @@ def _evaluated(code: Any, values: Mapping[str, Any], kind: str = "float64") -> A
 
     All is computed with numbers of this kind of numpy's.
     """
-    import numpy as np
 
     def number(value: Any) -> Any:  # noqa: ANN401
         return np.asarray(value, kind)[()]

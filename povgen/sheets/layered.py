@@ -1,15 +1,13 @@
 """What sheets of glass share: they consist of equal prisms or lenses of a finite size."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from povgen.optics import faces, paraxial, trace
+from povgen.optics.paraxial import Matrix
+from povgen.optics.prism import Prism
+from povgen.optics.profile import Profile
 from povgen.sheets.sheet import Sheet
-
-if TYPE_CHECKING:
-    from povgen.optics import faces
-    from povgen.optics.paraxial import Matrix
-    from povgen.optics.prism import Prism
-    from povgen.optics.profile import Profile
 
 
 class Layered(Sheet):
@@ -23,7 +21,7 @@ class Layered(Sheet):
         return self.aperture / float(self.values[self.counted])
 
     @property
-    def shape(self) -> "Prism | Profile":
+    def shape(self) -> Prism | Profile:
         """The cross-section. Lengths are in tiles. Raises ValueError if there is no such shape."""
         raise NotImplementedError
 
@@ -32,14 +30,10 @@ class Layered(Sheet):
         return self.shape.thickness(self.layers)
 
     @cached_property
-    def transfer(self) -> "Matrix":
-        from povgen.optics import paraxial
-
+    def transfer(self) -> Matrix:
         return paraxial.transfer(self.layers_at(0.0, 0))
 
-    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
-        from povgen.optics import faces, trace
-
+    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
         if self.layers == 1:
             return (faces.Sheet(0.0, z, self.shape, window),)
         return trace.pair(self.alpha, self.shape, z, window)

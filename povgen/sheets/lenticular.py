@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from povgen.limits import MAX_PRISMS
+from povgen.optics import faces
+from povgen.optics.profile import Profile, confocal
 from povgen.sheets.crossed import Crossed
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import (
@@ -21,10 +22,6 @@ from povgen.sheets.parameters import (
 from povgen.sheets.prisms import ERROR, OF_LENSES, check_ranges
 from povgen.sheets.rotation import Rotation
 from povgen.sheets.sheet import Ideal, Parameter, Said
-
-if TYPE_CHECKING:
-    from povgen.optics import faces
-    from povgen.optics.profile import Profile
 
 
 class Lenticular(Layered):
@@ -87,21 +84,19 @@ class Lenticular(Layered):
             self.layers_at(0.0, 0)
 
     @cached_property
-    def shape(self) -> "Profile":
+    def shape(self) -> Profile:
         return self._shape_of(0.0)
 
-    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
+    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
         near, far = super().layers_at(z, window)
         wrong = [self.values["error"].get(name, 0.0) for name in OF_LENSES]
         return replace(near, shape=self._shape_of(wrong[0])), replace(far, shape=self._shape_of(wrong[1]))
 
-    def _shape_of(self, mismatch: float) -> "Profile":
+    def _shape_of(self, mismatch: float) -> Profile:
         """Return the shape of a sheet whose pitch on the object's side is greater by the fraction `mismatch`.
 
         Raises ValueError, which names f_number and ratio, if there is no such shape.
         """
-        from povgen.optics.profile import confocal
-
         ratio, f_number = self.values["ratio"], self.values["f_number"]
         try:
             shape = confocal(ratio, f_number, design_index(self.values), self.values["gap"], mismatch)

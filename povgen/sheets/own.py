@@ -1,13 +1,10 @@
 """A sheet whose law the user states. `law_grammar.py` checks the law."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
+from povgen.optics.paraxial import Matrix
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.sheet import Ideal, Parameter
-
-if TYPE_CHECKING:
-    from povgen.optics.paraxial import Matrix
 
 
 class OwnLaw(Ideal):
@@ -37,7 +34,7 @@ class OwnLaw(Ideal):
         return Law(self.values["law"], self.values["parameter"])
 
     @cached_property
-    def transfer(self) -> "Matrix | None":
+    def transfer(self) -> Matrix | None:
         """The ray-transfer matrix, or None. Only smooth laws that multiply z by constants have one.
 
         `x + max(X - 3, 0), y, z` is linear where the rays that determine the matrix meet the sheet, but not everywhere.

@@ -4,18 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import radians, tan
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from povgen.limits import MAX_PRISMS
+from povgen.optics import faces, trace
 from povgen.optics.prism import MOST_DEVIATION, Prism
 from povgen.sheets.layered import Layered
 from povgen.sheets.mirror import Mirror
 from povgen.sheets.parameters import ALPHA, DESIGN_WAVELENGTH, GAP, GLASS, INDEX, design_index
 from povgen.sheets.rotation import Rotation
 from povgen.sheets.sheet import Parameter, Said
-
-if TYPE_CHECKING:
-    from povgen.optics import faces
 
 PRISMS = (
     Parameter(
@@ -153,9 +153,7 @@ class PrismPair(Prisms):
         plan = self.shape
         return plan.with_length_kept(index=plan.index + index, base_angle=plan.base_angle + base_angle)
 
-    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
-        from povgen.optics import trace
-
+    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
         near, far = trace.pair(self.alpha, self.shape, z, window)
         if self.is_exact:
             return near, far
@@ -182,9 +180,6 @@ class PrismPair(Prisms):
         found: list[list[tuple[float, ...]]] = []
         if not any(self._built[name] for name in RANDOM):
             return found
-        import numpy as np
-
-        from povgen.optics import faces
 
         for sheet in self.layers_at(0.0, 0):
             _, bottoms, angles = faces.single_prisms(sheet, self.aperture)

@@ -3,20 +3,18 @@
 import os
 import tomllib
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_text
 from povgen.limits import MAX_PRISMS
+from povgen.optics import paraxial, profile
+from povgen.optics.prism import Prism
 from povgen.sheets.crossed import Alone, Crossed
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal, Parameter
-
-if TYPE_CHECKING:
-    from povgen.optics import paraxial, profile
 
 NAMES = ("dove", "confocal", "lenticulars", "wedges")  # functions of optics/profile.py
 MAX_BYTES = 2**14  # of a file
@@ -31,10 +29,8 @@ class ProfileFile:
     text: str
 
     @cached_property
-    def profile(self) -> "profile.Profile":
+    def profile(self) -> profile.Profile:
         """The profile. Raises ValueError if the text is not TOML, or states no profile that is allowed."""
-        from povgen.optics import profile
-
         try:
             return profile.Profile.of_table(tomllib.loads(self.text))
         except RecursionError:  # thousands of brackets
@@ -103,10 +99,7 @@ class ProfileSheets(Layered):
         return abs(does.factor + 1) < NEARLY and abs(does.deviation) < NEARLY
 
     @cached_property
-    def shape(self) -> "profile.Profile":
-        from povgen.optics import profile
-        from povgen.optics.prism import Prism
-
+    def shape(self) -> profile.Profile:
         value = self.values["profile"]
         if isinstance(value, ProfileFile):
             return value.profile.scaled(self.pitch)
@@ -114,9 +107,7 @@ class ProfileSheets(Layered):
         return made.scaled(self.pitch)
 
     @cached_property
-    def _does(self) -> "paraxial.SmallAngles":
-        from povgen.optics import paraxial
-
+    def _does(self) -> paraxial.SmallAngles:
         return paraxial.small_angles(self.shape)
 
     @property

@@ -8,15 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from povgen.optics import faces
+from povgen.optics.paraxial import Matrix
 from povgen.sheets.law_grammar import Law
-
-if TYPE_CHECKING:  # numpy is slow to load
-    from numpy.typing import ArrayLike
-
-    from povgen.optics import faces
-    from povgen.optics.paraxial import Matrix
 
 Kind = Literal["number", "whole number", "direction", "choice", "glass", "text", "table", "profile"]
 
@@ -109,7 +108,7 @@ class Sheet:
         return None
 
     @property
-    def transfer(self) -> "Matrix | None":
+    def transfer(self) -> Matrix | None:
         """The ray-transfer matrix (..., 5, 5) of `optics.apparent`, or None if the sheet has none.
 
         For sheets of glass it is the paraxial approximation.
@@ -126,7 +125,7 @@ class Sheet:
         """Extent along z, tiles."""
         return 0.0
 
-    def layers_at(self, z: float, window: int) -> "tuple[faces.Sheet, ...]":
+    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
         """Return the layers of glass of which this sheet consists, the one nearest to the eye first.
 
         z is the place of the sheet's middle plane, tiles from the first window. `window` is the number of its window,
@@ -143,7 +142,7 @@ class Sheet:
         """
         raise NotImplementedError
 
-    def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
+    def slope(self, slope: ArrayLike, place: ArrayLike = 0) -> Any:  # noqa: ANN401
         """Return the slope behind the sheet of a ray from the eye.
 
         Slopes and places are complex numbers: dx/dz + i dy/dz, and X + iY in tiles from the window's centre. x points
@@ -173,28 +172,24 @@ class Ideal(Sheet):
             found |= zip(each.names, each.numbers(self.values[each.name]), strict=True)
         return found
 
-    def bend(self, direction: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
+    def bend(self, direction: ArrayLike, place: ArrayLike = 0) -> Any:  # noqa: ANN401
         """Return unit directions (..., 3) behind the sheet, NaN if no light passes: `Law.bend`."""
         return self.law.bend(direction, place, self.numbers)
 
-    def slope(self, slope: "ArrayLike", place: "ArrayLike" = 0) -> Any:  # noqa: ANN401
+    def slope(self, slope: ArrayLike, place: ArrayLike = 0) -> Any:  # noqa: ANN401
         """Return the slope behind the sheet of a ray from the eye: `Sheet.slope`."""
-        import numpy as np
-
         s = np.asarray(slope, complex)
         bent = self.bend(np.stack(np.broadcast_arrays(s.real, s.imag, 1.0), -1), place)
         with np.errstate(invalid="ignore"):
             return (bent[..., 0] + 1j * bent[..., 1]) / bent[..., 2]
 
     @cached_property
-    def transfer(self) -> "Matrix | None":
+    def transfer(self) -> Matrix | None:
         """The ray-transfer matrix; None if the sheet has none.
 
         A sheet has one if the slope behind it is a constant plus a linear function of the slope before the sheet and of
         the place. Five rays determine the matrix. If one of 20 other rays disagrees, there is none.
         """
-        import numpy as np
-
         shape = np.broadcast_shapes(*map(np.shape, self.numbers.values()))
         # The parameters can be arrays, which stand for several sheets. The first axis of `s` counts the rays, the other
         # axes count the sheets.

@@ -27,6 +27,7 @@ from povgen.settings import Options, Rendering
 from povgen.validation import Model, as_flag, is_several
 from povgen.version import __version__
 from povgen.video import encode
+from povgen.video.side import HEIGHT
 from povgen.video.still import pictures, record_of
 
 
@@ -203,8 +204,6 @@ def checked_movie(
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size
     if rendering.side_view:
-        from povgen.video.side import HEIGHT
-
         height += 2 * round(HEIGHT * height / 2)
     encode.check_size(output.suffix.lower(), width * (2 if rendering.stereo == "pair" else 1), height)
     if output.suffix.lower() == ".gif":

@@ -17,6 +17,7 @@ from povgen.rendering.views import views
 from povgen.scene.scenes import Chess, Scene
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
+from povgen.video.outline import outlines
 from povgen.video.text import DARK, LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines and marks
@@ -253,8 +254,6 @@ def _sheet_line(scene: Scene, picture: NDArray[np.uint8]) -> None:
 
 def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
     """Draw the outlines of the pieces: where they are predicted, or where the eye sees them without sheets."""
-    from povgen.video.outline import outlines
-
     if outline == "direct_image":
         # the windows remain, without their sheets, because z1 is the distance from the last one
         empty = [{"z": window.z, "sheet": "none"} for window in scene.window]

@@ -7,13 +7,17 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from itertools import groupby, repeat
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack, overload
+from typing import Any, Unpack, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL.Image import Image, fromarray
 
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
 from povgen.record import MAX_FRAMES, MAX_PICTURES, Record, differing, in_png, shell_command
-from povgen.rendering import povray
+from povgen.rendering import gl_runner, light, povray
 from povgen.rendering.frames import read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
@@ -31,15 +35,10 @@ from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.validation import as_flag, is_several
 from povgen.version import __version__
-
-if TYPE_CHECKING:  # numpy is slow to load, and a picture from the cache does not need it
-    from numpy.typing import NDArray
-    from PIL.Image import Image
-
-    from povgen.video.captions import Caption
-    from povgen.video.overlay import Colour
-    from povgen.video.side import Extent
-
+from povgen.video import encode
+from povgen.video.captions import Caption, captions
+from povgen.video.overlay import Colour, annotated, common_key
+from povgen.video.side import Extent, extent, side_view
 
 SUFFIXES = ".png", ".exr"
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
@@ -56,7 +55,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> "NDArray[Any]": ...
+) -> NDArray[Any]: ...
 
 
 @overload
@@ -68,7 +67,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> "list[NDArray[Any]]": ...
+) -> list[NDArray[Any]]: ...
 
 
 def render(
@@ -79,7 +78,7 @@ def render(
     scheduler: str | None = None,
     progress: bool = True,
     **options: Unpack[Options],
-) -> "NDArray[Any] | list[NDArray[Any]]":
+) -> NDArray[Any] | list[NDArray[Any]]:
     """Return the scene's picture: (height, width, 3) bytes of red, green and blue, or 4 with alpha if transparent.
 
     With `linear` it is scene-linear light instead, float32: 1 is white, and highlights are brighter. It is the same as
@@ -121,7 +120,7 @@ def pictures(
     done: Callable[[], object] = lambda: None,
     *,
     movie: bool = False,
-) -> "Generator[NDArray[Any], None, None]":
+) -> Generator[NDArray[Any], None, None]:
     """Yield the picture of each scene, in their order, as `render` returns it. Call `done` after each scene.
 
     Scenes of a `movie` have captions that fit together, and successive equal scenes are rendered once. `workers`
@@ -149,13 +148,8 @@ def pictures(
         texts: Sequence[Caption | None] = [None] * len(once)
         shows = said = None
         if movie and rendering.side_view:
-            from povgen.video.side import extent
-
             shows = extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         if movie and rendering.annotated:
-            from povgen.video.captions import captions
-            from povgen.video.overlay import common_key
-
             texts, said = captions(once, rendering), common_key(once, rendering)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
@@ -168,10 +162,8 @@ def pictures(
             yield from repeat(made.result(), times)
 
 
-def show(scene: Scene, **options: Unpack[Options]) -> "Image":
+def show(scene: Scene, **options: Unpack[Options]) -> Image:
     """Return the scene's picture as an image of Pillow's, which Jupyter shows. Options and errors are `render`'s."""
-    from PIL.Image import fromarray
-
     scene, rendering = checked_scene(scene), Rendering(**options)
     if rendering.is_light:
         raise InputError(f"bits = {rendering.bits}: an image of Pillow's has 8; allowed: 8")
@@ -215,14 +207,11 @@ def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = T
     """
     rendering = rendering or Rendering()
     if rendering.bits == 32:
-        from povgen.rendering import light
-
         light.exr()  # raises an error before anything is rendered
     made = record_of([scene], rendering)
     frames = _frames(scene, rendering, quiet)
     if len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:
         return in_png(frames[0], made)
-    from povgen.video import encode
 
     shown = picture(frames, scene, rendering)
     return encode.exr(shown, made) if rendering.bits == 32 else in_png(encode.png(shown), made)
@@ -279,8 +268,6 @@ def drawn_by(rendering: Rendering) -> str:
     Raises PovrayError if POV-Ray is missing or too old, and InputError if the renderer gl cannot be used.
     """
     if rendering.renderer == "gl":
-        from povgen.rendering import gl_runner
-
         return gl_runner.device()
     return f"POV-Ray {povray.version()}"
 
@@ -289,32 +276,24 @@ def picture(
     frames: Sequence[bytes],
     scene: Scene,
     rendering: Rendering,
-    caption: "Caption | None" = None,
-    shows: "Extent | None" = None,
-    said: "Sequence[tuple[str, Colour]] | None" = None,
-) -> "NDArray[Any]":
+    caption: Caption | None = None,
+    shows: Extent | None = None,
+    said: Sequence[tuple[str, Colour]] | None = None,
+) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
     Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
     (the extent of the side view) and `said` (the key) must be given, because they depend on all scenes of the movie.
     """
     if rendering.is_light:
-        from povgen.rendering import light
-
         made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = [read_png(frame) for frame in frames]
     if draws_on(scene, rendering):
-        from povgen.video.overlay import annotated, common_key
-
         shown = views(scene, rendering)
         said = common_key([scene], rendering) if said is None else said
         pictures = [annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
     if rendering.side_view:
-        import numpy as np
-
-        from povgen.video.side import side_view
-
         strips = [side_view(view, *rendering.size, shows) for view in shown]
         pictures = [np.concatenate(pair) for pair in zip(pictures, strips, strict=True)]
     return composed(pictures, scene, rendering)

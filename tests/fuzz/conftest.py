@@ -179,12 +179,12 @@ def files():
 def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
-    from povgen.cli import checkup
+    from povgen.cli.commands import check
     from povgen.measure import charts, speed, stability, stability_chart, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
-    from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, results, volumes
+    from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, results
     from povgen.scene import quantities, spec
     from povgen.video import build, encode
 
@@ -209,7 +209,7 @@ def place(tmp_path_factory):
         patch.setattr(gl_runner.Runner, "run", staticmethod(rendered))
         patch.setattr(gl_runner, "device", lambda: "a device")
         patch.setattr(gl_scene, "to_text", lambda *_, **__: "a scene")
-        patch.setattr(volumes, "volumes", lambda *_, **__: {})
+        patch.setattr(frames, "volumes", lambda *_, **__: {})
         patch.setattr(frames, "is_whole", lambda *_: True)  # though smaller than was asked for
         patch.setattr(light, "unpacked", lambda *_: np.zeros((48, 64, 3), np.float32))
         patch.setattr(encode, "encode", encoded)
@@ -230,7 +230,7 @@ def place(tmp_path_factory):
         patch.setattr(speed, "measure_samplings", lambda *_: [])
         patch.setattr(charts, "save_frames", lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
-        patch.setattr(checkup, "faults", lambda report: [])
+        patch.setattr(check, "faults", lambda report: [])
         assert build.encode is encode and page.build is build
         skeletons()  # takes longer than a case may
         yield

@@ -12,7 +12,6 @@ import signal
 import stat
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 import zlib
@@ -22,7 +21,7 @@ from types import SimpleNamespace
 import numpy as np
 import platformdirs
 import pytest
-from conftest import POVGEN, povgen, refused, run_povgen, tree
+from conftest import POVGEN, povgen, refused, tree
 from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, sheets, to_pov
@@ -552,14 +551,3 @@ def test_a_survey_belongs_to_all_code_that_makes_it(tmp_path, monkeypatch):
             file.write("# changed")
         assert checksum() != before
         before = checksum()
-
-
-@pytest.mark.parametrize("sheet", ["detailed", "ideal"])
-def test_a_picture_from_the_cache_is_written_without_numpy(sheet, tmp_path):
-    """To load numpy takes as long as all else."""
-    arguments = ["frame", "chess", "--sheet", sheet, "--size", "64x48", "-o"]
-    run_povgen(*arguments, "a.png", cwd=tmp_path)
-    code = "import sys; sys.modules['numpy'] = None; from povgen.__main__ import main; main()"
-    subprocess.run([sys.executable, "-c", code, *arguments, "b.png"], cwd=tmp_path, check=True, timeout=200)
-    made = [np.asarray(Image.open(tmp_path / name)) for name in ("a.png", "b.png")]
-    assert np.array_equal(*made)

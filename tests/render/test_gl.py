@@ -19,8 +19,7 @@ from PIL import Image
 
 import povgen
 from povgen import Chess, InputError, PovrayError, Spheres, remedies, render
-from povgen.cli.report import message_of
-from povgen.errors import TransientError
+from povgen.errors import TransientError, message_of
 from povgen.measure import verify_gl
 from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions

@@ -135,7 +135,7 @@ def test_what_a_record_says(tmp_path, monkeypatch):
         assert image.info["srgb"] == 0 and image.info["gamma"] == 0.45455 and image.info["povgen"]
     save(Chess(sheet="none"), tmp_path / "a.png", **SMALL)
     assert info(tmp_path / "a.png").command is None  # no shell's
-    monkeypatch.setattr("povgen.version.__version__", "9.9")
+    monkeypatch.setattr("povgen.cli.options.__version__", "9.9")
     assert f"a.png: made by povgen {__version__} and POV-Ray" in povgen(["frame", "--from", "a.png"], tmp_path)[2]
 
 

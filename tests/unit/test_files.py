@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import files, stopping
-from povgen.cli.report import message_of
+from povgen.errors import message_of
 from povgen.video import encode
 
 PICTURES = [np.zeros((32, 32, 3), np.uint8)] * 2

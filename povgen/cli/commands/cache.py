@@ -8,6 +8,7 @@ import typer
 
 from povgen.errors import InputError, one_line
 from povgen.progress import counted, tell
+from povgen.rendering import cache
 
 
 def command(
@@ -20,8 +21,6 @@ def command(
     command also counts or removes unfinished files, in the cache and among temporary files, that povgen left because
     it was killed.
     """
-    from povgen.rendering import cache
-
     if what not in ("info", "clear"):
         raise InputError(f"{what!r}: allowed: info or clear")
     cache.check()

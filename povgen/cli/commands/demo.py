@@ -7,6 +7,7 @@ import typer
 
 from povgen.cli.options import Quiet, Workers, output_to, split, takes
 from povgen.progress import wrote
+from povgen.rendering.parallel import worker_count
 
 
 @takes("rendering")
@@ -34,7 +35,6 @@ def command(
 ) -> None:
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
     from povgen.page.page import demo
-    from povgen.rendering.parallel import worker_count
 
     _, options = split(options)
     count = worker_count(workers)

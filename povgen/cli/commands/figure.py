@@ -8,6 +8,7 @@ import typer
 from povgen.cli.options import made_folder, output_to
 from povgen.errors import InputError
 from povgen.progress import wrote
+from povgen.settings import Rendering
 
 
 def command(
@@ -18,8 +19,6 @@ def command(
     ] = "high",
 ) -> None:
     """Make figures of the paper (PNG, for drawings also SVG), with captions that say how well they agree with it."""
-    from povgen.settings import Rendering
-
     rendering = Rendering(quality=quality)
     for number in numbers:
         if number not in list("123456"):

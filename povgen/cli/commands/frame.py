@@ -1,7 +1,7 @@
 """The command povgen frame."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,6 +10,7 @@ from povgen.cli.options import (
     Quiet,
     Source,
     Tolerance,
+    Values,
     again,
     auto_tolerance,
     chosen,
@@ -20,11 +21,13 @@ from povgen.cli.options import (
 )
 from povgen.cli.report import tell_if_long, warn
 from povgen.errors import InputError
+from povgen.files import checked_output, save
 from povgen.progress import tell, wrote
-
-if TYPE_CHECKING:
-    from povgen.cli.options import Values
-    from povgen.scene.scenes import Scene
+from povgen.record import check_unasked
+from povgen.rendering import cache
+from povgen.rendering.estimate import describe, estimate
+from povgen.scene.scenes import Scene, input_files
+from povgen.video.still import SUFFIXES, as_file, rendering_for
 
 
 @takes("scenes", "rendering")
@@ -43,13 +46,6 @@ def command(
 
     --sheet auto chooses the cheapest sheet model within --tolerance.
     """
-    from povgen.files import checked_output, save
-    from povgen.record import check_unasked
-    from povgen.rendering import cache
-    from povgen.rendering.estimate import describe, estimate
-    from povgen.scene.scenes import input_files
-    from povgen.video.still import SUFFIXES, as_file, rendering_for
-
     if (scene is None) == (source is None):
         reason = ": missing" if scene is None else f" = {scene!r}: not with --from, which shows the file's scene"
         raise InputError(f"scene{reason}; allowed: chess or spheres, or else --from FILE")
@@ -59,7 +55,7 @@ def command(
         if record.frame_rate is not None:
             raise InputError(f"from = {str(source)!r}: a movie of {len(others) + 1} frames; allowed: a picture")
 
-    def made_with(values: "Values") -> "Scene":
+    def made_with(values: Values) -> Scene:
         return first.replace(**values) if first else scene_of(str(scene), values)
 
     values, options = split(values)

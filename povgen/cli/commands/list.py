@@ -1,17 +1,18 @@
 """The command povgen list."""
 
+from povgen.cli.layout import columns, item
+from povgen.cli.options import described
+from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
+from povgen.scene.pieces import PIECES
+from povgen.scene.scenes import SCENES
+from povgen.scene.spec import MOVIES, MovieSpec
+from povgen.sheets import SHEETS
+from povgen.sheets.parameters import WAVELENGTH
 
 
 def command() -> None:
     """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
-    from povgen.cli.options import columns, described, item
-    from povgen.optics.glasses import GLASSES, index
-    from povgen.scene.pieces import PIECES
-    from povgen.scene.scenes import SCENES
-    from povgen.scene.spec import MOVIES, MovieSpec
-    from povgen.sheets import SHEETS
-    from povgen.sheets.parameters import WAVELENGTH
 
     def show(name: str, about: str) -> None:
         tell("\n".join(item(name, about, columns())))

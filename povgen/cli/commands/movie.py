@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -22,13 +22,18 @@ from povgen.cli.options import (
     takes,
 )
 from povgen.cli.report import tell_if_long, warn
-from povgen.errors import InputError, one_line
+from povgen.errors import InputError, TransientError, one_line
 from povgen.progress import bar, counted, tell, wrote
-
-if TYPE_CHECKING:
-    from povgen.scene.scenes import Scene
-    from povgen.scene.spec import MovieSpec
-    from povgen.settings import Rendering
+from povgen.record import check_unasked
+from povgen.rendering import cache
+from povgen.rendering.estimate import describe, estimate
+from povgen.rendering.frames import missing, render_all, shard
+from povgen.rendering.parallel import checked_scheduler, worker_count
+from povgen.scene.scenes import SCENES, Scene, input_files
+from povgen.scene.spec import MOVIES, MovieSpec, spec_file
+from povgen.settings import Rendering
+from povgen.video.build import FilmOptions, check_views, checked_movie
+from povgen.video.build import movie as make
 
 
 @takes("scenes", "rendering")
@@ -91,16 +96,6 @@ def command(
 
     Options for the scene replace values that the spec fixes.
     """
-    from povgen.record import check_unasked
-    from povgen.rendering import cache
-    from povgen.rendering.estimate import describe, estimate
-    from povgen.rendering.parallel import checked_scheduler, worker_count
-    from povgen.scene.scenes import input_files
-    from povgen.scene.spec import spec_file
-    from povgen.settings import Rendering
-    from povgen.video.build import check_views, checked_movie
-    from povgen.video.build import movie as make
-
     given: Values = {"frames": frames, "frame_rate": frame_rate, "ease": ease, "hold": hold, "loop": loop}
     given = {name: value for name, value in given.items() if value is not None}
     given |= {"exact_frames": True, "hold": given.get("hold", 0)} if frames else {}
@@ -152,14 +147,14 @@ def command(
 class _Recorded:
     """A movie's frames, from its record."""
 
-    frames: list["Scene"]
+    frames: list[Scene]
     frame_rate: float
     title: str | None
 
     def with_fixed(self, values: Values) -> "_Recorded":
         return replace(self, frames=[scene.replace(**values) for scene in self.frames])
 
-    def scenes(self, _quality: str) -> list["Scene"]:
+    def scenes(self, _quality: str) -> list[Scene]:
         return self.frames
 
     def rate(self, _quality: str) -> float:
@@ -181,7 +176,6 @@ def _loaded(
         values, options = split(values)
         fixed = {name: value for name, value in values.items() if value != "auto"}
         return _movie_of(spec, sweeps, given, fixed), values, options
-    from povgen.video.build import FilmOptions
 
     of_spec = {name: value for name, value in given.items() if name != "frame_rate"}
     for name, value in {"spec": spec, "sweep": sweeps, **of_spec}.items():
@@ -195,14 +189,11 @@ def _loaded(
     return _Recorded(scenes, rate, title), *split(values)
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> "MovieSpec":
+def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> MovieSpec:
     """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
 
     Raises InputError.
     """
-    from povgen.scene.scenes import SCENES
-    from povgen.scene.spec import MOVIES, MovieSpec
-
     if not sweeps:
         if spec in SCENES and not Path(spec).is_file() and not (MOVIES / f"{spec}.toml").exists():
             raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
@@ -216,29 +207,22 @@ def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values
 
 def _check_shard(part: str, scheduler: str | None, output: Path | None) -> None:
     """Raise InputError if a shard is not i/n, or for an option that has no use with it."""
-    from povgen.rendering.frames import shard
-
     shard([], part)
     for name, value in (("scheduler", scheduler), ("output", output)):
         if value is not None:
             raise InputError(f"shard = {part!r}, {name} = {str(value)!r}: a shard makes no movie; allowed: one of them")
 
 
-def _shard(scenes: list["Scene"], rendering: "Rendering", part: str | None) -> "tuple[list[Scene], Rendering]":
+def _shard(scenes: list[Scene], rendering: Rendering, part: str | None) -> tuple[list[Scene], Rendering]:
     """Return a shard's frames, with the sampling of the whole movie; without a shard, all."""
-    from povgen.rendering.frames import shard
-
     if part is None:
         return scenes, rendering
     sampling = rendering.suited(any(scene.has_prisms for scene in scenes))
     return shard(scenes, part), rendering.replace(antialias=sampling.sampling)
 
 
-def _render_shard(part: str, scenes: list["Scene"], rendering: "Rendering", count: int | None, quiet: bool) -> None:
+def _render_shard(part: str, scenes: list[Scene], rendering: Rendering, count: int | None, quiet: bool) -> None:
     """Render the frames of a shard into the cache. Raises TransientError for frames that are not there at the end."""
-    from povgen.errors import TransientError
-    from povgen.rendering.frames import missing, render_all
-
     with bar(f"shard {part}", len(scenes), quiet) as done:
         for _ in render_all(scenes, rendering, count, done):
             pass

@@ -8,7 +8,11 @@ import typer
 from povgen.cli.options import SceneName, output_to, scene_of, split, takes
 from povgen.cli.report import warn
 from povgen.errors import InputError
+from povgen.files import checked_output, save
 from povgen.progress import say
+from povgen.scene.pictures import used
+from povgen.scene.scenes import input_files
+from povgen.scene.sdl import to_pov, to_sheets
 
 
 @takes("scenes", "sampling")
@@ -26,11 +30,6 @@ def command(
     The source's header states the command with which POV-Ray makes the same picture as povgen frame does.
     The pictures of --sky and --floor, which the source names, are written beside the file of -o.
     """
-    from povgen.files import checked_output, save
-    from povgen.scene.pictures import used
-    from povgen.scene.scenes import input_files
-    from povgen.scene.sdl import to_pov, to_sheets
-
     values, options = split(values)
     made = scene_of(scene, values)
     if part not in (None, "sheets"):

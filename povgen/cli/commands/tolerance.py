@@ -5,11 +5,18 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.table import Table
 
 from povgen.cli.options import SceneName, Scheduler, output_to, scene_of, takes
 from povgen.cli.report import warn_unused
 from povgen.errors import InputError, one_line
+from povgen.files import checked_output
 from povgen.progress import tell
+from povgen.record import check_unasked
+from povgen.rendering.parallel import worker_count
+from povgen.scene.scenes import input_files
+from povgen.sheets.prisms import ERRORS
 
 
 @takes("scenes")
@@ -46,15 +53,7 @@ def command(
     **values: object,
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from povgen.files import checked_output
     from povgen.measure import tolerance
-    from povgen.record import check_unasked
-    from povgen.rendering.parallel import worker_count
-    from povgen.scene.scenes import input_files
-    from povgen.sheets.prisms import ERRORS
 
     made, count = scene_of(scene, values), worker_count(workers)
     warn_unused(values, [made])

@@ -1,20 +1,25 @@
 """The command povgen verify."""
 
 import sys
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import asdict
+from json import dumps
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
 
 from povgen.cli.options import made_folder, output_to
 from povgen.errors import InputError
+from povgen.files import checked_output, save
+from povgen.measure.measured import Measured
+from povgen.rendering import gl_runner, povray
 from povgen.version import __version__
-
-if TYPE_CHECKING:  # slow to import
-    from collections.abc import Iterator
-
-    from povgen.measure.measured import Measured
 
 
 def command(
@@ -40,18 +45,6 @@ def command(
     output: Annotated[Path | None, output_to("FOLDER", "folder for the maps (default stability)")] = None,
 ) -> None:
     """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
-    from contextlib import ExitStack
-    from dataclasses import asdict
-    from json import dumps
-    from math import isfinite
-
-    from rich.console import Console
-    from rich.live import Live
-    from rich.table import Table
-
-    from povgen.files import checked_output, save
-    from povgen.rendering import gl_runner, povray
-
     _check_options(sheet, stability, gl, live, output)
     if json_file:
         json_file = checked_output(json_file, [".json"], "json")
@@ -70,7 +63,7 @@ def command(
         console = Console(width=None if sys.stdout.isatty() else 120)
         shown = opened.enter_context(Live(console=console, auto_refresh=False))
 
-        def add(measured: "Measured") -> None:
+        def add(measured: Measured) -> None:
             bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
             row = measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound
             rows.append((*row, "ok" if measured.holds else "FAILS"))
@@ -119,7 +112,7 @@ def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, out
         raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
 
 
-def _checks(sheet: str | None, gl: bool, live: bool) -> "Iterator[Measured]":
+def _checks(sheet: str | None, gl: bool, live: bool) -> Iterator[Measured]:
     from povgen.measure import verify, verify_gl, verify_live
 
     return verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet)
