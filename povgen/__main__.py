@@ -23,15 +23,9 @@ def main() -> None:
     from povgen import stopping  # Windows cannot import it
 
     stopping.on_signals()
-    try:
-        from povgen.cli import app
+    from povgen.cli import app
 
-        app.main()
-    except BaseException:  # the signal handler's KeyboardInterrupt may have become another exception
-        if not stopping.asked():
-            stopping.off_signals()
-            raise
-    stopping.leave()
+    app.main()
 
 
 if __name__ == "__main__":

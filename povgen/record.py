@@ -14,8 +14,9 @@ import struct
 import sys
 import zlib
 from collections.abc import Iterable, Iterator
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
@@ -29,14 +30,20 @@ MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have
 MAX_PICTURES = 4  # decoded, each can need 134 MB
 MAX_VALUES = 1000  # of any other list or table in a record: povgen's have up to about 50
-FIRST_LINE = re.compile(rb"povgen record ([0-9]{1,9})(?: ([0-9a-f]{8}))?\n")
+FIRST_LINE = re.compile(rb"povgen record ([0-9]{1,9}) ([0-9a-f]{8})\n")  # the format, and the checksum of the rest
 NAME = b"povgen"  # of the part that holds a record
-PNG, EXR, GIF, WEBM = b"\x89PNG\r\n\x1a\n", b"v/1\x01", b"GIF8", b"\x1aE\xdf\xa3"  # how these files begin
+PNG, EXR, GIF, WEBM, RIFF = (
+    b"\x89PNG\r\n\x1a\n",
+    b"v/1\x01",
+    b"GIF8",
+    b"\x1aE\xdf\xa3",
+    b"RIFF",
+)  # how these files begin
 SRGB = (b"sRGB", b"\0"), (b"gAMA", struct.pack(">I", 45455))  # parts of a PNG file that say which light its bytes mean
 MP4_TYPE = b"uuid" + bytes.fromhex("b3c9d0a15e0f4a0f9a4d706f7667656e")  # of a box that is no standard's
-RIFF, WEBP, WEBP_TYPE = b"RIFF", b"WEBP", b"PVGN"  # a WebP file's beginning, and a part that is no standard's
-SEGMENT, TAGS, TAG, TARGETS, SIMPLE_TAG = 0x18538067, 0x1254C367, 0x7373, 0x63C0, 0x67C8  # WebM's elements
-TAG_NAME, TAG_STRING = 0x45A3, 0x4487
+WEBP_TYPE = b"PVGN"  # of a part that is no standard's
+SEGMENT, TAGS, TAG, TARGETS = b"\x18\x53\x80\x67", b"\x12\x54\xc3\x67", b"\x73\x73", b"\x63\xc0"  # WebM's elements
+SIMPLE_TAG, TAG_NAME, TAG_STRING = b"\x67\xc8", b"\x45\xa3", b"\x44\x87"
 # how povgen's other files begin: pages, tables, captions
 OWN = re.compile(
     rb'<!DOCTYPE html>.{,200}<meta name="generator" content="povgen |(error,)?quantity,value\n|series,'
@@ -108,21 +115,26 @@ def info(path: str | Path) -> Record:
 
     Raises InputError, which names the file, if it has no record, or one that is damaged or a newer povgen's.
     """
-    name, data = _name_and_data(path)
-    if data is None:
-        raise InputError(f"{name}: without a record of how it was made; allowed: {KINDS}")
-    first = FIRST_LINE.match(data)
-    if first and int(first[1]) > FORMAT:
-        raise InputError(f"{name}: the record of a newer povgen, of format {int(first[1])}; allowed: up to {FORMAT}")
-    text = data[first.end() :] if first else b""
-    if not first or first[2] != b"%08x" % zlib.crc32(text):
-        raise InputError(f"{name}: its record is damaged; allowed: {KINDS}")
     try:
-        values = json.loads(text)
+        path = in_home(Path(path))
+    except TypeError:
+        raise InputError(f"path = {shown(path)}: should be a path; allowed: {KINDS}") from None
+    name = repr(str(path))
+    try:
+        found = _found(path)
+    except (OSError, ValueError) as error:  # ValueError: NUL in the name
+        raise InputError(f"{name}: {getattr(error, 'strerror', error)}; allowed: {KINDS}") from None
+    if found is None:
+        raise InputError(f"{name}: without a record of how it was made; allowed: {KINDS}")
+    form, checksum, text = found
+    if form > FORMAT:
+        raise InputError(f"{name}: the record of a newer povgen, of format {form}; allowed: up to {FORMAT}")
+    try:
+        values, end = json.JSONDecoder().raw_decode(text)  # what follows belongs to the file
     except (ValueError, RecursionError):  # RecursionError: thousands of brackets
-        values = None
-    if not isinstance(values, dict):
-        raise InputError(f"{name}: its record is no JSON object; allowed: {KINDS}")
+        values, end = None, 0
+    if not isinstance(values, dict) or zlib.crc32(text[:end].encode("latin-1")) != checksum:
+        raise InputError(f"{name}: its record is damaged; allowed: {KINDS}")
     try:
         _check_lengths(values)
         return Record(**values)
@@ -143,12 +155,36 @@ def check_unasked(files: Iterable[Path], sign: Path | None = None) -> None:
 
 def _is_own(path: Path) -> bool:
     try:
-        if (data := _name_and_data(path)[1]) is not None:
-            return FIRST_LINE.match(data) is not None
+        if _found(path):
+            return True
         with path.open("rb") as file:
             return OWN.match(file.read(1000)) is not None
-    except (InputError, OSError):  # damaged, or no regular file
+    except (OSError, ValueError):  # such as no regular file
         return False
+
+
+def _found(path: Path) -> tuple[int, int, str] | None:
+    """Return a record's format, its checksum and the text that begins with its JSON; None for a file without one.
+
+    The record is found by its first line, wherever it is in the file. Raises OSError if the file cannot be read.
+    """
+    if not stat.S_ISREG(os.stat(path).st_mode):  # to open a FIFO would wait
+        raise ValueError("no regular file")
+    with open(path, "rb") as file:
+        head = file.read(12)
+        if not (head.startswith((PNG, EXR, GIF, WEBM, RIFF)) or head[4:8] == b"ftyp"):
+            return None
+        with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+            first = FIRST_LINE.search(data)
+            if first and head.startswith(GIF):  # a comment is divided into blocks of up to 255 bytes
+                blocks, at = bytearray(), first.start() - 1
+                while at < len(data) and data[at]:
+                    blocks += data[at + 1 : at + 1 + data[at]]
+                    at += 1 + data[at]
+                text = bytes(blocks[len(first[0]) :])
+            elif first:
+                text = data[first.end() : first.end() + MAX_BYTES]
+            return (int(first[1]), int(first[2], 16), text.decode("latin-1")) if first else None
 
 
 def _check_lengths(values: dict[str, Any]) -> None:
@@ -165,73 +201,17 @@ def _check_lengths(values: dict[str, Any]) -> None:
         waiting += [(key, x, longest.get(key, MAX_VALUES) if part is values else MAX_VALUES) for key, x in pairs]
 
 
-def _name_and_data(path: str | Path) -> tuple[str, bytes | None]:
-    """Return a file's name for messages and the bytes of its record, None if it has none. Raises InputError."""
-    try:
-        path = in_home(Path(path))
-    except TypeError:
-        raise InputError(f"path = {shown(path)}: should be a path; allowed: {KINDS}") from None
-    name = repr(str(path))
-    try:
-        # without O_NONBLOCK, opening a FIFO would wait
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-            if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                return name, _data(file)
-        reason = "no regular file"
-    except OSError as error:
-        reason = error.strerror or f"damaged: {error}"
-    except (IndexError, struct.error):
-        reason = "damaged: it ends too early"
-    except ValueError as error:  # also a NUL in the name
-        reason = f"damaged: {error}"
-    raise InputError(f"{name}: {reason}; allowed: {KINDS}")
-
-
-def _data(file: BinaryIO) -> bytes | None:
-    """Return the record's bytes in a file, or None. Raises IndexError, ValueError or struct.error if it is damaged."""
-    head = file.read(12)
-    file.seek(0)
-    if head.startswith(PNG):
-        return _in_png(file)
-    if head.startswith(EXR):
-        return _in_exr(file)
-    if head.startswith(GIF):
-        return _in_gif(file)
-    if head.startswith(WEBM):
-        return _in_webm(file)
-    if head.startswith(RIFF) and head[8:] == WEBP:
-        return _in_webp(file)
-    return _in_mp4(file) if head[4:8] == b"ftyp" else None
-
-
-def _read(file: BinaryIO, size: int) -> bytes:
-    """Return `size` bytes. Raises IndexError if the file has fewer, and ValueError if no record can have so many."""
-    if not 0 <= size <= MAX_BYTES + 2**10:
-        raise ValueError(f"its record of {size} bytes is too long")
-    data = file.read(size)
-    if len(data) < size:
-        raise IndexError
-    return data
-
-
-# ---- PNG
-
-
-def png_parts(png: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Yield the name and the data of each part of a PNG file. Raises ValueError or struct.error for a damaged file."""
-    start = 8
-    while start < len(png) or start == 8:
-        (length,) = struct.unpack_from(">I", png, start)
-        name, data = png[start + 4 : start + 8], png[start + 8 : start + 8 + length]
-        start += 12 + length
-        if struct.unpack_from(">I", png, start - 4) != (zlib.crc32(name + data),):
-            raise ValueError("a wrong checksum")
-        yield name, data
+# ---- Writing
 
 
 def in_png(png: bytes, record: Record) -> bytes:
     """Return a PNG file's pixels as a PNG file that says that they are sRGB, and has the record."""
-    header, *others = [part for part in png_parts(png) if part[0] in (b"IHDR", b"IDAT", b"IEND")]
+    parts, start = [], len(PNG)
+    while start < len(png):
+        (length,) = struct.unpack_from(">I", png, start)
+        parts.append((png[start + 4 : start + 8], png[start + 8 : start + 8 + length]))
+        start += 12 + length
+    header, *others = [part for part in parts if part[0] in (b"IHDR", b"IDAT", b"IEND")]
     return png_of([header, *SRGB, (b"iTXt", NAME + bytes(5) + bytes(record)), *others])
 
 
@@ -242,77 +222,18 @@ def png_of(parts: Iterable[tuple[bytes, bytes]]) -> bytes:
     )
 
 
-def _in_png(file: BinaryIO) -> bytes | None:
-    file.seek(len(PNG))
-    while head := file.read(8):
-        length, name = struct.unpack(">I4s", head)
-        if name == b"iTXt":
-            data, (checksum,) = _read(file, length), struct.unpack(">I", file.read(4))
-            if data.startswith(NAME + bytes(5)):
-                if checksum != zlib.crc32(name + data):
-                    raise ValueError("a wrong checksum")
-                return data[len(NAME) + 5 :]
-        else:
-            file.seek(length + 4, os.SEEK_CUR)
-    return None
-
-
-# ---- EXR
-
-
-def _in_exr(file: BinaryIO) -> bytes | None:
-    file.seek(8)  # after the file's version
-    while name := _word(file):
-        kind, size = _word(file), struct.unpack("<I", file.read(4))[0]
-        if (name, kind) == (NAME, b"string"):
-            return _read(file, size)
-        file.seek(size, os.SEEK_CUR)
-    return None
-
-
-def _word(file: BinaryIO) -> bytes:
-    """Return the bytes up to the next 0."""
-    word = b""
-    while (byte := _read(file, 1)) != b"\0":
-        word += byte
-        if len(word) > 255:
-            raise ValueError("its header has a name of more than 255 bytes")
-    return word
-
-
-# ---- GIF
-
-
-def _in_gif(file: BinaryIO) -> bytes | None:
-    head = _read(file, 13)
-    if head[10] & 0x80:
-        file.seek(3 << (head[10] & 0b111) + 1, os.SEEK_CUR)  # the table of colours
-    while _read(file, 1) == b"!":  # what is before the first picture
-        label, data = _read(file, 1), bytearray()
-        while size := _read(file, 1)[0]:
-            data += _read(file, size)
-            if len(data) > MAX_BYTES + 2**10:
-                raise ValueError("its comment is too long")
-        if label == b"\xfe" and data.startswith(b"povgen record "):
-            return bytes(data)
-    return None
-
-
-# ---- MP4, WebM and WebP
-
-
 def into_movie(movie: Path, record: Record) -> None:
-    """Write a record into a movie's file, at its end."""
+    """Write a record into an MP4, WebM or WebP file, at its end."""
     data = bytes(record)
     with movie.open("r+b") as file:
         if movie.suffix == ".webm":
             tag = _element(SIMPLE_TAG, _element(TAG_NAME, NAME.upper()) + _element(TAG_STRING, data))
             tags = _element(TAGS, _element(TAG, _element(TARGETS, b"") + tag))
-            _, size = _element_head(file)
-            file.seek(size, os.SEEK_CUR)
-            _, size = _element_head(file)
-            file.seek(-8, os.SEEK_CUR)
-            file.write(_element_size(size + len(tags)))  # the Segment's: ffmpeg writes it with 8 bytes
+            place = file.read(2**10).index(SEGMENT) + len(SEGMENT)
+            file.seek(place)
+            size = int.from_bytes(file.read(8)) + len(tags)  # ffmpeg writes the Segment's size with 8 bytes
+            file.seek(place)
+            file.write(size.to_bytes(8))
         elif movie.suffix == ".webp":
             tags = WEBP_TYPE + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
             size = file.seek(0, os.SEEK_END) + len(tags) - 8
@@ -324,77 +245,6 @@ def into_movie(movie: Path, record: Record) -> None:
         file.write(tags)
 
 
-def _in_mp4(file: BinaryIO) -> bytes | None:
-    while head := file.read(8):
-        size, kind = struct.unpack(">I4s", head)
-        size -= 8
-        if size == -7:  # a longer size follows
-            size = struct.unpack(">Q", file.read(8))[0] - 16
-        if kind == MP4_TYPE[:4] and size >= 16:
-            size -= 16
-            if _read(file, 16) == MP4_TYPE[4:]:
-                return _read(file, size)
-        if size < 0:  # the last box, or a damaged file
-            return None
-        file.seek(size, os.SEEK_CUR)
-    return None
-
-
-def webp_parts(file: BinaryIO) -> Iterator[tuple[bytes, int]]:
-    """Yield the name and the size of each part of a WebP file. The file is then at the part's data.
-
-    Raises struct.error or OSError if the file is damaged.
-    """
-    end = 8 + struct.unpack("<4sI4s", file.read(12))[1]
-    if os.fstat(file.fileno()).st_size < end:
-        raise OSError("it ends too early")
-    start = 12
-    while start < end:
-        file.seek(start)
-        name, size = struct.unpack("<4sI", file.read(8))
-        yield name, size
-        start += 8 + size + size % 2
-
-
-def _in_webp(file: BinaryIO) -> bytes | None:
-    return next((_read(file, size) for name, size in webp_parts(file) if name == WEBP_TYPE), None)
-
-
-def _in_webm(file: BinaryIO) -> bytes | None:
-    _, size = _element_head(file)
-    file.seek(size, os.SEEK_CUR)
-    kind, size = _element_head(file)
-    if kind != SEGMENT:
-        return None
-    end = file.tell() + size
-    while file.tell() < end:
-        kind, size = _element_head(file)
-        after = file.tell() + size
-        if kind == SIMPLE_TAG:
-            named, size = _element_head(file)
-            if named == TAG_NAME and size == len(NAME) and _read(file, size) == NAME.upper():
-                kind, size = _element_head(file)
-                return _read(file, size) if kind == TAG_STRING else None
-        if kind not in (TAGS, TAG):  # otherwise go on with what is in it
-            file.seek(after)
-    return None
-
-
-def _element_head(file: BinaryIO) -> tuple[int, int]:
-    """Return a WebM element's number and the size of what follows. Raises ValueError for one without these."""
-    numbers = []
-    for longest in (4, 8):
-        first = _read(file, 1)[0]
-        more = 8 - first.bit_length()  # as many bits before the first 1 as bytes follow
-        if more >= longest:
-            raise ValueError("an element with a wrong number")
-        numbers.append(int.from_bytes(bytes([first]) + _read(file, more)))
-    return numbers[0], numbers[1] - (1 << 7 * (more + 1))
-
-
-def _element(kind: int, data: bytes) -> bytes:
-    return kind.to_bytes((kind.bit_length() + 7) // 8) + _element_size(len(data)) + data
-
-
-def _element_size(size: int) -> bytes:
-    return (1 << 56 | size).to_bytes(8)
+def _element(kind: bytes, data: bytes) -> bytes:
+    """Return an element of a WebM file."""
+    return kind + (1 << 56 | len(data)).to_bytes(8) + data

@@ -14,7 +14,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from povgen import stopping
 from povgen.errors import InputError, PovrayError, message_of, one_line, shown
 from povgen.progress import say, tell
 from povgen.version import __version__
@@ -100,8 +99,6 @@ def main() -> None:
     try:
         status = app(standalone_mode=False)
     except Exception as error:
-        if stopping.asked():
-            raise
         if isinstance(error, (InputError, usage_error)):
             message = one_line(getattr(error, "format_message", error.__str__)())
             _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead

@@ -1,7 +1,6 @@
 """What `povgen check` tests: whether each part that povgen needs is there and works."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,9 +58,9 @@ def faults(report: Callable[[str], object]) -> Iterator[str]:
         yield part.name
 
 
-def _room(work_folder: AbstractContextManager[Path]) -> str:
-    """Make more and larger files than the small frame and movie need. Return the folder where they were."""
-    with work_folder as folder:
+def _room(parent: Path | None = None) -> str:
+    """Make more and larger files in a folder than the small frame and movie need. Return the folder."""
+    with temporary_folder(parent) as folder:
         for number in range(FILES):
             (folder / f"room{number}").write_bytes(bytes(ROOM))
         return str(folder.parent)
@@ -101,10 +100,14 @@ def _encode() -> str:
 
 PARTS = (
     Part("POV-Ray", lambda: povray.version(), f"install it: {remedies.system('povray')}"),
-    Part("temporary files", lambda: _room(temporary_folder()), "make room in this folder, or name another in TMPDIR"),
+    Part(
+        "temporary files",
+        _room,
+        "make room in this folder, or name another in TMPDIR",
+    ),
     Part(
         "cache",
-        lambda: _room(cache.work_folder()),
+        lambda: _room(cache.made()),
         "make room in this folder and let povgen write there, or name another in POVGEN_CACHE",
     ),
     Part("sandbox", _sandbox, "report it as an issue of povgen"),

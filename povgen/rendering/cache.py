@@ -12,7 +12,7 @@ import stat
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, suppress
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from povgen.rendering import gl_runner, povray
 from povgen.settings import Rendering
 
 DEFAULT_SIZE = 2.0  # GiB
-MAX_VALUES = 2**21  # bytes in a file of values
+CHECKSUM = 32  # bytes at the end of each file: SHA-256 of all that is before them
 # Backup programs leave out a folder that holds this file. povgen writes it only into an empty folder, and uses no
 # folder without it.
 TAG = "CACHEDIR.TAG"
@@ -93,40 +93,23 @@ def max_bytes() -> float:
     return size * 2**30
 
 
-def _with_hint(error: OSError, path: Path) -> OSError:
-    """Return an error of the cache's folder, with HINT if another folder could help."""
-    hint = "" if error.errno in (errno.EMFILE, errno.ENFILE) else f" ({HINT})"
-    return OSError(error.errno, f"{error.strerror}{hint}", str(path))
-
-
 def check() -> None:
     """Check the settings before any work is done.
 
-    Raises InputError for a limit that is not allowed, for a folder that is not povgen's, and for another user's folder
-    to which every user can write. Raises PermissionError if the cache is among temporary files and other users can use
-    it. Raises OSError if the folder cannot be read.
+    Raises InputError for a limit that is not allowed, for a folder that is not povgen's, and for a folder of another
+    user that others can use. Raises OSError if the folder cannot be read.
     """
     max_bytes()
     path = folder()
-    try:
-        status, names = os.lstat(path), set(os.listdir(path))
-    except FileNotFoundError:  # `work_folder` makes it, or raises an error
-        return
-    except OSError as error:
-        raise _with_hint(error, path) from None
-    private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o077
-    if path == _temporary() and not private:
-        raise PermissionError(errno.EACCES, f"other users can use it, or it is no folder ({HINT})", str(path))
-    try:
-        mark = _read(path / TAG, len(MARK))
-    except FileNotFoundError:
-        mark = b""
-    except OSError:
-        mark = b"unreadable"
-    owner = os.stat(path)
-    if owner.st_uid != os.geteuid() and owner.st_mode & stat.S_IWOTH:
+    with _hinted():
+        try:
+            owner, names = path.stat(), set(os.listdir(path))
+            mark = (path / TAG).read_bytes() if TAG in names else b""
+        except FileNotFoundError:  # `made` makes it, or raises an error
+            return
+    if owner.st_uid != os.geteuid() and (owner.st_mode & stat.S_IWOTH or path == _temporary()):
         raise InputError(
-            f"POVGEN_CACHE = {str(path)!r}: another user's folder, to which every user can write; "
+            f"POVGEN_CACHE = {str(path)!r}: another user's folder, which others can use; "
             "allowed: a folder of your own, or one to which only some users can write"
         )
     # Another povgen may be about to write the mark, or was killed before it did. The mark is written before all else.
@@ -137,89 +120,61 @@ def check() -> None:
         )
 
 
-def work_folder() -> AbstractContextManager[Path]:
-    """Make the cache if it is missing. Return a work folder in it, as files.work_folder does.
-
-    Raises what `check` raises, OSError if the cache cannot be made, and files.Removed if it is removed meanwhile.
-    """
-    path = folder()
+@contextmanager
+def _hinted() -> Iterator[None]:
+    """Add to an error of the system the name of the cache's folder, and how another folder is named."""
     try:
-        path.mkdir(mode=0o700 if path == _temporary() else 0o777, parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK):
-            code = errno.EROFS if os.statvfs(path).f_flag & os.ST_RDONLY else errno.EACCES
-            raise OSError(code, os.strerror(code))
+        yield
     except OSError as error:
-        raise _with_hint(error, path) from None
-    check()
-    # two povgens that make the cache at once write the same mark
-    try:
-        tag = os.open(path / TAG, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
-    except FileNotFoundError:
-        raise files.Removed(path) from None
-    with open(tag, "wb") as file:
-        if os.fstat(tag).st_size < len(MARK):
-            file.write(MARK)
-    return files.work_folder(path)
+        raise OSError(error.errno, f"{error.strerror} ({HINT})", str(folder())) from None
 
 
-def read(path: Path, most: int) -> bytes | None:
-    """Return a file's bytes and mark the file as used now. None if it is missing, unreadable or above `most` bytes."""
-    with suppress(OSError):  # what `_read` raises
-        return _read(path, most, used=True)
+def made() -> Path:
+    """Return the cache's folder, which is made and marked if it is missing. Raises OSError, and what `check` raises."""
+    path = folder()
+    with _hinted():
+        path.mkdir(mode=0o700 if path == _temporary() else 0o777, parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):  # somebody has just removed it
+            if not os.access(path, os.W_OK):
+                code = errno.EROFS if os.statvfs(path).f_flag & os.ST_RDONLY else errno.EACCES
+                raise OSError(code, os.strerror(code))
+            check()
+            if not (path / TAG).exists() or not (path / TAG).stat().st_size:
+                (path / TAG).write_bytes(MARK)
+    return path
+
+
+def read(path: Path) -> bytes | None:
+    """Return what `store` stored at a path, and note that it was used now. None if it is missing or damaged."""
+    with suppress(OSError):
+        stored = path.read_bytes()
+        with suppress(OSError):  # another user's file, or the disk is read-only
+            os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
+        data, checksum = stored[:-CHECKSUM], stored[-CHECKSUM:]
+        if sha256(data).digest() == checksum:
+            return data
     return None
 
 
-def _read(path: Path, most: int, used: bool = False) -> bytes:
-    """Return the first `most` bytes of a regular file. Raises OSError for anything else, a link included.
-
-    If `used`, mark the file as used now, and also raise OSError for a file of more than `most` bytes.
-    """
-    # without O_NONBLOCK, opening a FIFO would wait
-    with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode) or used and status.st_size > most:
-            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(path))
-        if used:
-            with suppress(OSError):  # another user's file, or the disk is read-only
-                os.utime(file.fileno(), ns=(time.time_ns(), status.st_mtime_ns))
-        return file.read(most)
-
-
-def store(made: Path, path: Path) -> bool:
-    """Move a finished file to its path in the cache. Return whether this succeeded.
-
-    It fails if something else is at this path, or if the cache has been removed.
-    """
-    # FileNotFoundError: the cache has been removed. Each other error: something else is at this path.
-    with suppress(FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError, FileNotFoundError):
+def store(data: bytes, path: Path) -> None:
+    """Write data to a path in the cache, atomically and with a checksum at the end. Raises what `made` raises."""
+    made()
+    with _hinted(), suppress(FileNotFoundError):
         path.parent.mkdir(exist_ok=True)
-        free = not path.parent.is_symlink() and (path.is_file() or not os.path.lexists(path))
-        if free and not path.is_symlink():
-            os.replace(made, path)
-            return True
-    return False
+        with files.replacing(path) as part:
+            part.write_bytes(data + sha256(data).digest())
 
 
 def load_values(key: str) -> Any:  # noqa: ANN401  (as json.loads)
     """Return the values that `store_values` stored with this key. None if no undamaged file has this key."""
-    checksum, _, text = (read(path_for(key, ".values"), MAX_VALUES) or b"").partition(b"\n")
-    return json.loads(text) if checksum == _checksum(key, text) else None
+    text = read(path_for(key, ".values"))
+    return None if text is None else json.loads(text)
 
 
 def store_values(key: str, values: object) -> None:
-    """Store values that JSON can represent, if povgen can write in the cache. The file begins with a checksum.
-
-    Raises the InputError of `check`.
-    """
-    text = json.dumps(values).encode()
-    with suppress(OSError), work_folder() as work:  # a full or read-only disk: they are computed again next time
-        made = work / "values"
-        made.write_bytes(_checksum(key, text) + b"\n" + text)
-        store(made, path_for(key, ".values"))
-
-
-def _checksum(key: str, text: bytes) -> bytes:
-    return sha256(key.encode() + b"\0" + text).hexdigest().encode()
+    """Store values that JSON can represent, if povgen can write in the cache. Raises the InputError of `check`."""
+    with suppress(OSError):  # a full or read-only disk: they are computed again next time
+        store(json.dumps(values).encode(), path_for(key, ".values"))
 
 
 def by_last_use() -> list[tuple[float, int, Path]]:
@@ -265,17 +220,3 @@ def trim(most: float) -> list[Path]:
                 removed.append(path)
             total -= size
     return removed
-
-
-def leftover_sizes() -> list[int]:
-    """Return the sizes, bytes, of the work folders that killed povgens left in the cache and among temporary files."""
-    return [size for parent in _work_parents() for size in files.leftover_sizes(parent)]
-
-
-def remove_leftovers() -> int:
-    """Remove the work folders that killed povgens left in the cache and among temporary files. Return their number."""
-    return sum(files.remove_leftovers(parent) for parent in _work_parents())
-
-
-def _work_parents() -> list[Path]:
-    return [folder(), Path(tempfile.gettempdir())]

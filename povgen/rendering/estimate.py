@@ -6,7 +6,7 @@ from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import NamedTuple
 
 from povgen.errors import PovrayError
-from povgen.rendering import cache
+from povgen.files import temporary_folder
 from povgen.rendering.frames import named, renderer_of
 from povgen.rendering.parallel import Runner, cores, thread_pool
 from povgen.rendering.views import views
@@ -109,7 +109,7 @@ def measured(scenes: Sequence[Scene], rendering: Rendering) -> Cost:
 
 
 def _render(scene: Scene, text: str, runner: Runner, rendering: Rendering) -> None:
-    with named(scene, text), cache.work_folder() as folder:
+    with named(scene, text), temporary_folder() as folder:
         runner.run(text, rendering, folder)
 
 

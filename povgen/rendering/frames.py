@@ -1,8 +1,6 @@
 """From scenes to frames: each frame is rendered once and then kept in the cache."""
 
 import re
-import struct
-import zlib
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -16,8 +14,7 @@ from numpy.typing import NDArray
 from PIL.PngImagePlugin import PngImageFile
 
 from povgen.errors import InputError, PovrayError, TransientError, shown
-from povgen.files import unless_removed
-from povgen.record import PNG, png_parts
+from povgen.files import temporary_folder
 from povgen.rendering import cache, gl_runner, gl_scene, light, povray, surveys
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
@@ -27,46 +24,26 @@ from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
 AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
-BLOCK = 1 << 24  # bytes of a picture that are unpacked at once
 SHOWN_FAILURES = 3  # the greatest number of failed frames that a message describes
 
 
-def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> Path | bytes:
-    """Return the frame's path in the cache, or the bytes of its file if the cache cannot store the frame.
-
-    Raises PovrayError, whose message states the scene's parameters.
-    """
+def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> bytes:
+    """Return the bytes of the frame's file. Raises PovrayError, whose message states the scene's parameters."""
     path = cache.frame_path(source, rendering)
-    png = _read(path, rendering)
-    if png and is_whole(png, rendering.size, rendering.is_light):
-        return path
-    png, stored = _rendered(scene, rendering, source, runner)
-    return path if stored else png
+    if frame := cache.read(path):
+        return frame
+    cache.made()  # raises an error before anything is rendered
+    with named(scene, source), temporary_folder() as folder:
+        frame = runner.run(source, rendering, folder).read_bytes()
+        if not is_whole(frame, rendering.size, rendering.is_light):
+            raise TransientError("the picture is not whole (is the disk full?)")
+    cache.store(frame, path)
+    return frame
 
 
-def _read(path: Path, rendering: Rendering) -> bytes | None:
-    """Return the file at a path in the cache, or None if it is missing or larger than a frame can be."""
-    width, height = rendering.size
-    # the greatest size of a frame: 1 MiB, and for each pixel 6 bytes (its colour has 3), or 13 for linear light
-    return cache.read(path, most=2**20 + (13 if rendering.is_light else 6) * width * height)
-
-
-def _rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> tuple[bytes, bool]:
-    """Render the scene and store the frame's file. Return the file's bytes, and whether the cache contains it now.
-
-    If the cache is removed meanwhile, the scene is rendered again.
-    """
-
-    def render() -> tuple[bytes, bool]:
-        with cache.work_folder() as folder:
-            picture = runner.run(source, rendering, folder)
-            png = picture.read_bytes()  # read now: once the file is in the cache, another process can remove it
-            if not is_whole(png, rendering.size, rendering.is_light):
-                raise TransientError("the picture is not whole (is the disk full?)")
-            return png, cache.store(picture, cache.frame_path(source, rendering))
-
-    with named(scene, source):
-        return unless_removed(render)
+def _into_cache(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> None:
+    """Do what `_cached_or_rendered` does. The frame waits in the cache, and not in memory, for those before it."""
+    _cached_or_rendered(scene, rendering, source, runner)
 
 
 @contextmanager
@@ -82,42 +59,13 @@ def named(scene: Scene, source: str) -> Iterator[None]:
         raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
 
 
-def is_whole(png: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
-    """Return whether this is a complete PNG file of 8-bit RGB and this size, whose pixels can be decoded.
-
-    If `is_light`, return whether it is a complete frame of linear light (`light.unpacked`) of this size.
-    """
-    if is_light:
-        try:
-            return light.unpacked(png, size).size > 0
-        except ValueError:
-            return False
-    width, height = size
-    row = 1 + 3 * width  # bytes: the number of a filter, and three for each pixel
+def is_whole(frame: bytes, size: tuple[int, int], is_light: bool = False) -> bool:
+    """Return whether this is a frame of this size that can be decoded: a PNG file, or linear light if `is_light`."""
     try:
-        parts = list(png_parts(png))
-        packed = b"".join(data for name, data in parts if name == b"IDAT")
-        count, highest_filter = _unpacked(packed, row, height * row)
-    except (struct.error, ValueError, zlib.error):
+        picture = light.unpacked(frame, size) if is_light else read_png(frame)
+    except (OSError, SyntaxError, ValueError):  # what Pillow raises
         return False
-    header = b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    framed = png.startswith(PNG) and (parts[0], parts[-1]) == (header, (b"IEND", b""))
-    return framed and count == height * row and highest_filter <= 4
-
-
-def _unpacked(packed: bytes, row: int, most: int) -> tuple[int, int]:
-    """Return the number of unpacked bytes, and the greatest filter number of a row.
-
-    A row has `row` bytes. The first one is the number of the row's filter, by PNG's definition.
-    A damaged file may unpack to more than memory holds. So it is unpacked in blocks, and unpacking ends soon after
-    `most` bytes.
-    """
-    unpacker, count, highest = zlib.decompressobj(), 0, 0
-    while count <= most and (block := unpacker.decompress(packed, BLOCK)):
-        highest = max(highest, *block[-count % row :: row], 0)
-        count += len(block)
-        packed = unpacker.unconsumed_tail
-    return count, highest
+    return picture.shape == (size[1], size[0], 3)
 
 
 def render_all(
@@ -156,10 +104,9 @@ def render_all(
                 pngs, faults = [], []
                 for scene, (source, frame) in zip(group, finished, strict=False):
                     try:
-                        png = frame.result()
-                        if isinstance(png, Path):  # another process may just have removed the file
-                            png = _read(png, rendering) or _rendered(scene, rendering, source, runner)[0]
-                        pngs.append(png)
+                        frame.result()
+                        # from the cache, unless another process has just removed it there
+                        pngs.append(_cached_or_rendered(scene, rendering, source, runner))
                     except TransientError as fault:
                         faults.append(str(fault))
                 failures += faults[:1]
@@ -218,21 +165,21 @@ def _finished(
     pool: ThreadPoolExecutor,
     at_once: int,
     to_text: Callable[[Scene], str] = _to_pov,
-) -> Iterator[tuple[str, Future[Path | bytes]]]:
-    """Yield each scene's text and its frame, in the scenes' order, as soon as that frame is finished.
+) -> Iterator[tuple[str, Future[None]]]:
+    """Yield each scene's text and a future, in the scenes' order, as soon as that frame is in the cache.
 
     At most `at_once` frames wait or run in the pool. Finished frames that wait for an earlier frame do not count.
     """
     todo = iter(scenes)
-    frames: deque[tuple[str, Future[Path | bytes]]] = deque()
-    running: set[Future[Path | bytes]] = set()
+    frames: deque[tuple[str, Future[None]]] = deque()
+    running: set[Future[None]] = set()
     for _ in scenes:
         while True:
             running = {frame for frame in running if not frame.done()}
             # to_text runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
             for scene in islice(todo, at_once - len(running)):
                 source = to_text(scene)
-                frames.append((source, pool.submit(_cached_or_rendered, scene, rendering, source, runner)))
+                frames.append((source, pool.submit(_into_cache, scene, rendering, source, runner)))
                 running.add(frames[-1][1])
             if frames[0][1].done():
                 break

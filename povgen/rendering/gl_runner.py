@@ -206,5 +206,5 @@ class Runner:
             self._all.discard(process)
 
     def _check(self) -> None:
-        if self._stopped or stopping.asked():
+        if self._stopped:
             raise PovrayError("the drawing was stopped")

@@ -65,12 +65,11 @@ def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
 
     Its `stdout` is the pipe of its `stopping.answers`. Its standard output is discarded, because libraries and Python's
     own start can write there. `environment` are further environment variables. If a signal stops povgen, the process is
-    killed. Raises KeyboardInterrupt if povgen was asked to stop.
+    killed.
     """
     folders = [str(Path(__file__).parents[2]), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     path = os.pathsep.join(os.path.abspath(each) for each in folders)  # the process has another working directory
     with stopping.lock:
-        stopping.check()
         reads, writes = os.pipe()
         try:
             process = subprocess.Popen(

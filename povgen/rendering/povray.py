@@ -326,7 +326,7 @@ class Runner:
         return process.returncode, bytes(messages)
 
     def _check(self) -> None:
-        if self._stopped or stopping.asked():
+        if self._stopped:
             raise PovrayError("POV-Ray was stopped")
 
 

@@ -50,7 +50,7 @@ def make(shown: Iterable[Scene]) -> None:
     """Make the surveys of many scenes by several processes. Those that are known, or in the cache, are not made again.
 
     If fewer than 2 * EACH are missing, no process is started. `found` makes these later, and also those of a process
-    that fails or hangs. Raises KeyboardInterrupt if povgen was asked to stop.
+    that fails or hangs.
     """
     every = dict.fromkeys(survey.inputs(scene) for scene in shown if scene.has_prisms)
     missing = [given for given in every if given not in survey.known and not cache.load_values(_key(given))]
@@ -68,7 +68,6 @@ def make(shown: Iterable[Scene]) -> None:
             except (OSError, RuntimeError):  # such as the limit of processes, which counts threads too
                 break
         wait(asked, START + SECONDS * len(missing[::count]))
-    stopping.check()
 
 
 def _ask(process: Any, part: list[survey.SurveyInputs]) -> None:  # noqa: ANN401  (subprocess.Popen)

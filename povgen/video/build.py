@@ -3,7 +3,6 @@
 import logging
 import os
 import re
-import shutil
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
@@ -15,10 +14,9 @@ from typing import Any, Unpack
 from pydantic import Field
 
 from povgen.errors import InputError, one_line, shown
-from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, unless_removed, work_folder
+from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, temporary_folder
 from povgen.progress import bar
 from povgen.record import MAX_FRAMES, check_unasked, in_png
-from povgen.rendering import cache
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, checked_scenes, input_files
@@ -125,23 +123,19 @@ def movie(
     }
     target = output.resolve()
 
-    def write() -> None:
-        with ExitStack() as opened:
-            done = opened.enter_context(bar(one_line(output.name), len([*groupby(scenes)]), not progress))
-            folder = opened.enter_context(cache.work_folder())  # `povgen cache` finds it there if povgen is killed
-            frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
-            if files:
-                # each file's record states the antialiasing of the whole movie; for its scene alone it could differ
-                records = (record_of([scene], record.rendering) for scene in scenes)
-                pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
-                _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
-            else:
-                part = folder / f"movie{output.suffix.lower()}"
-                encode.encode(frames, part, rate, tags, record)
-                save(part, target)
-
-    removed = "povgen: warning: the cache was removed; the movie is made once more"
-    unless_removed(write, lambda: logging.getLogger("povgen").warning(removed))
+    with ExitStack() as opened:
+        done = opened.enter_context(bar(one_line(output.name), len([*groupby(scenes)]), not progress))
+        folder = opened.enter_context(temporary_folder())
+        frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
+        if files:
+            # each file's record states the antialiasing of the whole movie; for its scene alone it could differ
+            records = (record_of([scene], record.rendering) for scene in scenes)
+            pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
+            _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
+        else:
+            part = folder / f"movie{output.suffix.lower()}"
+            encode.encode(frames, part, rate, tags, record)
+            save(part, target)
     if files and (further := target.with_name(output.name % (len(files) + 1))).exists():
         text = f"povgen: warning: {further.name} was there before: it is not a frame of this movie"
         logging.getLogger("povgen").warning(text)
@@ -149,14 +143,13 @@ def movie(
 
 
 def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -> None:
-    """Write PNG files into a work folder, and then move them to the files."""
+    """Write PNG files, but none of them before all are there: until then they are in another folder."""
     parts = [folder / file.name for file in files]
     for part, png in zip(parts, pngs, strict=True):
         part.write_bytes(png)
-    with output_folder(files[0].parent) as there, work_folder(there) as beside:
-        moved = [Path(shutil.move(part, beside / part.name)) for part in parts]  # if the disk is full, nothing changes
-        for part, file in zip(moved, files, strict=True):
-            save(part, file, beside)
+    with output_folder(files[0].parent):
+        for part, file in zip(parts, files, strict=True):
+            save(part, file)
 
 
 def sequence(output: Path, frames: int) -> list[Path]:

@@ -1,15 +1,15 @@
 """Encode frames as movies and pictures. No other module encodes."""
 
 import errno
-import logging
 import os
+import shutil
 import struct
 import subprocess
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
-from itertools import islice, pairwise
+from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +18,17 @@ import imageio_ffmpeg
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen import remedies
+from povgen import remedies, stopping
 from povgen.errors import InputError
-from povgen.files import is_full, temporary_folder, work_folder
-from povgen.record import Record, into_movie, png_of, webp_parts
+from povgen.files import is_full, temporary_folder
+from povgen.record import Record, into_movie, png_of
 from povgen.rendering.light import exr as exr_library
 from povgen.version import __version__
 
-logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # povgen reports errors itself
 # Some players show untagged video in wrong colours.
+EVEN = "-vf scale=ceil(iw/2)*2:ceil(ih/2)*2"  # the encoders need even numbers of pixels
 BT709 = (
-    "-vf scale=out_color_matrix=bt709:out_range=tv,"
+    f"{EVEN}:out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
 REMEDY = f"pip install --force-reinstall imageio-ffmpeg, or {remedies.system('ffmpeg')}"
@@ -44,7 +44,7 @@ GIF_BYTES = 2**25  # of the pictures of a GIF that are in memory at once; Pillow
 FORMATS = {
     ".mp4": ("libx264", "yuv420p", f"-crf 18 -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", "yuv420p", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
-    ".webp": ("libwebp_anim", "bgra", "-compression_level 6 -loop 0"),
+    ".webp": ("libwebp_anim", "bgra", f"{EVEN} -compression_level 6 -loop 0"),
     ".gif": ("gif", "", ""),
 }
 LARGEST = {".mp4": 16384, ".webp": 16383}  # pixels of a side, for these encoders
@@ -66,38 +66,33 @@ def encode(
     if output.suffix == ".gif":
         return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
     codec, pixels, settings = FORMATS[output.suffix]
+    ffmpeg, pictures, returned = imageio_ffmpeg.get_ffmpeg_exe(), iter(pictures), 0
+    first = next(pictures)
+    height, width, _ = first.shape
+    check_size(output.suffix, width, height)  # with the strips of text
+    given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate!r} -i -"
     metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
-    options: dict[str, Any] = {"pix_fmt_out": pixels, "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
-    options |= {"quality": None, "output_params": [*settings.split(), *metadata]}
-    writer = None
-    written = found = 0
+    options = [*f"-an -c:v {codec} -pix_fmt {pixels} {settings}".split(), *metadata]
+    # -xerror: older releases of ffmpeg end with status 0 when the disk becomes full
+    command = [ffmpeg, *"-y -loglevel quiet -xerror".split(), *given.split(), *options, str(output)]
+    with stopping.lock:
+        process = subprocess.Popen(command, stdin=subprocess.PIPE)
+    assert process.stdin
+    written = 0
     try:
-        for picture in pictures:
-            if writer is None:
-                size = picture.shape[1], picture.shape[0]
-                check_size(output.suffix, *size)  # with the strips of text
-                writer = imageio_ffmpeg.write_frames(str(output), size, fps=rate, codec=codec, **options)
-                writer.send(None)  # starts ffmpeg
-            written += 1
-            try:
-                writer.send(np.ascontiguousarray(picture))
-            except OSError:  # the encoder has stopped
-                break
+        with suppress(BrokenPipeError), process.stdin:  # the encoder has stopped
+            for picture in chain([first], pictures):
+                process.stdin.write(np.ascontiguousarray(picture).data.cast("B"))
+                written += 1
+        returned = process.wait()
     finally:
-        if writer is not None:
-            writer.close()  # waits for ffmpeg
-    with suppress(
-        RuntimeError, OSError, struct.error
-    ):  # the file is no movie. Frames are counted because ffmpeg's exit status is not available.
-        if output.suffix == ".webp":
-            found = _webp_frames(output, rate, written)
-        else:
-            found = imageio_ffmpeg.count_frames_and_secs(str(output))[0]
-    if found != written or not written:
+        process.kill()
+        process.wait()
+    if returned:
         if is_full(output.parent):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
-        raise OSError(f"the encoder {imageio_ffmpeg.get_ffmpeg_exe()} failed: it wrote {found} of {written} frames")
-    _add_cover(output, (found // 2 - 0.5) / rate)
+        raise OSError(f"the encoder {ffmpeg} failed, with status {returned}")
+    _add_cover(output, (written // 2 - 0.5) / rate)
     if record:
         into_movie(output, record)
 
@@ -115,26 +110,11 @@ def _add_cover(movie: Path, time: float) -> None:
     still = f"-ss {max(time, 0)} -i movie.mp4 -map 0:v:0 -frames:v 1 -vf {colours} -q:v 2 cover.jpg"
     attached = "-map 0 -map 1 -c copy -disposition:v:1 attached_pic -movflags +faststart"
     add = f"-i movie.mp4 -i cover.jpg {attached} covered.mp4"
-    with suppress(OSError, subprocess.SubprocessError), work_folder(movie.parent) as folder:
+    with suppress(OSError, subprocess.SubprocessError), temporary_folder() as folder:
         (folder / "movie.mp4").symlink_to(movie.resolve())
         for words in (still, add):
             subprocess.run([*ffmpeg, *words.split()], cwd=folder, stdin=subprocess.DEVNULL, check=True)
-        (folder / "covered.mp4").replace(movie)
-
-
-def _webp_frames(output: Path, rate: float, written: int) -> int:
-    """Return for how many frames a WebP file lasts, if `written` are expected. Raises as `webp_parts` does.
-
-    Equal successive pictures are in the file once. If all are equal, the file is one picture without a duration, and
-    the result is `written`.
-    """
-    durations, still = [], False
-    with output.open("rb") as file:
-        for name, _ in webp_parts(file):
-            still |= name in (b"VP8 ", b"VP8L")
-            if name == b"ANMF":
-                durations.append(int.from_bytes(file.read(15)[12:], "little"))  # milliseconds
-    return round(sum(durations) * rate / 1000) if durations else written * still
+        shutil.move(folder / "covered.mp4", movie)
 
 
 def _save_gif(pictures: Iterator[NDArray[np.uint8]], output: Path, rate: float, comment: bytes) -> None:

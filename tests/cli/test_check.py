@@ -69,7 +69,8 @@ def test_windows_is_told_of_its_linux(tmp_path):
 
 def test_no_folder_for_temporary_files(tmp_path, monkeypatch):
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path))
-    monkeypatch.setattr(checkup, "temporary_folder", failing(full))
+    make = checkup.temporary_folder
+    monkeypatch.setattr(checkup, "temporary_folder", lambda parent=None: make(parent) if parent else failing(full)())
     faults, untested, (remedy,) = checked(tmp_path)
     assert (faults, untested) == (["temporary files"], ["frame", "encoder"]) and "TMPDIR" in remedy
 

@@ -65,7 +65,7 @@ def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
     still.as_file(Chess(sheet="none", z1=4), TINY)
     files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
     assert files and set(files) == {path for _, _, path in cache.by_last_use()}
-    assert not list(cache.folder().glob(".povgen-*"))
+    assert not list(cache.folder().rglob(".povgen-*"))
 
 
 def test_a_fault_in_the_scene(monkeypatch):

@@ -242,7 +242,7 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     assert "frames = []" in with_record(made, frames=[])
     assert "the record of a newer povgen, of format 2; allowed: up to 1" in with_text(made, b"?", form=2)
     for text in (b"[" * 10**6, b"[]", b"null", b"{", b"", b"\xff"):
-        assert "its record is no JSON object" in with_text(made, text)
+        assert "its record is damaged" in with_text(made, text)
 
 
 @pytest.mark.parametrize(
@@ -315,12 +315,6 @@ def test_a_damaged_file(kind, made, tmp_path, rng):
     assert 20 < refusals < 300
 
 
-@pytest.mark.parametrize("kind", ["webm", "webp", "gif"])
-def test_a_file_that_ends_too_early(kind, made, tmp_path):
-    (tmp_path / "cut").write_bytes((made / f"a.{kind}").read_bytes()[:60])
-    assert refused(["info", "cut"], tmp_path).startswith("povgen: 'cut': damaged: it ends too early; allowed: ")
-
-
 def test_files_without_a_record(tmp_path):
     Image.new("RGB", (32, 32)).save(tmp_path / "plain.png")
     Image.new("RGB", (32, 32)).save(tmp_path / "plain.gif")
@@ -329,7 +323,7 @@ def test_files_without_a_record(tmp_path):
     for name in ("plain.png", "plain.gif", "text.png", "empty.mp4"):
         assert refused(["info", name], tmp_path).startswith(f"povgen: '{name}': without a record of how it was made")
     os.mkfifo(tmp_path / "fifo.png")
-    for name, reason in (("fifo.png", "no regular file"), (".", "Is a directory"), ("?", "No such file"), ("a\0", "")):
+    for name, reason in (("fifo.png", "no regular file"), (".", "no regular file"), ("?", "No such file"), ("a\0", "")):
         with pytest.raises(
             InputError, match=f"{reason}.*; allowed: a PNG, EXR, MP4, WebM, WebP or GIF file that povgen wrote"
         ):
@@ -350,7 +344,8 @@ def test_a_png_file_with_other_parts(tmp_path):
     Image.new("RGB", (32, 32)).save(data, "PNG", dpi=(72, 72))
     save(Chess(sheet="none"), tmp_path / "a.png", **SMALL)
     png = records.in_png(data.getvalue(), info(tmp_path / "a.png"))
-    assert [name for name, _ in records.png_parts(png)] == [b"IHDR", b"sRGB", b"gAMA", b"iTXt", b"IDAT", b"IEND"]
+    with Image.open(io.BytesIO(png)) as image:
+        assert image.info.keys() == {"srgb", "gamma", "povgen"} and image.load()
 
 
 def test_the_class_is_found(made):

@@ -24,7 +24,7 @@ from forked import Dask
 
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, movie, remedies, render, results, to_pov
 from povgen.errors import TransientError
-from povgen.files import WORK_PREFIX
+from povgen.files import PREFIX
 from povgen.rendering import auto, cache, cluster, frames, povray
 from povgen.rendering.cluster import Cluster
 from povgen.video import build
@@ -156,7 +156,7 @@ class Machines:
 
     def kill_as_it_renders(self, lost, worker):
         """Kill a process as soon as the worker has begun to render."""
-        wait_for(lambda: list((self.folder / worker).glob(f"{WORK_PREFIX}*/*")))
+        wait_for(lambda: list((self.folder / worker).glob(f"{PREFIX}*/*")))
         self.kill(lost)
 
     def finished(self):
@@ -375,7 +375,7 @@ def test_a_frozen_scheduler(soon, tmp_path):
         with ThreadPoolExecutor() as pool, Cluster(machines.address) as there:
             large = Rendering(size=(2400, 1800))  # takes long
             waiting = [pool.submit(there.run, to_pov(Chess()), large, tmp_path) for _ in range(3)]
-            wait_for(lambda: list((tmp_path / "one").glob(f"{WORK_PREFIX}*/*")))
+            wait_for(lambda: list((tmp_path / "one").glob(f"{PREFIX}*/*")))
             machines.processes["scheduler"].send_signal(signal.SIGSTOP)
             waiting.append(pool.submit(there.run, to_pov(Chess()), SMALL, tmp_path))
             for frame in waiting:

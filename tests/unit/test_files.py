@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from povgen import files, stopping
+from povgen import files
 from povgen.errors import message_of
 from povgen.video import encode
 
@@ -64,27 +64,11 @@ def test_a_full_disk(values, full, monkeypatch, tmp_path):
         (0, errno.EFBIG, "File too large"),
     ],
 )
-def test_no_room_in_a_work_folder(left, number, said, monkeypatch, tmp_path):
+def test_no_room_in_a_temporary_folder(left, number, said, monkeypatch, tmp_path):
     disk(monkeypatch, f_favail=left)
-    with pytest.raises(OSError) as raised, files.work_folder(tmp_path):
+    with pytest.raises(OSError) as raised, files.temporary_folder(tmp_path):
         raise OSError(number, os.strerror(number))
     assert message_of(raised.value).startswith(f"{tmp_path}: {said}")
-
-
-def test_a_work_folder_that_is_interrupted_as_it_is_made_is_known(monkeypatch, tmp_path):
-    """A signal's handler raises its exception at any moment. povgen then removes the folders that it knows."""
-    make = os.mkdir
-
-    def interrupted(*arguments, **options):
-        make(*arguments, **options)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(os, "mkdir", interrupted)
-    with pytest.raises(KeyboardInterrupt), files.work_folder(tmp_path):
-        pass
-    (folder,) = tmp_path.iterdir()
-    assert str(folder) in stopping.folders
-    stopping.folders.discard(str(folder))
 
 
 def test_of_two_files_the_written_one_is_named():
@@ -93,18 +77,14 @@ def test_of_two_files_the_written_one_is_named():
 
 
 @pytest.mark.parametrize("full", [True, False])
-@pytest.mark.parametrize("written", ["", "RIFF", "RIFF\\010\\0\\0\\0WEBPANMF"])
-@pytest.mark.parametrize("kind", ["mp4", "webm", "webp"])
-def test_an_encoder_that_fails(full, written, kind, monkeypatch, tmp_path):
-    """The disk is blamed if it is full. The file may be cut off anywhere."""
+def test_an_encoder_that_fails(full, monkeypatch, tmp_path):
+    """The disk is blamed if it is full."""
     failing = tmp_path / "failing"
-    failing.write_text(
-        f'#!/bin/sh\nfor output; do :; done\n[ "$output" = - ] || printf \'{written}\' > "$output"\nexit 1\n'
-    )
+    failing.write_text("#!/bin/sh\nexit 3\n")
     failing.chmod(0o755)
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(failing))
     monkeypatch.setattr(encode, "is_full", lambda folder: full)
     with pytest.raises(OSError) as raised:
-        encode.encode(PICTURES, tmp_path / f"a.{kind}", 10, {})
-    failed = f"the encoder {failing} failed: it wrote 0 of 2 frames"
-    assert message_of(raised.value) == (f"{tmp_path}/a.{kind}: No space left on device" if full else failed)
+        encode.encode(PICTURES, tmp_path / "a.mp4", 10, {})
+    failed = f"the encoder {failing} failed, with status 3"
+    assert message_of(raised.value) == (f"{tmp_path}/a.mp4: No space left on device" if full else failed)

@@ -17,9 +17,7 @@ def command(
     """Print what the cache holds, or empty it.
 
     The cache keeps frames, ray traces and the shapes of your own pieces for later runs. POVGEN_CACHE names its folder.
-    It holds up to POVGEN_CACHE_SIZE GiB (default 2). If it is full, the least recently used files are removed. The
-    command also counts or removes unfinished files, in the cache and among temporary files, that povgen left because
-    it was killed.
+    It holds up to POVGEN_CACHE_SIZE GiB (default 2). If it is full, the least recently used files are removed.
     """
     if what not in ("info", "clear"):
         raise InputError(f"{what!r}: allowed: info or clear")
@@ -27,8 +25,6 @@ def command(
     if what == "clear":
         found, removed = [path for _, _, path in cache.by_last_use()], cache.trim(-1)
         tell(f"removed {_counts(removed)} from {one_line(str(cache.folder()))}")
-        if left := cache.remove_leftovers():
-            tell(f"removed {counted(left, 'folder')} that killed povgens left")
         # a movie that is being made can have written a removed file again
         if kept := sum(path.exists() for path in {*found} - {*removed}):
             raise PermissionError(EACCES, f"files that could not be removed: {kept}", str(cache.folder()))
@@ -37,8 +33,6 @@ def command(
         size = sum(size for _, size, _ in files) / 2**30
         counts = _counts([path for _, _, path in files])
         tell(f"{counts}, {size:.3f} of {cache.max_bytes() / 2**30:g} GiB, in {one_line(str(cache.folder()))}")
-        if sizes := cache.leftover_sizes():
-            tell(f"{counted(len(sizes), 'folder')} that killed povgens left, {sum(sizes) / 2**30:.3f} GiB")
 
 
 def _counts(files: list[Path]) -> str:
