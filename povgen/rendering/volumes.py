@@ -130,9 +130,12 @@ def _measured(
     name = f"piece = {str(piece)!r}"
     if len(text) == MAX_CROSSINGS:
         raise InputError(f"{name}: too many surfaces for the live view and for gl; allowed: a simpler piece")
-    numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
-    place, met = numbers[:4], numbers[4:].reshape(-1, 4)
-    distance = distances(met) if len(met) else np.empty(0)
+    try:
+        numbers = np.array(text.replace("\n", ",").rstrip(",").split(","), float)
+        place, met = numbers[:4], numbers[4:].reshape(-1, 4)
+        distance = distances(met) if len(met) else np.empty(0)
+    except (IndexError, ValueError):
+        raise InputError(f"{name}: its text writes into {povray.DATA}; allowed: objects and declarations") from None
     if not (distance < 0).any():
         least = f"no solid part thicker than {place[3]:.2g} tiles, within {FILE_RADIUS:g} tiles of its axis"
         raise InputError(f"{name}: {least}; allowed: a closed piece that is thick enough")

@@ -1,5 +1,6 @@
 """Warnings: the limits of the methods that a picture exceeds. The limits are in povgen/limits.py."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,7 +14,7 @@ from povgen.limits import (
 )
 from povgen.optics import uncertainty
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
-from povgen.scene.pieces import PieceFile, words
+from povgen.scene.pieces import PieceFile, without_comments
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
@@ -77,7 +78,9 @@ def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str,
         yield "piece", "; ".join(notes)
     if not (rendering and rendering.renderer == "gl"):
         return
-    coloured = [piece for piece in shown if not piece.is_mesh and TEXTURES & words(piece.text)]
+    coloured = [
+        piece for piece in shown if not piece.is_mesh and TEXTURES & {*re.findall(r"\w+", without_comments(piece.text))}
+    ]
     if coloured:
         text = f"renderer = gl: the textures in {str(coloured[0])!r} are not drawn; the piece has the colour --color,"
         yield "renderer", f"{text} with --renderer povray its own"
