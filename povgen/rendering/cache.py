@@ -40,15 +40,15 @@ HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 def frame_path(source: str, rendering: Rendering) -> Path:
     """Return the path of a frame in the cache.
 
-    The frame's key is POV-Ray's version, POV-Ray's command line, the scene's text, the picture's size, and the filter
-    by which povgen reduces the picture. The number of threads does not matter: the command line is that for one
-    thread. With the renderer gl, the key is the device, the code that draws, the antialiasing, the size and the scene's
-    text. Raises InputError or PovrayError if the renderer is missing.
+    The frame's key is POV-Ray's version, POV-Ray's command line, the user's own files that a piece can name, the
+    scene's text, the picture's size, and the filter by which povgen reduces the picture. The number of threads does not
+    matter: the command line is that for one thread. With the renderer gl, the key is the device, the code that draws,
+    the antialiasing, the size and the scene's text. Raises InputError or PovrayError if the renderer is missing.
     """
     size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
     if rendering.renderer == "gl":
         return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
-    command = povray.command("povray", rendering)
+    command = [*povray.command("povray", rendering), *povray.library_files()]
     return path_for("\0".join([povray.version(), *command, size, settings.FILTER, source]), suffix)
 
 

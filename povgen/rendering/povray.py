@@ -14,12 +14,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
 from itertools import count
 from math import ceil
 from pathlib import Path
 from threading import Thread
 from typing import IO
+
+import platformdirs
 
 from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line, shown
@@ -70,9 +73,27 @@ CRASHES = (signal.SIGABRT, signal.SIGBUS, signal.SIGSEGV)
 READ = [Path(base, "povray-3.7") for base in ("/usr/share", "/usr/local/share")]
 READ += [Path("/etc/povray"), Path("/usr/local/etc/povray"), Path("/etc/ld.so.cache")]
 READ += [Path("/usr/share/fonts")]  # for text; on Debian, also POV-Ray's own fonts are there
-READABLE = "allowed: the fonts and pictures of POV-Ray's package, and fonts by their path in /usr/share/fonts"
+READABLE = "allowed: the fonts and pictures of POV-Ray's package, fonts by their path in /usr/share/fonts, files in "
 # the folders of the system's libraries, where ldd does not say which of them POV-Ray loads
 RUN = [Path("/lib"), Path("/lib64"), Path("/usr/lib"), Path("/usr/lib64"), Path("/usr/local/lib")]
+
+
+def library() -> Path:
+    """Return the folder of the user's own fonts and pictures, which the text of a piece can name. It can be missing."""
+    with suppress(RuntimeError):  # platformdirs raises it for a user without a home
+        return platformdirs.user_data_path("povgen")
+    return Path(os.devnull)
+
+
+def _library() -> list[str]:
+    """Return POV-Ray's option for `library`. It must exist; POV-Ray reads the quotation marks itself."""
+    return [f'+L"{library()}"'] if library().is_dir() else []
+
+
+def library_files() -> list[str]:
+    """Return the name, size and time of each file in `library`: a picture depends on them."""
+    found = sorted((path, path.stat()) for path in library().glob("*") if path.is_file())
+    return [f"{path.name} {status.st_size} {status.st_mtime_ns}" for path, status in found]
 
 
 def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:
@@ -256,7 +277,7 @@ class Runner:
         config = folder / ".povray" / "3.7" / "povray.conf"
         for part in (folder, folder / ".povray", config.parent):
             part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
-        config.write_text(CONFIG)
+        config.write_text(f'{CONFIG}read* = "{library()}"\n')
         (folder / SCENE).write_text(source, "utf-8")
         shown_files = pictures.used(source)
         for name, content in shown_files.items():
@@ -275,9 +296,11 @@ class Runner:
         programs = [Path(program).resolve() for program in (*starters, binary())]
         status, messages = sandbox.within(
             lambda: self._process(
-                [*start, *command(binary(), rendering, threads), *["+V"] * bool(self._part)], folder, rendering.timeout
+                [*start, *command(binary(), rendering, threads), *_library(), *["+V"] * bool(self._part)],
+                folder,
+                rendering.timeout,
             ),
-            read=[*READ, folder],
+            read=[*READ, library(), folder],
             run=[*programs, *libraries(*programs)],
             write=[*written, Path(os.devnull)],
         )
@@ -364,7 +387,7 @@ def _failure(rendering: Rendering, folder: Path, status: int, messages: str, out
         return error
 
     if missing:
-        return refused(f"no file {one_line(missing[3])!r} that it may read; {READABLE}")
+        return refused(f"no file {one_line(missing[3])!r} that it may read; {READABLE}{str(library())!r}")
     if NO_MEMORY.search(said + messages):
         return refused(out_of_memory)
     if status == -signal.SIGXFSZ:

@@ -67,7 +67,7 @@ def _kept(piece: str | PieceFile) -> tuple[str, str, Volume | None]:
         version = povray.version()
     except PovrayError as error:
         raise PovrayError(f"{error}\n  the shape of the piece {str(piece)!r} is measured by POV-Ray") from None
-    key = "\0".join((version, _code(), source))
+    key = "\0".join((version, *povray.library_files(), _code(), source))
     values = cache.load_values(key)
     return source, key, Volume(tuple(values["place"]), values["data"]) if values else None
 
