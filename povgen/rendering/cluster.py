@@ -227,8 +227,11 @@ def render(source: str, rendering: Rendering, shown: dict[str, bytes]) -> bytes:
     """
     files = [pictures.kept(name, content) for name, content in shown.items()]
     with temporary_folder() as folder:
-        run = gl_runner.shared().run if rendering.renderer == "gl" else povray.run
-        picture = run(source, rendering, folder).read_bytes()
+        if rendering.renderer == "gl":
+            picture = gl_runner.shared().run(source, rendering, folder).read_bytes()
+        else:  # a worker renders in each of its threads
+            at_once = distributed.get_worker().state.nthreads
+            picture = povray.run(source, rendering, folder, at_once).read_bytes()
     del files  # `run` needs them until here
     return picture
 

@@ -220,9 +220,9 @@ def version() -> str:
     return found[0].removeprefix("POV-Ray ")
 
 
-def run(source: str, rendering: Rendering, folder: Path) -> Path:
+def run(source: str, rendering: Rendering, folder: Path, at_once: int = 1) -> Path:
     """Render one scene's text with a new Runner, as `Runner.run` does, and return the picture's path."""
-    runner = Runner()
+    runner = Runner(at_once=at_once)
     try:
         return runner.run(source, rendering, folder)
     finally:

@@ -446,6 +446,13 @@ def test_a_worker_with_other_code_is_named(monkeypatch):
         cluster.call("", None, lambda x: x)
 
 
+def test_the_threads_of_a_worker_divide_its_memory(monkeypatch):
+    limits = []
+    monkeypatch.setattr(distributed, "get_worker", lambda: SimpleNamespace(state=SimpleNamespace(nthreads=3)))
+    monkeypatch.setattr(povray, "max_memory", lambda *given: limits.append(given[0]) or 8 << 30)
+    assert cluster.render(to_pov(Chess(sheet="none")), SMALL, {}).startswith(b"\x89PNG") and {*limits} == {3}
+
+
 @pytest.mark.parametrize("answer", [[b""], None, {"a": 1}, [[1, 2]], ["x"], [[]] * 16])
 def test_an_answer_of_other_code_is_refused(answer, tmp_path, monkeypatch):
     class Other(Cluster):
