@@ -110,6 +110,11 @@ def cache(tmp_path_factory):
         yield
 
 
+def some(values, first):
+    """Return parameters of a test, of which `make test` takes the first ones, and `make test-release` the others."""
+    return [*values[:first], *(pytest.param(each, marks=pytest.mark.release) for each in values[first:])]
+
+
 def wait_for(condition, seconds=200):
     """Call the condition until its result is true, and return the result. Fail after some seconds."""
     end = time.monotonic() + seconds

@@ -17,8 +17,6 @@ from conftest import (
     BEYOND,
     MODULES,
     Node,
-    glass,
-    mirrored_position,
     picture,
     scene_of,
     seen_through_other_sheets,
@@ -26,18 +24,18 @@ from conftest import (
 )
 
 import povgen
-from povgen import Chess, InputError, Spheres
+from povgen import Chess, Spheres
 from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.values import values as live_values
-from povgen.optics import apparent, equations, ghosts, series, trace
+from povgen.optics import equations, ghosts, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal, dove
 from povgen.page.page import ALL_KINDS, KEPT, KINDS
 from povgen.scene import shader, warnings
 from povgen.scene.laws import to_live
 from povgen.scene.quantities import QUANTITIES
-from povgen.scene.scenes import SCENES, pieces
+from povgen.scene.scenes import pieces
 from povgen.scene.sdl import TEMPLATES
 from povgen.scene.spec import MOVIES
 from povgen.scene.survey import survey
@@ -196,83 +194,6 @@ def test_equations_are_those_of_rotation(page):
     assert np.array(given["nu"]) == pytest.approx(equations.nu(r, alpha), abs=1e-12, nan_ok=True)
 
 
-class Prisms(Prism):
-    """Prisms of many pitches, in an array."""
-
-    def __post_init__(self):
-        pass
-
-
-def test_positions_are_those_of_python(page):
-    rng = np.random.default_rng(3)
-    L, E = (rng.uniform(-2, 2, 500) + 1j * rng.uniform(-2, 2, 500) for _ in range(2))
-    z1, z2 = (rng.choice([0.5, 2, 6, *np.geomspace(0.3, 3000, 9)], 500) for _ in range(2))
-    alpha, prism = rng.choice(ALPHAS, 500), Prisms(rng.choice([2.4 / 25, 2.4 / 100, 2.4 / 1600], 500), base_angle=40)
-    shapes = [Prism(pitch, base_angle=40) for pitch in prism.pitch]
-    lengths = zip(prism.slab_shift, prism.separation, strict=True)
-    grid = [
-        ([L.real, L.imag], [E.real, E.imag], *map(float, rest), {"slab_shift": shift, "separation": separation})
-        for L, E, *rest, (shift, separation) in zip(L, E, z1, z2, alpha, lengths, strict=True)
-    ]
-    compare(
-        page.evaluate("(grid) => grid.map((numbers) => equations.ideal(...numbers.slice(0, 5)))", grid),
-        equations.apparent_position(L, E, z1, z2, alpha),
-    )
-    turned = page.evaluate(
-        """(grid) => grid.map(([L, E, ...numbers]) => equations.turned(...numbers))
-           .map(({ nu, M }) => [Number.isNaN(nu) ? null : nu, M])""",
-        grid,
-    )
-    nu, M = np.transpose([apparent.nu_and_M(z, glass(*given)) for z, *given in zip(z1, z2, alpha, shapes, strict=True)])
-    given = np.array([given for given, _ in turned], float)
-    assert (np.isnan(given) == np.isnan(nu)).all()
-    compare(np.exp(1j * given)[~np.isnan(nu)], np.exp(1j * nu)[~np.isnan(nu)], M[~np.isnan(nu)])  # pi is -pi
-    compare(
-        page.evaluate("(grid) => grid.map((numbers) => equations.prisms(...numbers))", grid),
-        np.array(
-            [
-                apparent.position(*given[:3], glass(*given[3:]))
-                for given in zip(L, E, z1, z2, alpha, shapes, strict=True)
-            ]
-        ),
-        M,
-    )
-    compare([given for _, given in turned], M, M)
-    apart = z1 != z2
-    compare(
-        page.evaluate(
-            "(grid) => grid.map(([L, E, z1, z2, , prism]) => equations.mirrored(L, E, z1, z2, prism))",
-            [each for each, ok in zip(grid, apart, strict=True) if ok],
-        ),
-        np.array(mirrored_position(L, E, z1, z2, prism))[apart],
-    )
-
-
-def test_equations_of_windows_in_series_are_those_of_python(page):
-    rng = np.random.default_rng(4)
-    prism = Prism(2.4 / 100, index=1.7, base_angle=40)
-    lengths = {"slab_shift": prism.slab_shift, "separation": prism.separation}
-    for windows in (2, 3):
-        for _ in range(20):
-            z1, z2, *d = rng.uniform(0.5, 8, windows + 1)
-            alpha, *turns = rng.uniform(-3, 3, windows)
-            behind = [*zip(d, turns, strict=True)]
-            L, E = rng.uniform(-2, 2, (2, 2)).tolist()
-            Z, P, thick, turned = page.evaluate(
-                """([L, E, z1, z2, alpha, prism, behind]) => [
-                  equations.depth(z1, z2, alpha, behind), equations.ideal(L, E, z1, z2, alpha, behind),
-                  equations.prisms(L, E, z1, z2, alpha, prism, behind),
-                  equations.turned(z1, z2, alpha, prism, behind)]""",
-                [L, E, z1, z2, alpha, lengths, behind],
-            )
-            compare([Z], np.array([equations.depth(z1, z2, alpha, behind)]))
-            L, E = complex(*L), complex(*E)
-            compare([P], np.array([equations.apparent_position(L, E, z1, z2, alpha, behind)]))
-            compare([thick], np.array([apparent.position(L, E, z1, glass(z2, alpha, prism, behind))]))
-            nu, M = apparent.nu_and_M(z1, glass(z2, alpha, prism, behind))
-            assert [turned["nu"], turned["M"]] == pytest.approx([nu, M], rel=1e-12)
-
-
 def test_positions_behind_other_sheets_are_those_of_python(page):
     """Also where the ray along the normal does not pass, and where two paths have just become one.
 
@@ -282,7 +203,7 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
     linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in KINDS]
     cases = [(scene, L, 2.0, 0.0) for scene in linear for L in (0.3 - 1j, 2 + 1j)]
     wanted = [complex(scene.apparent_position(L, z1)) for scene, L, z1, _ in cases]
-    for scene, points, _ in seen_through_other_sheets(np.random.default_rng(9)):
+    for scene, points, _ in seen_through_other_sheets(np.random.default_rng(9), 25):
         cases += [(scene, L, scene.z1, 0.0) for L in points]
         wanted += [*scene.apparent_position(points, scene.z1)]
     twists = [{"sheet": "twist", "twist": 54, "alpha": 86}, {"sheet": "twist", "twist": 54, "alpha": -87, "z": 3.8}]
@@ -295,7 +216,7 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
         "(cases) => cases.map(([scene, near, ...values]) => crossing(...values, sheets.windows(scene), near))",
         [[scene.model_dump(), near, [L.real, L.imag], scene.eye, z1, scene.z2] for scene, L, z1, near in cases],
     )
-    assert len(given) > 1000 and np.isfinite(wanted).all()
+    assert len(given) > 300 and np.isfinite(wanted).all()
     place = complex(*given.pop())
     assert abs(place - complex(marks.apparent_position(marks.L, 3, near=marks.radii[0]))) < 0.03
     assert np.array(given) @ [1, 1j] == pytest.approx(np.array(wanted), rel=1e-7, abs=1e-7)
@@ -324,34 +245,44 @@ def test_an_outline_is_found_from_point_to_point(page):
 IDEAL_KINDS = ["none", "ideal", *KINDS]
 
 
-def pairs_of_windows(rng, number=60):
-    """Yield the page's values of two windows that povgen allows, with the parameters of examples of their kinds."""
+def states(rng, number=28):
+    """Yield the page's values of one or two windows, with the parameters of examples of their kinds."""
+    yield from BEYOND
     for k in range(number):
         second = ["same", "single", "detailed", *IDEAL_KINDS]
         first = [*IDEAL_KINDS, "detailed"][k % (len(IDEAL_KINDS) + 1)]
         values = {"windows": 2, "sheet": first, "sheet2": rng.choice(second[:3] if first == "detailed" else second)}
+        if k % 7 == 0:
+            values |= {
+                "windows": 1,
+                "sheet": rng.choice(["ideal", "detailed", "single"]),
+                "prisms": int(rng.integers(9, 200)),
+            }
         for kind in (first, values["sheet2"]):
             values |= KINDS[kind].examples[0] if kind in KINDS else {}
         alpha, alpha2 = rng.uniform(-40, 40, 2)
         z1, z2, d = np.exp(rng.uniform(np.log([0.8, 1, 0.4]), np.log([8, 9, 4])))
         E, L = rng.uniform(-0.5, 0.5, (2, 2))
-        yield {
-            **values, "prisms": 60, "alpha": alpha, "alpha2": alpha2, "z1": z1, "z2": z2, "d": d,
-            "E": [*E], "L": [*L], "scene": "chess", "sheet2": str(values["sheet2"]),
-        }  # fmt: skip
+        given = {"alpha": alpha, "alpha2": alpha2, "z1": z1, "z2": z2, "d": d, "E": [*E], "L": [*L], "scene": "chess"}
+        yield {"prisms": 60} | given | values | {"sheet": str(values["sheet"]), "sheet2": str(values["sheet2"])}
 
 
-def test_positions_behind_any_two_windows_are_those_of_python(page):
-    """So are the errors behind prisms, and what the page says of them has no gap."""
+def test_positions_behind_any_windows_are_those_of_python(page):
+    """So are nu, M and the errors behind prisms. Its sentences have no gap, and its address keeps all."""
     rng, found, glass = np.random.default_rng(11), 0, 0
-    for values in pairs_of_windows(rng):
+    for values in states(rng):
         page.evaluate("fromHash('')")
         page.evaluate("change", values)
-        assert page.evaluate("[state.sheet, state.sheet2]") == [values["sheet"], values["sheet2"]]
         scene = scene_of(page)
-        (L, z1), (radius,) = scene.objects[0], scene.radii
+        number = page.evaluate("moment().objects.indexOf(moment().z1)")
+        (L, z1), radius = scene.objects[number], scene.radii[number]
         wanted = complex(scene.apparent_position(L, z1, near=radius))
-        place = complex(*page.evaluate("moment().place"))
+        place, link = page.evaluate("[moment().place, toHash()]")
+        page.evaluate("(link) => { fromHash(''); fromHash(link); }", link)
+        assert page.evaluate("toHash()") == link
+        text = page.evaluate("[describe(moment()), ...caption(moment())].join()")
+        assert not re.search(r"NaN|Infinity|null|undefined|\[object|\{", text), text
+        place = complex(*place)
         if not np.isfinite(wanted):
             assert not np.isfinite(place), values
             continue
@@ -362,14 +293,12 @@ def test_positions_behind_any_two_windows_are_those_of_python(page):
         assert bool(error) == scene.has_prisms
         if error and exact:
             glass += 1
-            assert error == pytest.approx(warnings.possible_error(scene, L, z1, radius), rel=1e-4), values
+            assert error == pytest.approx(warnings.possible_error(scene, L, z1, radius), rel=1e-3), values
         if scene.rotates:
             nu, M = scene.nu_and_M(z1)
             given = page.evaluate("(({ nu, M }) => [nu, M])(moment())")
             assert [np.exp(1j * given[0]), given[1]] == [pytest.approx(np.exp(1j * np.radians(nu))), pytest.approx(M)]
-        text = page.evaluate("[describe(moment()), ...caption(moment())].join()")
-        assert not re.search(r"NaN|Infinity|null|undefined|\[object|\{", text), text
-    assert found > 40 and glass > 10
+    assert found > 45 and glass > 5
 
 
 def test_no_ideal_sheet_stands_behind_prisms(page):
@@ -380,73 +309,14 @@ def test_no_ideal_sheet_stands_behind_prisms(page):
     assert [sheet.name for sheet in scene_of(page).sheets] == ["detailed", "detailed"]
     page.evaluate("change", {"sheet2": "single"})
     assert [sheet.name for sheet in scene_of(page).sheets] == ["detailed", "single"]
+    page.evaluate("fromHash", "#windows=2&sheet=detailed&sheet2=axis")
+    assert [sheet.name for sheet in scene_of(page).sheets] == ["detailed", "detailed"]
 
 
 @pytest.mark.parametrize(("given", "kept"), [("270", -90), ("-360", 0), ("180", 180), ("-180", -180), ("190", -170)])
 def test_an_angle_of_a_link_is_the_same_one_within_half_a_turn(node, given, kept):
     node.evaluate("fromHash", f"#sheet=ideal&alpha={given}")
     assert node.evaluate("[state.alpha, session.refusals]") == [kept, []]
-
-
-def test_an_address_keeps_two_windows(page):
-    values = {"windows": 2, "sheet": "lenslets", "sheet2": "axis", "d": 1.5, "alpha": 170, "alpha2": 15}
-    page.evaluate("change", {**values, "axis": [0, 1, 0.2], "ratio": 1.5, "L": [0.3, 0.1]})
-    before, link = page.evaluate("[state, toHash()]")
-    page.evaluate("fromHash('')")
-    page.evaluate("fromHash", link)
-    assert page.evaluate("state") == before
-    # a kind that povgen refuses behind prisms
-    page.evaluate("fromHash", link.replace("lenslets", "detailed"))
-    scene_of(page)
-
-
-def test_the_image_of_two_different_windows_is_where_all_eyes_see_it(page):
-    """A lens forms an image 4 tiles behind itself; a window of 180 degrees forms another, as far in front of itself."""
-    for values, W in (
-        ({"sheet": "lens", "sheet2": "none", "d": 1, "z1": 1}, 4),
-        ({"sheet": "ideal", "sheet2": "lens", "alpha": 180, "d": 1, "z1": 2}, -5),
-        ({"sheet": "lens", "sheet2": "ideal", "alpha2": 60, "d": 1, "z1": 2}, None),
-    ):
-        page.evaluate("fromHash('')")
-        text = sentence(page, windows=2, focal_length=4, **values)
-        assert ("image is" in text) == (W is not None), text
-        if W is None:
-            continue
-        assert f"image is {abs(W)} tiles {'behind' if W > 0 else 'in front of'} the first window" in text
-        scene = scene_of(page)
-        seen = [complex(scene.replace(eye=(x, 0.1)).apparent_position(scene.L, scene.z1)) for x in (0, 0.5)]
-        assert seen[1] - seen[0] == pytest.approx(0.5 * W / (W + scene.z2))
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_what_the_script_derives(page, scene):
-    """The script's prisms, frame and spheres are povgen's."""
-    for given in (
-        {},
-        {"prisms": 7, "index": 1.8, "base_angle": 38, "gap": 0.2},
-        {"sheet": "single", "aspect": 1.2, "z2": 1},
-        {"prisms": 3000, "aperture": 1, "z2": 150},
-        {"sheet": "ideal", "window": ("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), "prisms": 40},
-    ):
-        made = SCENES[scene](**{"z2": 12, **given})
-        names = ("prism", "tile", "depth", "distances", "spheres", "pieces")
-        script = "([names, scene]) => names.map((name) => geometry[name](scene))"
-        prism, tile, depth, distances, spheres, pieces = page.evaluate(script, [names, live_values(made)])
-        for name in ("pitch", "height", "length", "separation", "slab_shift"):
-            assert prism[name] == pytest.approx(getattr(made.prism, name), rel=1e-12)
-        windows = page.evaluate("(scene) => sheets.windows(scene)", live_values(made))
-        for window, (z, sheet) in zip(windows, made.windows, strict=True):
-            assert (window["z"], window["sheet"]) == (z, sheet.name)
-            assert {name: window["values"][name] for name in sheet.values} == dict(sheet.values)
-        assert tile == made.tile
-        assert depth == pytest.approx(made.depth, rel=1e-12)
-        assert distances == pytest.approx(made.distances, rel=1e-12)
-        if scene == "spheres":
-            expected = [(made.places[-1] + z1, made.radius(z1)) for z1 in made.distances]
-            assert [(s["centre"][2], s["radius"]) for s in spheres] == [pytest.approx(pair) for pair in expected]
-        else:
-            feet = [(L.real, L.imag, made.places[-1] + z1) for L, z1 in made.objects]
-            assert [p["foot"] for p in pieces] == [pytest.approx(foot) for foot in feet]
 
 
 def unlike(given, wanted):
@@ -543,39 +413,10 @@ def test_questions_are_answered_by_the_equations(page):
 # ---- The state ----
 
 
-@pytest.mark.parametrize("values", BEYOND, ids=lambda values: values["sheet"])
-def test_what_is_beyond_the_paper_is_povgens(page, values):
-    """Positions, nu and M, and the address."""
-    page.evaluate("change", values)
-    scene, z1 = scene_of(page), page.evaluate("moment().z1")
-    assert len(scene.sheets) == values.get("windows", 1)
-    place = complex(*page.evaluate("moment().place"))
-    assert place == pytest.approx(complex(scene.apparent_position(scene.L, z1)), rel=1e-9, abs=1e-9)
-    if values["sheet"] in ("ideal", "detailed", "none"):
-        found = page.evaluate("(({ nu, M }) => [nu * 180 / Math.PI, M])(moment())")
-        assert [np.exp(1j * np.radians(found[0])), found[1]] == [
-            pytest.approx(np.exp(1j * np.radians(scene.nu_and_M(z1)[0])), abs=1e-9),
-            pytest.approx(scene.nu_and_M(z1)[1], rel=1e-9),
-        ]
-    link = page.evaluate("toHash()")
-    page.evaluate("fromHash('')")
-    page.evaluate("fromHash", link)
-    assert page.evaluate("toHash()") == link and complex(*page.evaluate("moment().place")) == pytest.approx(place)
-    text = page.evaluate("[describe(moment()), ...caption(moment())].join()")
-    assert not re.search(r"NaN|Infinity|null|undefined|\[object", text)
-
-
 def test_the_pages_ranges_are_those_of_the_scenes(page):
     """The page allows no value that povgen refuses."""
     ranges = page.evaluate("RANGES")
     assert ranges["alpha"] == ranges["alpha2"] == [-180, 180]  # any other angle is one of these
-    for model in (Chess, Spheres):
-        for name in ("z2", "prisms"):
-            for value, beyond in zip(ranges[name], (-1, 1), strict=True):
-                outside = value + beyond * max(1, abs(value)) * (0 if name == "z2" and beyond < 0 else 1)
-                if outside != value:
-                    with pytest.raises(InputError):
-                        model(**{name: outside})
     for values in ({"z1": 1e-9, "z2": 1e-9}, {"z1": 1e9, "z2": 1e9}, {"L": [99, 99], "E": [-99, -99]}, {"prisms": 1e9}):
         for scene in ("chess", "spheres"):
             page.evaluate("fromHash('')")
@@ -786,6 +627,9 @@ def test_the_image_of_a_sheet_is_where_all_eyes_see_it(page):
         ({"sheet": "mirror", "alpha": 50}, None),
         ({"sheet": "twist", "alpha": 180}, None),
         ({"sheet": "refraction", "alpha": 0, "ratio": 1.3}, None),
+        ({"windows": 2, "sheet": "lens", "sheet2": "none", "focal_length": 4, "d": 1, "z1": 1}, 4),
+        ({"windows": 2, "sheet": "ideal", "sheet2": "lens", "focal_length": 4, "alpha": 180, "d": 1, "z1": 2}, -5),
+        ({"windows": 2, "sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60, "d": 1, "z1": 2}, None),
     ):
         page.evaluate("fromHash('')")
         text = sentence(page, **values)
@@ -796,7 +640,8 @@ def test_the_image_of_a_sheet_is_where_all_eyes_see_it(page):
             assert "image is infinitely far away" in text
         else:
             tiles = f"{abs(W)} {'tile' if abs(W) == 1 else 'tiles'}"
-            assert f"image is {tiles} {'behind' if W > 0 else 'in front of'} the window" in text
+            window = "first window" if "windows" in values else "window"
+            assert f"image is {tiles} {'behind' if W > 0 else 'in front of'} the {window}" in text
         scene = scene_of(page)
         seen = [complex(scene.replace(eye=(x, 0.1)).apparent_position(scene.L, scene.z1)) for x in (0, 0.5)]
         assert seen[1] - seen[0] == pytest.approx(0.5 * (1 if np.isinf(W) else W / (W + scene.z2)))
@@ -837,16 +682,6 @@ def test_fields_take_fractions_and_units(page):
     found = page.evaluate("(texts) => texts.map(readNumber)", [*numbers])
     assert found == [*numbers.values()]
     assert page.evaluate("(texts) => texts.map(readNumber).some(Number.isFinite)", nonsense) is False
-
-
-def test_a_sphere_that_is_not_in_the_window_is_said(page):
-    for z1, L, seen in ((6, [-0.25, 0.25], True), (0.2, [3, 3], False), (24, [3, 0], True)):
-        text = sentence(page, scene="spheres", z1=z1, L=L)
-        now = page.evaluate("(({ z1, z2, alpha }) => ({ z1, z2, alpha }))(moment())")
-        place = equations.apparent_position(complex(*L), 0, **now)
-        assert seen == (max(abs(place.real), abs(place.imag)) < 1.5)
-        assert seen == ("The sphere at z₁" in text) != ("of the sphere at z₁ = " in text)
-    assert "is in the window, which shows other spheres, " in sentence(page, z1=0.2, L=[3, 3])
 
 
 def test_the_image_of_two_windows_is_said(page):
@@ -920,13 +755,6 @@ def test_a_page_has_all_modules_of_its_folder_once(folder):
         assert all(line in text for line in own if not line.startswith("export ") and line.strip()[:2] != "//")
     assert not re.search("^ *//", text, re.M)  # 36 kB of comments
     assert not re.search("^(import|export) ", text, re.M)
-
-
-def test_an_import_may_have_another_name(tmp_path, monkeypatch):
-    monkeypatch.setattr(scripts, "PACKAGE", tmp_path)
-    (tmp_path / "a.js").write_text('import { b as c, d } from "./b.js";\nexport const a = c + d;\n')
-    (tmp_path / "b.js").write_text("export const b = 1;\nexport const d = 2;\n")
-    assert "const { b: c, d } = povgen.b;\n" in scripts.script("a.js", laws=[])
 
 
 def test_modules_that_import_each_other_are_refused(tmp_path, monkeypatch):

@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import NAMES, picture
+from conftest import NAMES, picture, some
 
 import povgen
 from povgen import Chess, InputError, Spheres
@@ -46,7 +46,7 @@ def page(browser, file):
 # ---- What the shaders draw is tested by OpenGL: tests/render/test_gl.py. The browser draws the same. ----
 
 
-@pytest.mark.parametrize("scene", verify_live.SCENES, ids=lambda scene: f"{scene.name} {scene.sheet}")
+@pytest.mark.parametrize("scene", some(verify_live.SCENES, 1), ids=lambda scene: f"{scene.name} {scene.sheet}")
 def test_the_view_draws_the_same_as_opengl(browser, scene):
     view = View(browser, scene)
     figures = list(verify_live.same([(view, Drawn(scene))], (80, 60)))
@@ -63,6 +63,7 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     assert all(figure.holds for figure in figures), figures
 
 
+@pytest.mark.release
 def test_another_scene_is_not_the_same(browser):
     """The check can fail: alpha is wrong by a tenth of a degree, and the sky is black."""
     view = View(browser, Chess())
@@ -195,8 +196,8 @@ def test_at_rest_nothing_is_drawn(page):
           view.gl.drawArrays = (...values) => { drawn += 1; draw(...values); };
         }"""
     )
-    page.wait_for_timeout(400)
-    assert page.evaluate("drawn") == 0
+    next_frame = "(n) => (n ? requestAnimationFrame(() => next(n - 1)) : done(drawn))"
+    assert page.evaluate(f"new Promise((done) => {{ const next = {next_frame}; next(9); }})") == 0
     page.evaluate("PACE.RAYS = 1; view.budget = 1e6; view.set({ alpha: 20 })")
     at_rest(page)
     assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
@@ -321,6 +322,7 @@ def without_widget(monkeypatch):
     return povgen.live(Spheres(sheet="none"), 96, 72)._repr_mimebundle_()["text/html"]
 
 
+@pytest.mark.release
 def test_of_18_views_those_in_sight_hold_a_context(browser, monkeypatch):
     page = browser.new_page(viewport={"width": 160, "height": 200})
     page.set_default_timeout(PATIENCE)
@@ -343,17 +345,25 @@ def test_of_18_views_those_in_sight_hold_a_context(browser, monkeypatch):
     page.close()
 
 
-def test_without_decompression_the_page_says_so(browser, file):
+@pytest.mark.parametrize(
+    ("lacks", "said"),
+    [
+        ("delete window.DecompressionStream", "DecompressionStream"),
+        ("HTMLCanvasElement.prototype.getContext = () => null", "needs WebGL 2"),
+    ],
+)
+def test_what_the_browser_lacks_is_said(browser, file, lacks, said):
     page = browser.new_page()
     page.set_default_timeout(PATIENCE)
-    page.add_init_script("delete window.DecompressionStream")
+    page.add_init_script(lacks)
     page.goto(file.as_uri())
     page.evaluate(NAMES)
-    page.wait_for_function("document.getElementById('message').textContent.includes('DecompressionStream')")
+    page.wait_for_function("(said) => document.getElementById('message').textContent.includes(said)", arg=said)
     page.evaluate("view.ready")  # whoever waits for it does not wait for ever
     page.close()
 
 
+@pytest.mark.release
 def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file):
     small = {"width": 64, "height": 48}  # many rays, for the sums
     page.set_viewport_size(small)
@@ -374,14 +384,6 @@ def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file
     off = abs(canvas(other) - canvas(page))
     assert off.max() <= 6 and off.mean() < 0.5
     other.close()
-
-
-def test_without_webgl_the_page_says_so(browser, file):
-    page = browser.new_page()
-    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
-    page.goto(file.as_uri())
-    page.wait_for_function("document.getElementById('message').textContent.includes('needs WebGL 2')")
-    page.close()
 
 
 def test_bench_says_the_frames_a_second(browser, file):

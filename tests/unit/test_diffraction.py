@@ -69,11 +69,6 @@ def test_negative_lengths_are_refused(name):
             best_pitch(given["wavelength"], given["z1"])
 
 
-def test_blur_in_the_unit_of_the_lines_of_glasses():
-    """Wavelengths are in metres throughout the optics."""
-    assert best_pitch(587.56e-9, 1.0) == pytest.approx(0.6e-3, rel=0.05)
-
-
 def test_blur_at_the_pole_is_infinite_and_arrays_broadcast():
     assert (
         blur(0.0, GREEN, 1.0, 2.0, 1.0)

@@ -2,8 +2,6 @@
 
 import pickle
 import re
-import tracemalloc
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ from povgen.scene.survey import Survey
 from povgen.sheets import USED_BY
 from povgen.video.captions import facts
 
+WRONG = [10**400, np.inf, np.nan, -5e-7]  # wavelengths
 # n of the yellow line d and Abbe's number, as Schott's data sheets state them; of the others, as their papers do
 STATED = {
     "BK7": (1.51680, 64.17),
@@ -86,38 +85,18 @@ def test_an_unknown_glass_is_refused_with_a_near_name(given, message):
     assert str(plain.value) == f"glass = '{given}': {message}"
 
 
-@pytest.mark.parametrize("given", [{"glass": 10**6 * "a"}, {10**6 * "a": 1}], ids=lambda given: "-".join(given)[:5])
-def test_near_names_of_a_long_text_need_little_memory(given):
-    """A record from a stranger can contain such a text."""
-    tracemalloc.start()
-    try:
-        with pytest.raises(InputError, match="unknown"):
-            Chess(**given)
-        assert tracemalloc.get_traced_memory()[1] < 16e6
-    finally:
-        tracemalloc.stop()
-
-
 @pytest.mark.parametrize(
-    "wavelength", [10**400, -(10**400), Fraction(10**400), np.inf, -np.inf, np.nan, -5e-7, 0], ids=type
+    ("glass", "wavelength", "message"),
+    [
+        *(("BK7", x, "wavelength of .{1,9} nm: outside the formula of BK7; allowed: 300 to 2500 nm") for x in WRONG),
+        *(("BK7", x, "wavelength = .{1,60}: allowed: one number, metres") for x in (True, "x" * 10_000, 5e-7j, [5e-7])),
+        *((x, 5e-7, "glass = .{1,60}: unknown; allowed: BK7, N-BK7, .*, water") for x in (3, ["BK7"], "x" * 10_000)),
+    ],
+    ids=range(11),
 )
-def test_a_wavelength_without_an_index_is_an_error_of_one_line(wavelength):
-    with pytest.raises(
-        ValueError, match="^wavelength of .{1,9} nm: outside the formula of BK7; allowed: 300 to 2500 nm$"
-    ):
-        index("BK7", wavelength)
-
-
-@pytest.mark.parametrize("wavelength", [True, "5e-7", "x" * 10_000, None, 5e-7j, [5e-7], np.eye(9)], ids=type)
-def test_a_wavelength_that_is_no_number_is_an_error_of_one_line(wavelength):
-    with pytest.raises(ValueError, match="^wavelength = .{1,60}: allowed: one number, metres$"):
-        index("BK7", wavelength)
-
-
-@pytest.mark.parametrize("glass", [3, None, ["BK7"], 10**400, np.array(["BK7", "F2"]), "x" * 10_000])
-def test_a_glass_that_is_no_name_is_an_error_of_one_line(glass):
-    with pytest.raises(ValueError, match="^glass = .{1,60}: unknown; allowed: BK7, N-BK7, .*, water$"):
-        index(glass, 5e-7)
+def test_what_has_no_index_is_an_error_of_one_line(glass, wavelength, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        index(glass, wavelength)
 
 
 def test_a_glass_is_an_index():
@@ -271,13 +250,6 @@ def test_a_new_index_replaces_the_glass_of_a_window_and_of_a_movie():
     assert spec.with_fixed({"index": "1.7"}).with_fixed({"glass": "N-SF11"}).fixed == {"glass": "N-SF11"}
 
 
-def test_a_dump_keeps_the_glass_of_a_window():
-    scene = Chess(window="z=2,glass=BK7")
-    again = Chess(**scene.model_dump())
-    assert again == scene and again.replace(wavelength=500) == scene.replace(wavelength=500)
-    assert again.replace(wavelength=500).window[0].index != scene.window[0].index
-
-
 def test_a_wavelength_can_be_swept():
     spec = MovieSpec.of_sweeps("chess", ["wavelength=400:700"], {"frames": 4, "fixed": {"glass": "N-SF11"}})
     assert [scene.index for scene in spec.scenes("standard")] == [
@@ -298,10 +270,6 @@ def test_a_wavelength_can_be_swept():
             "window 2, design_wavelength = 500: needs a glass; allowed: with one, such as glass = BK7",
         ),
         (
-            {"glass": "PMMA", "design_wavelength": 400},
-            "design_wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
-        ),
-        (
             {"sheet": "none", "window": "z=2,glass=PMMA,design_wavelength=400"},
             "window 2, design_wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
         ),
@@ -309,10 +277,6 @@ def test_a_wavelength_can_be_swept():
             {"glass": "N-SF11", "wavelength": 400, "aspect": 0.3},
             "aspect = 0.3: the slanted facets of prisms with index = 1.78471 and base_angle = 45 would cross; "
             "allowed: 0.5685 < aspect < 2",
-        ),
-        (
-            {"glass": "PMMA", "wavelength": 400},
-            "wavelength of 400 nm: outside the formula of PMMA; allowed: 436.8 to 1052 nm",
         ),
         (
             {"window": "z=2,glass=PMMA", "wavelength": 400},

@@ -27,11 +27,6 @@ from povgen.settings import Rendering
             "overlay: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 202 pix",
         ),
         (
-            Spheres(alpha=175, z1=[5.5, 2]),
-            {"caption": "full"},
-            "caption: at alpha = 175 and z1 = 5.5 the prediction can be wrong by up to 202 pix",
-        ),
-        (
             Chess(prisms=20),
             {"overlay": True, "caption": "full"},
             "by up to 22 pixels of 1280x960, because of the prisms'",
@@ -51,9 +46,6 @@ from povgen.settings import Rendering
             {"overlay": True},
             "overlay: at z1 = 5 the prediction can be wrong by up to 9.18 pixels",
         ),
-        (Spheres(sheet="single", z1=[2, 5]), {"caption": "full"}, None),  # it has no nu and no M
-        (Spheres(sheet="none", z1=[6]), {"overlay": True}, None),
-        (Chess(sheet="lenslets", alpha=180, z1=6), {}, None),
         (Chess(sheet="lenslets", alpha=180, z1=5.9), {"overlay": True}, None),
         (
             Chess(sheet="lenslets", alpha=180, z1=6),
@@ -147,7 +139,7 @@ def told_aside(scene):
 def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
     random = np.random.default_rng(2)
     errors, kept = [], 0
-    for _ in range(60):
+    for _ in range(30):
         alpha, (z1, z2) = random.uniform(-180, 180), np.exp(random.uniform((np.log(0.6), -1.8), 5))
         scene = Chess(sheet="ideal", alpha=alpha, z1=z1, z2=z2, eye=(0, random.uniform(-1.6, 8.67)), view=VIEW)
         error = told_aside(scene)
@@ -157,15 +149,9 @@ def test_the_ideal_camera_keeps_its_error_wherever_the_eye_may_be():
             assert error <= limits.MAX_CAMERA_ERROR, scene
             errors.append(error)
             kept += 1
-    assert kept > 40 and max(errors) > 0.7 * limits.MAX_CAMERA_ERROR  # nor many more cells than it takes
+    assert kept > 20 and max(errors) > 0.7 * limits.MAX_CAMERA_ERROR  # nor many more cells than it takes
     reported = Chess(sheet="ideal", alpha=162.5, z1=6, z2=6, eye=(0, 8.6))
     assert told_aside(reported) <= limits.MAX_CAMERA_ERROR
-
-
-def test_the_camera_of_a_scene_without_objects_is_for_some_twice_as_far_as_the_eye():
-    sheet = {"sheet": "refraction", "alpha": 40, "ratio": 0.7, "eye": (0.4, -0.3)}
-    cells = [camera_cells(probes.Positions(z1=z1, **sheet)) for z1 in (6, 12, 24)]
-    assert cells[0] < cells[1] < cells[2] and camera_cells(probes.Directions(**sheet)) == cells[1]
 
 
 def test_lenses_more_than_a_pitch_from_those_opposite_are_warned_of():
@@ -200,37 +186,24 @@ def said(scene, rendering=None):
     return " ".join(text for _, text in warnings.warnings(scene, rendering))
 
 
-def test_sheets_that_an_error_turns_apart_are_not_parallel():
-    assert "dark bands" not in said(Chess(alpha=0, error={"turn": 10}), None)
-
-
-def test_the_bands_of_few_prisms_do_not_stand_out():
-    assert "dark bands" not in said(Chess(alpha=2, prisms=12, z1=3), None)
-
-
-def test_words_in_comments_are_no_textures():
-    own = PieceFile("own.inc", "// without texture { }\n#declare Piece = sphere { <0, 0.5, 0>, 0.3 }")
-    assert not said(Chess(piece=own), Rendering(renderer="gl"))
-
-
 def test_no_warning_without_cause():
-    draft = Rendering(quality="draft")
-    for scene in (
-        Chess(),
-        Chess(predicted_image=True),
-        Spheres(),
-        Chess(sheet="ideal", alpha=0, z2=1),
-        Chess(sheet="none"),
-        Chess(sheet="single", z2=2),
+    commented = PieceFile("own.inc", "// without texture { }\n#declare Piece = sphere { <0, 0.5, 0>, 0.3 }")
+    for scene, rendering in (
+        *((scene, Rendering(quality="draft")) for scene in (Chess(predicted_image=True), Spheres())),
+        (Chess(sheet="ideal", alpha=0, z2=1), None),
+        (Chess(sheet="single", z2=2), None),
+        (Chess(alpha=0, error={"turn": 10}), None),  # an error turns the sheets apart
+        (Chess(alpha=2, prisms=12, z1=3), None),  # the bands of few prisms do not stand out
+        (Chess(piece=commented), Rendering(renderer="gl")),
+        (Chess(prisms=400), Rendering(quality="standard")),  # antialiasing
     ):
-        assert not said(scene, draft)
+        assert not said(scene, rendering), scene
 
 
 @pytest.mark.parametrize(
     ("scene", "rendering", "words"),
     [
         (Chess(z2=2), None, ["z2 = 2", "15 % of the window", "stray light", "25 %"]),
-        (Chess(sheet="single", z2=0.5), None, ["z2 = 0.5", "designed path"]),
         (
             Chess(prisms=5, z1=6),
             None,
@@ -239,7 +212,6 @@ def test_no_warning_without_cause():
         (Chess(aspect=1.7, gap=0.2), None, ["z2 = 6, gap = 0.2, aspect = 1.7: 2 % of the window", "designed path"]),
         (Chess(z2=20, eye=(0, 7.97)), None, ["z2 = 20", "an eye at 0,7.97", "designed path"]),
         (Chess(alpha=-7.9), None, ["alpha = -7.9", "within 8 degrees", "dark bands"]),
-        (Chess(alpha=359, prisms=300), None, ["alpha = 359", "within 2.7 degrees", "dark bands"]),
         (Chess(alpha=15, prisms=45), None, ["alpha = 15", "within 18 degrees", "dark bands"]),
         (Chess(alpha=-20, error={"turn": 10}), None, ["alpha + 2 turn = 0: within 8 degrees", "dark bands"]),
         (
@@ -247,17 +219,7 @@ def test_no_warning_without_cause():
             None,
             ["sheet = ideal, axis: no light passes through the window"],
         ),
-        (
-            Chess(predicted_image=True, alpha=179, z1=5),
-            None,
-            ["predicted_image", "alpha = 179", "z1 = 5", "can be wrong by up to 37.2 pixels"],
-        ),
         (Chess(predicted_image=True, prisms=12, z1=3), None, ["predicted_image", "up to 137 pixels", "prisms' size"]),
-        (
-            Chess(predicted_image=True, sheet="ideal", alpha=179.9, z1=6),
-            None,
-            ["predicted_image", "3.82 pixels", "573 times"],
-        ),
         # an eye aside: the camera's cells are not small enough before that
         (
             Chess(predicted_image=True, sheet="ideal", alpha=178.5, z1=1, z2=1, eye=(0, 0.67)),
@@ -275,10 +237,6 @@ def test_no_warning_without_cause():
 def test_each_limit_warns_in_words(scene, rendering, words):
     text = said(scene, rendering)
     assert all(word in text for word in words), text
-
-
-def test_antialiasing_quiets_the_warning_of_aliasing():
-    assert not said(Chess(prisms=400), Rendering(quality="standard"))
 
 
 def test_settings_follow_the_maps():

@@ -1,14 +1,13 @@
 """Profiles: what a user can state wrongly, and the general ray trace against the special one and against formulas."""
 
 import tomllib
-from dataclasses import replace
-from math import radians, sqrt
+from math import radians
 
 import numpy as np
 import pytest
 
 from povgen import Chess
-from povgen.optics import apparent, ghosts, paraxial
+from povgen.optics import apparent, paraxial
 from povgen.optics.faces import Sheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
@@ -58,9 +57,7 @@ def fan(n, slope=0.25, seed=1):
         (LENS.replace("path = [1, 2]", "path = [1, 3]"), "path: edge 3; allowed: 1 to 2"),
         (LENS.replace("path = [1, 2]", "path = [1]"), r"path = \[1\]; allowed: the numbers of two or more edges"),
         (LENS.replace("[1, 0]]", "[1, 0.1]]"), r"begins at \[0, 0\] and ends at \[1, 0.1\]; allowed: the same"),
-        (LENS.replace("[1, 0]]", "[0.7, 0]]"), r"outline 1: begins at \[0, 0\] and ends at \[0.7, 0\]"),
         (LENS.replace("radii = [1]", "radii = [0.4]"), "edge 1: radius = 0.4; allowed: 0, or 0.5 to 10000 periods"),
-        (LENS.replace("radii = [1]", "radii = [2e4]"), "edge 1: radius = 20000; allowed: 0, or 0.5 to 10000 periods"),
         (LENS.replace("radii = [1]", "radii = [1, 2]"), "outline 1: radii = "),
         (LENS.replace("[0, 0], [1, 0]", "[0, 0]"), "outline 1: corners = "),
         (LENS.replace("[[1, 2], [0, 2]]\nradii = [2]", "[[1, 0.3], [0, 0.3]]\nradii = [-0.5]"), "edges 1 and 2 cross"),
@@ -69,8 +66,6 @@ def fan(n, slope=0.25, seed=1):
         (PRISM.replace("[0.5, 1]", "[0.9, 0]"), r"outline 1, edge 2: begins and ends at \[0.9, 0\]"),
         (PRISM.replace("[0.5, 1]", "[0.5, 0]"), "outline 1: glass or air on both sides"),
         (PRISM.replace("[0.5, 1]", f"[0.5, 1{'0' * 400}]"), "outline 1: corners = .*; allowed: two or more points"),
-        (LENS.replace("radii = [2]", f"radii = [2{'0' * 400}]"), "outline 2: radii = .*; allowed: a number"),
-        (f"index = 1{'0' * 400}\n{PRISM}", "index = .*; allowed: a number"),
         (HOLE.format("[[0, 0.1], [1, 0.1]], radii = [0.5]"), "outline 3: between another outline's arc and"),
         (PRISM.replace("[0.5, 1], [0.1, 0]]", "[0.1, 0]], radii = [0.5, 0.5]"), "also with straight lines"),
         (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
@@ -206,13 +201,6 @@ def test_a_single_surface_focuses_where_geometry_says():
         assert np.arcsin(rays.direction[0, 1]) == pytest.approx(-sign * np.arcsin(1.6 * np.sin(inside)), abs=1e-12)
 
 
-def test_the_period_and_the_gap_are_scaled():
-    lens = confocal(1.0, 3.0)
-    assert lens.length == pytest.approx(6) and replace(lens, pitch=0.1).separation == pytest.approx(0.601)
-    assert lens.thickness(2) == pytest.approx(12.01)
-    assert lens.edges[0].depths == pytest.approx((-3, -3 + 1 - sqrt(0.75)))
-
-
 def test_the_matrix_of_a_profile_is_that_of_prisms():
     does, prism = paraxial.small_angles(dove(Prism(0.1))), Prism(0.1)
     assert does.factor == pytest.approx(-1, abs=1e-9) and abs(does.deviation) < 1e-9 and does.blur < 1e-9
@@ -262,9 +250,3 @@ def test_crossed_lenticular_sheets_are_lenslets():
     lenslets = Chess(sheet="lenslets", alpha=180, ratio=1.5).sheets[0]
     s = np.array([0.3 + 0.1j, -0.2j, 0.5])
     np.testing.assert_allclose(crossed.slope(s), lenslets.slope(s), atol=1e-12)
-
-
-def test_shares_of_ghosts_are_kept_and_cannot_be_changed():
-    with pytest.raises(TypeError):
-        ghosts.shares(confocal(), 0.0)[0] = 1
-    assert 0.8 < ghosts.shares(confocal(), 0.0)[0] < 1

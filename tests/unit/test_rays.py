@@ -145,8 +145,7 @@ def test_light_for_which_a_law_has_no_inverse_is_blocked_without_a_warning():
     assert [*scene.trace(Bundle((0, 0, 3), [[0.1, 0, -1], [0, 0, -1]])).end] == [End.BLOCKED, End.THROUGH]
 
 
-@pytest.mark.parametrize("ratio", [0.1, 0.2, 0.7, 0.99])
-@pytest.mark.parametrize("degrees", [70, 80, 86, 89, 89.8])
+@pytest.mark.parametrize(("degrees", "ratio"), [(70, 0.7), (86, 0.2), (89, 0.99), (89.8, 0.1)])
 def test_light_that_is_nearly_parallel_to_the_sheet_passes(degrees, ratio, rng):
     """By Snell's law it leaves at an angle whose sine is `ratio` times as large."""
     around = np.exp(1j * rng.uniform(-np.pi, np.pi, 40))
@@ -156,18 +155,6 @@ def test_light_that_is_nearly_parallel_to_the_sheet_passes(degrees, ratio, rng):
     assert (light.end == End.THROUGH).all()
     sine = ratio * np.sin(np.radians(degrees))
     np.testing.assert_allclose(light.slope, sine / np.sqrt(1 - sine**2) * around, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "law", ["x, y, z", "cos(1)*x - sin(1)*y, sin(1)*x + cos(1)*y, z", "3*x, y, z", "x + 0.3*z, y, z"]
-)
-@pytest.mark.parametrize("size", [10, 1e3, 1e5])
-def test_the_steepest_light_is_bent_back_by_linear_laws(law, size):
-    window = Chess(sheet="law", law=law).windows[0][1]
-    behind = size * np.exp(1j * np.linspace(-3, 3, 40))
-    with np.errstate(all="ignore"):
-        found = rays._slope_of_light(window, behind, np.zeros(40, complex))
-        np.testing.assert_allclose(window.slope(found, 0), behind, rtol=1e-10)
 
 
 @pytest.mark.parametrize(("ratio", "alpha"), [(0.7, 0), (0.2, 0), (0.1, 30)])
@@ -280,22 +267,14 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: s.rays((64, 4.5)), "size = (64, 4.5): 4.5 should be a whole number (WIDTHxHEIGHT, whole numbers"),
         (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
         (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
-        (lambda s: s.pencil(0.5), "allowed: x, y and z"),
         (lambda s: s.pencil(np.array([0, 0, 5 + 1j])), "allowed: x, y and z"),
         (lambda s: s.pencil((0, 0, 2), count=0), "count = 0: allowed: a whole number"),
         (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
-        (lambda s: s.pencil((0, 0, 2), radius="a"), "radius = 'a'"),
-        (lambda s: s.pencil((0, 0, 2), radius=True), "radius = True"),
         (lambda s: s.pencil((0, 0, 2), middle=True), "middle = True"),
         (lambda s: s.apparent_position(0, True), "z1 has other values than numbers"),
-        (lambda s: s.apparent_position(0, 2, alpha=[True]), "alpha has other values than numbers"),
         (lambda s: s.pencil((0, 0, 2), 10**9), "count = 1000000000: allowed: a whole number from 1 to 40000000"),
         (lambda s: s.rays("16384x16384"), "size = 16384x16384: allowed: up to 40000000 rays at once"),
         (lambda s: s.spot((0, 0, 2), 2, 10**9), "count = 1000000000: allowed: a whole number from 1 to 100000000"),
-        (lambda s: s.pencil((0, 0, 2), middle="a"), "middle = 'a'"),
-        (lambda s: s.pencil(("a", 0, 2)), "'a'"),
-        (lambda s: s.pencil(66 + 0j), "point = (66+0j): allowed: x, y and z"),
-        (lambda s: s.pencil({}), "point = {}"),
         (lambda s: s.pencil((0, 0, 10**400)), "allowed: x, y and z"),
         (lambda s: s.trace(s.pencil((0, 0, 2)), partial=3), "partial = 3: allowed: a numpy.random.Generator"),
         (lambda s: s.trace(Bundle((0, 0, -1), (0, 0, -1))), "ray 0 from"),
@@ -305,10 +284,8 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: Bundle((0, 0, -6), (1, 0, 0)), "direction: dz = 0"),
         (lambda s: Bundle((0, 0, np.nan), (1, 0, 1)), "position: not finite"),
         (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
-        (lambda s: s.spot((0, 0, 2), np.complex128(2 + 1j), 5), "allowed: a finite number"),
         (lambda s: s.pencil((0, 0, 2), 2, radius=np.complex128(1 + 1j)), "allowed: up to 10000 tiles"),
         (lambda s: s.apparent_position(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
-        (lambda s: s.seen(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
         (lambda s: s.visible(0.5, 2, near=-1), "near = -1; allowed: 0 or more"),
     ],
 )
@@ -322,20 +299,17 @@ def test_wrong_values_are_refused(call, words):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda scene: scene.spot((0, 0, 0), 3), "between the windows"),
         (lambda scene: scene.spot((0, 0, 3), np.inf), "z = inf: allowed: a finite number"),
-        (lambda scene: scene.spot((0, 0, 3), 10**400), "allowed: a finite number"),
         (lambda scene: scene.pencil((0, 0, 3), seed=1.5), "seed = 1.5: allowed: a whole number from 0"),
         (lambda scene: scene.trace(scene.rays((2, 2)), 1.5), "max_faces = 1.5: allowed: a whole number"),
         (lambda scene: scene.trace(np.zeros((3, 3))), "rays: ndarray; allowed: a Bundle"),
         (lambda scene: scene.apparent_position(0, np.inf), "z1 = inf; allowed: finite"),
         (lambda scene: scene.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
         (lambda scene: scene.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
-        (lambda scene: scene.rays((1, 2, 3)), r"size = \(1, 2, 3\): .*WIDTHxHEIGHT"),
         (lambda scene: scene.rays(()), r"size = \(\): .*WIDTHxHEIGHT"),
     ],
 )
-@pytest.mark.parametrize("sheet", ["ideal", "detailed", "refraction"])
+@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
 def test_what_a_user_gives_a_scene_is_an_input_error(call, words, sheet):
     with pytest.raises(InputError, match=words):
         call(Chess(sheet=sheet))

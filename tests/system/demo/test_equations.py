@@ -20,12 +20,6 @@ def test_no_number_is_missing_beyond_the_paper(page, values):
     assert not re.search(NOT_A_NUMBER, page.evaluate("document.querySelector('main').outerHTML"))
 
 
-def test_light_that_passes_nowhere_is_said(page):
-    show(page, sheet="axis", alpha=180)
-    expect(page.locator("#sentence")).to_contain_text("No light passes: the window is black.")
-    expect(page.locator("#value-P")).to_have_text("–")
-
-
 def test_light_beside_the_second_window_is_said(page):
     """There the prediction does not hold: povgen's own scene says that the light does not pass."""
     for x, passes in ((0.3, True), (2.2, False)):
@@ -34,19 +28,6 @@ def test_light_beside_the_second_window_is_said(page):
         assert scene.visible(scene.L, 2) == passes and abs(page.evaluate("moment().place[0]")) < 1.5
         said = "passes beside the second window" in page.locator("#sentence").text_content()
         assert said == page.locator("#image.hidden").count() == page.locator(".mark.unsure:not(.halo)").count()
-
-
-def test_the_pole_of_two_windows_is_said(page):
-    show(page, windows=2, alpha=120, alpha2=120, d=2, z1=2, z2=2, caption=True)
-    expect(page.locator("#sentence")).to_contain_text("The pole: one point of the knight fills the whole window")
-    expect(page.locator("#value-P")).to_have_text("∞")
-    expect(page.locator(".caption")).to_contain_text("M = ∞")
-    show(page, z2=2.1)
-    expect(page.locator("#sentence")).to_contain_text("Near the pole")
-    expect(page.locator("#overlay .say").first).to_contain_text("tiles of the knight fill the window")
-    show(page, sheet="detailed", prisms=40, z2=2)
-    expect(page.locator("#about-nu")).to_have_text("for 40 prisms; ideal sheet: undefined")
-    expect(page.locator("#about-M")).to_have_text("for 40 prisms; ideal sheet: ∞")
 
 
 def test_the_equations_of_two_windows_of_prisms_are_given_too(page):

@@ -170,6 +170,7 @@ def test_what_moved_can_be_printed_until_the_picture_at_rest_is_complete(page):
     assert page.evaluate(shown) == [True, True]
 
 
+@pytest.mark.release
 def test_both_sides_of_the_curtain_are_printed_beside_no_text(page):
     show(page, compare="none")
     picture(page)

@@ -3,10 +3,9 @@
 import re
 
 import pytest
-from conftest import FAULTS
 from playwright.sync_api import expect
 
-from demo.conftest import STILL, show
+from demo.conftest import show
 
 
 @pytest.fixture
@@ -130,23 +129,3 @@ def test_rows_are_in_the_plots_and_in_the_pages_language(measure):
         expect(measure.get_by_label("ν in Zeile 1")).to_be_visible()
     finally:
         measure.evaluate("choose('en'); draw()")
-
-
-@pytest.mark.parametrize("size", [(1280, 720), (390, 844), (320, 568)], ids=str)
-def test_each_control_of_the_measurement_is_on_top(measure, size):
-    measure.evaluate(STILL)
-    measure.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    for level in ("simple", "expert"):
-        show(measure, level=level)
-        measure.get_by_role("button", name="Write down").click()
-        assert measure.evaluate(FAULTS) == []
-
-
-@pytest.mark.parametrize("language", ["ar", "de", "en", "es", "fr"])
-def test_the_table_fits_a_phone(measure, language):
-    measure.evaluate("(language) => { choose(language); draw(); $('write-down').click(); draw(); }", language)
-    for width, height in ((360, 740), (640, 360)):
-        measure.set_viewport_size({"width": width, "height": height})
-        table, panel = (measure.locator(part).bounding_box() for part in ("#measure table", "#measure"))
-        assert table["width"] <= panel["width"] + 1, (width, height)
-    measure.evaluate("choose('en'); draw()")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import scene_of
+from conftest import scene_of, some
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -24,7 +24,7 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
     assert max(abs(x - 79.5).max(), abs(y - 59.5).max()) < half
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", some([*KINDS], 2))
 def test_other_sheets_show_the_piece_where_it_is_predicted(page, name):
     page.get_by_label("Kind of window").select_option(name)
     show(page)
@@ -133,6 +133,7 @@ def test_the_picture_can_be_saved_with_its_numbers(page):
     assert page.evaluate("state.caption") is False
 
 
+@pytest.mark.release
 def test_a_picture_that_is_out_of_sight_can_be_saved(page):
     show(page, sheet="none")
     before = picture(page)
@@ -145,6 +146,7 @@ def test_a_picture_that_is_out_of_sight_can_be_saved(page):
     assert abs(saved.mean() - before.mean()) < 10
 
 
+@pytest.mark.release
 def test_a_picture_without_its_curtain_can_be_saved(page):
     """The other view, which is hidden, has no context any more."""
     page.get_by_label("compare with").select_option("no sheet")

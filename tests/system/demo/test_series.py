@@ -4,11 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from conftest import FAULTS, scene_of
+from conftest import scene_of
 from playwright.sync_api import expect
 
 from demo.conftest import centre, show
-from demo.test_classroom import SMALL
 from demo.test_equations import NOT_A_NUMBER
 
 LENS = {"windows": 2, "sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60}
@@ -23,12 +22,6 @@ KNIGHT_IN_OUTLINE = """() => {
     const [x, y] = [(k % width) + 0.5 - width / 2, height / 2 - Math.floor(k / width) - 0.5];
     return $("image").isPointInFill(new DOMPoint(x * scale, y * scale));
   }).map((k) => shown[4 * k] === 3);
-}"""
-
-# By how many pixels an element's content is larger than the element: its width, its height.
-EXCESS = """(selector) => {
-  const part = document.querySelector(selector);
-  return [part.scrollWidth - part.clientWidth, part.scrollHeight - part.clientHeight];
 }"""
 
 
@@ -94,42 +87,3 @@ def test_the_picture_and_the_mark_are_where_python_says(page, values):
     assert "thing" in page.evaluate("[...contents(moment())]")
     for text in (page.locator("#sentence").text_content(), page.evaluate("describe(moment())")):
         assert "First window: The sheet" in text and "Second window: " in text
-
-
-def test_the_picture_through_a_lens_and_a_rotation_is_that_of_its_image(page):
-    """A sheet of 180 degrees behind a lens of 4 tiles makes the image that no sheet would make elsewhere."""
-    show(page, windows=2, sheet="ideal", sheet2="lens", alpha=180, d=1, z1=2, focal_length=4)
-    expect(page.locator("#sentence")).to_contain_text("The knight’s image is 5 tiles in front of the first window.")
-
-
-def test_an_address_reopens_two_windows(page):
-    for values in (LENS, GLASS):
-        page.evaluate("fromHash('')")
-        show(page, **values, L=[0.3, -0.8])
-        before, link = page.evaluate("[state, toHash()]")
-        page.evaluate("fromHash('')")
-        page.evaluate("location.hash = ''")
-        page.evaluate("(link) => { location.hash = link; }", link)
-        page.wait_for_function("state.windows === 2")
-        assert page.evaluate("state") == before
-
-
-@pytest.mark.parametrize("size", [*SMALL, (320, 568), (1280, 800)], ids=lambda size: f"{size[0]}x{size[1]}")
-def test_each_control_of_two_windows_is_on_top(page, size):
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    for values in (LENS, GLASS, {"windows": 2, "sheet": "lenslets", "sheet2": "refraction"}):
-        page.evaluate("fromHash('')")
-        show(page, **values, caption=True, position=True)
-        assert page.evaluate(FAULTS) == [], values
-
-
-@pytest.mark.parametrize("size", [(1280, 720), (1280, 800), (1920, 1080)], ids=lambda size: f"{size[0]}x{size[1]}")
-def test_nothing_of_two_windows_is_cut_off(page, size):
-    """The selects are in one row, and the panel need not be scrolled."""
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    for values in (LENS, GLASS, {"windows": 2, "sheet": "lenslets", "sheet2": "twist"}):
-        page.evaluate("fromHash('')")
-        show(page, **values)
-        for part in (".panel", ".sheets"):
-            assert max(page.evaluate(EXCESS, part)) <= 1, (values, part)
-        assert len({page.locator(each).bounding_box()["y"] for each in ("#of-sheet", "#of-sheet2")}) == 1

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import ray_field as field
-from conftest import FAULTS
 from playwright.sync_api import expect
 
 from demo.conftest import bounds, show
@@ -48,13 +47,6 @@ def test_an_image_is_where_the_rays_meet(page, values, words, dashed):
     expect(page.locator("#space .virtual")).to_have_count(dashed)
 
 
-def test_without_a_sheet_no_turned_ray_is_described(page):
-    show(page, light="ray", sheet="none")
-    expect(page.locator(SAYS)).to_have_text("The path of the light from the object L to your eye E.")
-    show(page, sheet="ideal")
-    expect(page.locator(SAYS)).to_contain_text("It crosses the window at P. Dashed")
-
-
 def test_stray_light_has_its_own_colour_and_can_be_hidden(page):
     show(page, light="pencil", sheet="detailed")
     good, stray = drawn(page, "designed"), drawn(page, "stray")
@@ -73,23 +65,6 @@ def test_one_prism_numbers_refraction_reflection_refraction(page):
     page.evaluate("draw()")
     assert page.locator("#space text.number").all_text_contents() == ["1", "2", "3"]
     expect(page.locator(SAYS)).to_contain_text("2: total reflection")
-
-
-@pytest.mark.parametrize("values", [{}, {"light": "prism"}, {"z1": 6, "light": "pencil", "alpha": 180}], ids=str)
-def test_the_small_picture_covers_nothing_that_is_named(page, values):
-    show(page, level="simple", large=True, **values)
-    for camera in ("side", "corner", "above"):
-        page.evaluate("(camera) => { session.camera = CAMERAS[camera]; draw(); draw(); }", camera)
-        under = page.evaluate(
-            """() => {
-              const { right, bottom } = $("stage").getBoundingClientRect();
-              const named = [...document.querySelectorAll("#space :is(text.point, .eye, .object.q, .number)")];
-              const boxes = named.map((part) => part.getBoundingClientRect());
-              return boxes.filter(({ left, top }) => left < right && top < bottom).length;
-            }"""
-        )
-        assert not under, camera
-    page.evaluate("session.camera = CAMERAS.corner; draw()")
 
 
 def test_a_ray_through_a_chosen_point_says_what_the_eye_sees_there(page):
@@ -183,72 +158,3 @@ def test_the_view_takes_the_place_of_the_picture(page):
     page.get_by_role("checkbox", name="large").uncheck()
     page.evaluate("draw()")
     assert page.locator("#stage").bounding_box()["width"] > page.locator("#space-turn").bounding_box()["width"]
-
-
-@pytest.mark.parametrize("size", [(1280, 720), (844, 390), (390, 844), (320, 568)], ids=str)
-def test_a_beginner_sees_fewer_controls(page, size):
-    """Each of them is on top and large enough, whichever view is large. The equations are the expert's."""
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    count = "[...document.querySelectorAll('button, input, select')].filter((each) => each.checkVisibility()).length"
-    many = page.evaluate(count)
-    for values in (
-        {},
-        {"sheet": "detailed", "light": "prism"},
-        {"large": True, "light": "pencil"},
-        {"light": "aim"},
-        {"windows": 2},
-    ):
-        page.evaluate("fromHash('')")
-        show(page, level="simple", **values)
-        assert page.evaluate(FAULTS) == [], values
-    page.evaluate("fromHash('')")
-    show(page, level="simple")
-    assert page.evaluate(count) < 0.75 * many
-    expect(page.locator("#diagram")).to_be_hidden()
-    page.get_by_label("expert").check()
-    expect(page.locator("#diagram")).to_be_visible()
-
-
-# What the view shows that is not inside it, by at least 2 px.
-OUTSIDE = """() => {
-  const box = document.getElementById("space-turn").getBoundingClientRect();
-  const named = ":is(text, .object.q, .pedestal, .frame, .eye, .pupil, .dot, circle.image, .glass, .number)";
-  const shown = [...document.querySelectorAll(`#space ${named}`)];
-  return [shown.length > 5 ? [] : ["too little"], ...shown.filter((part) => {
-    const { left, right, top, bottom } = part.getBoundingClientRect();
-    return left < box.left + 2 || right > box.right - 2 || top < box.top + 2 || bottom > box.bottom - 2;
-  }).map((part) => part.outerHTML.slice(0, 60))].flat();
-}"""
-
-
-@pytest.mark.parametrize("language", ["ar", "de", "en", "es", "fr"])
-@pytest.mark.parametrize("size", [(320, 568), (844, 390), (1280, 800), (2560, 1440)], ids=str)
-def test_all_that_the_view_names_is_inside_it(page, size, language):
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    page.evaluate("(language) => choose(language)", language)
-    states = (
-        {},
-        {"z1": 40, "z2": 60},
-        {"light": "pencil", "alpha": 180, "z1": 6},
-        {"scene": "spheres"},
-        {"windows": 2, "E": [-3, 1], "large": True},
-        {"light": "prism"},
-        {"light": "aim", "W": [-1.4, 1.4]},
-        {"light": "field"},
-    )
-    found = page.evaluate(
-        f"""(states) => states.flatMap((values) => {{
-          fromHash("");
-          return ["corner", "side", "above"].map((camera) => {{
-            session.camera = CAMERAS[camera];
-            change({{ level: "simple", ...values }});
-            draw();
-            draw();  // when all sentences have their lengths
-            return [values, camera, ({OUTSIDE})()];
-          }});
-        }})""",
-        states,
-    )
-    assert len(found) == 3 * len(states)
-    assert [(values, camera, outside) for values, camera, outside in found if outside] == []
-    page.evaluate("session.camera = CAMERAS.corner; choose('en'); draw()")

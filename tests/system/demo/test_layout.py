@@ -1,0 +1,208 @@
+"""How the teaching page looks on screens of every size, at both levels and in every language."""
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from conftest import AXE, FAULTS, some
+from playwright.sync_api import expect
+
+from demo.conftest import show
+from povgen.liveview.languages import tables
+from povgen.page.page import ALL_KINDS, KINDS
+
+SMALL = [(800, 600), (853, 683), (640, 620), (899, 580), (640, 360), (844, 390), (360, 640), (320, 568)]
+SIZES = some([(1280, 720), (390, 844), *SMALL, (900, 560), (1280, 800), (1920, 1080)], 2)
+LANGUAGES = some(["en", "ar", *sorted({*tables(ALL_KINDS)} - {"en", "ar"})], 2)
+SERIES = [
+    {"windows": 2, "sheet": "lens", "sheet2": "ideal"},
+    {"windows": 2, "sheet": "axis", "sheet2": "detailed"},
+    {"windows": 2, "sheet": "lenslets", "sheet2": "twist"},
+]
+STATES = [
+    {"caption": True, "position": True, "image": True},
+    {"sheet": "detailed"},
+    {"scene": "spheres", "sheet": "axis"},
+    {"windows": 2, "diagram": "paper"},
+    {"question": 6},
+    {"alpha": 180, "z1": 5.9, "L": [0.3, -0.85]},
+    *SERIES,
+    *({"sheet": sheet} for sheet in KINDS),
+    {"level": "simple"},
+    {"level": "simple", "sheet": "detailed", "light": "prism"},
+    {"level": "simple", "large": True, "light": "pencil"},
+    {"level": "simple", "light": "aim"},
+    {"level": "simple", "windows": 2},
+]
+# What is cut off: words in places that are too narrow, and selects whose longest option does not fit.
+CUT = """() => [
+  ...[...document.querySelectorAll("dl div, button, legend, label, .player, #sentence")]
+    .filter((part) => part.scrollWidth > part.clientWidth + 1 && part.checkVisibility()
+      && getComputedStyle(part).display !== "inline" && !part.matches(".hidden-text, .handle")),
+  ...[...document.querySelectorAll("select")].filter((part) => part.checkVisibility()).filter((part) => {
+    const wide = part.parentNode.appendChild(part.cloneNode(true));
+    wide.style.width = "auto";
+    const least = wide.offsetWidth;
+    wide.remove();
+    return part.offsetWidth < least;
+  })].map((part) => part.outerHTML.slice(0, 80))"""
+# By how many pixels the page is higher than the screen, and the panel's content higher than the panel.
+EXCESS = """() => [document.documentElement.scrollHeight - innerHeight,
+  ((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector(".panel"))]"""
+
+
+def resize(page, size):
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
+    """On large screens, nothing has to be scrolled. For beginners there are fewer controls."""
+    (width, height), counts = size, {}
+    resize(page, size)
+    for values in STATES:
+        page.evaluate("fromHash('')")
+        show(page, **values)
+        assert page.evaluate(FAULTS) == [], values
+        page.evaluate("scrollTo(0, 0)")
+        if values.get("level") != "simple":
+            assert page.evaluate(CUT) == [], values
+            if min(width / 1280, height / 720) >= 1 and "sheet2" in values:
+                assert max(page.evaluate(EXCESS)) <= 1, values
+            if not values.get("large"):
+                stage = page.locator("#stage").bounding_box()
+                assert stage["width"] / stage["height"] == pytest.approx(4 / 3, abs=0.01)
+                assert width - stage["width"] > 250 or stage["height"] < 0.5 * height  # room beside or below it
+        count = (
+            "[...document.querySelectorAll('button, input, select')].filter((each) => each.checkVisibility()).length"
+        )
+        counts.setdefault(str(values), page.evaluate(count))
+    assert counts["{'level': 'simple'}"] < 0.85 * counts["{'sheet': 'detailed'}"]
+    page.locator("#tab-measure").click()
+    for level in ("simple", "expert") if size in ((1280, 720), (390, 844), (320, 568)) else ():
+        show(page, level=level)
+        page.get_by_role("button", name="Write down").click()
+        assert page.evaluate(FAULTS) == []
+    page.evaluate("rows.splice(0); session.measuring = session.measured = false; $('present').click()")
+    stage = page.locator("#stage").bounding_box()
+    page.evaluate("$('leave').click()")
+    assert stage["width"] >= min(0.9 * width, 0.75 * height)
+    assert stage["x"] >= 0 and stage["x"] + stage["width"] <= width
+
+
+def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_a_question(page):
+    resize(page, (390, 844))
+    page.evaluate("scrollTo(0, 10000)")
+    expect(page.locator("#stage")).to_be_in_viewport(ratio=1)
+    resize(page, (1280, 650))
+    show(page, question=6)
+    expect(page.locator("#next")).to_be_in_viewport(ratio=1)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_language_fits(page, language):
+    """A small phone, the header of a small notebook in one row, and the table of measurements."""
+    try:
+        page.evaluate("(language) => { choose(language); change({ level: 'simple' }); draw(); }", language)
+        resize(page, (320, 568))
+        assert page.evaluate("document.documentElement.scrollWidth") <= 320
+        resize(page, (1280, 800))
+        middle = "(parts) => parts.map((part) => part.getBoundingClientRect()).map((at) => (at.top + at.bottom) / 2)"
+        places = page.locator(".title, #tour-start, .tools").evaluate_all(middle)
+        assert len(places) == 3 and max(places) - min(places) < 2
+        page.evaluate("$('tab-measure').click(); draw(); $('write-down').click(); draw()")
+        for size in ((360, 740), (640, 360)):
+            resize(page, size)
+            table, panel = (page.locator(part).bounding_box() for part in ("#measure table", "#measure"))
+            assert table["width"] <= panel["width"] + 1, size
+    finally:
+        page.evaluate("choose('en'); rows.splice(0); session.measuring = session.measured = false; draw()")
+
+
+# What the view of the light shows that is not inside it, by at least 2 px.
+OUTSIDE = """() => {
+  const box = document.getElementById("space-turn").getBoundingClientRect();
+  const named = ":is(text, .object.q, .pedestal, .frame, .eye, .pupil, .dot, circle.image, .glass, .number)";
+  const shown = [...document.querySelectorAll(`#space ${named}`)];
+  return [shown.length > 5 ? [] : ["too little"], ...shown.filter((part) => {
+    const { left, right, top, bottom } = part.getBoundingClientRect();
+    return left < box.left + 2 || right > box.right - 2 || top < box.top + 2 || bottom > box.bottom - 2;
+  }).map((part) => part.outerHTML.slice(0, 60))].flat();
+}"""
+# What it names that lies under the small picture.
+UNDER = """() => {
+  const { right, bottom } = $("stage").getBoundingClientRect();
+  return [...document.querySelectorAll("#space :is(text.point, .eye, .object.q, .number)")]
+    .map((part) => part.getBoundingClientRect()).filter(({ left, top }) => left < right && top < bottom).length;
+}"""
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("size", some([(1280, 800), (320, 568), (844, 390), (2560, 1440)], 1), ids=str)
+def test_all_that_the_view_of_the_light_names_is_inside_it_and_beside_the_small_picture(page, size, language):
+    resize(page, size)
+    page.evaluate("(language) => choose(language)", language)
+    for values in (
+        {"z1": 40, "z2": 60},
+        {"light": "pencil", "alpha": 180, "z1": 6},
+        {"scene": "spheres"},
+        {"windows": 2, "E": [-3, 1], "large": True},
+        {"light": "prism"},
+        {"light": "aim", "W": [-1.4, 1.4]},
+        {"light": "field"},
+    ):
+        for camera in ("corner", "side", "above"):
+            page.evaluate("(camera) => { fromHash(''); session.camera = CAMERAS[camera]; }", camera)
+            show(page, level="simple", **values)
+            page.evaluate("draw()")  # when all sentences have their lengths
+            assert page.evaluate(OUTSIDE) == [], (values, camera)
+    for values in ({}, {"light": "prism"}, {"z1": 6, "light": "pencil", "alpha": 180}):
+        for camera in ("side", "corner", "above") if size == (1280, 800) else ():
+            page.evaluate("(camera) => { fromHash(''); session.camera = CAMERAS[camera]; }", camera)
+            show(page, level="simple", large=True, **values)
+            page.evaluate("draw()")
+            assert not page.evaluate(UNDER), (values, camera)
+    page.evaluate("session.camera = CAMERAS.corner; choose('en'); draw()")
+
+
+@pytest.mark.parametrize(
+    ("size", "values", "presses"),
+    [
+        ((1280, 720), {"position": True, "circles": True, "image": True, "caption": True, "diagram": "paper"}, []),
+        ((390, 844), {"question": 3, "sheet": "none"}, ["aids", "dark"]),
+        *(
+            pytest.param(*each, marks=pytest.mark.release)
+            for each in (
+                ((844, 390), {"scene": "spheres", "sheet": "single"}, []),
+                ((1280, 720), {"windows": 2, "position": True, "diagram": "paper"}, []),
+                ((390, 844), {"sheet": "axis"}, []),
+                ((1280, 720), {"sheet": "lenticular"}, ["dark", "dark", "share-open", "room-open"]),
+                ((1280, 720), {"light": "aim"}, ["share-open", "present", "leave"]),
+                ((1280, 720), {"light": "field", "large": True}, ["ar"]),
+                ((1280, 720), {"question": 1}, ["ar", "aids"]),
+            )
+        ),
+    ],
+    ids=str,
+)
+def test_axe_finds_no_fault(page, size, values, presses):
+    """Of the page as it opens, and after each press: of a button, of all aids of a question, of another language."""
+    resize(page, size)
+    page.evaluate("document.querySelector('details').open = true")
+    show(page, **values)
+    press = """(name) => {
+      if (name === "aids") for (const each of document.querySelectorAll("#aids [aria-controls]")) each.click();
+      else if (name === "ar" || name === "en") choose(name);
+      else $(name).click();
+      draw();
+    }"""
+    closing = [name for name in ("aids", "share-open", "room-open") if presses.count(name)]
+    try:
+        for name in [None, *presses]:
+            if name:
+                page.evaluate(press, name)
+            found = Axe().run(page, options=AXE).response["violations"]
+            assert not [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in found], name
+    finally:
+        for name in ["en", *reversed(closing), *(["dark"] if presses.count("dark") % 2 else [])]:
+            if not (name == "share-open" and "present" in presses):
+                page.evaluate(press, name)
+        page.evaluate("openQuestion(-1); document.querySelector('details').open = false; draw()")
