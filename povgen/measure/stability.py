@@ -8,11 +8,11 @@ import numpy as np
 
 from povgen import limits
 from povgen.measure import probes
+from povgen.measure.compare import fractions, window_rays
 from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, Floats, Positions, Size
 from povgen.measure.stability_map import RENDERED, StabilityMap
 from povgen.measure.targets import located, transverse
-from povgen.measure.verify_prisms import fractions
 from povgen.optics import equations
 from povgen.optics.trace import End
 from povgen.scene import camera
@@ -23,6 +23,7 @@ from povgen.scene.warnings import possible_error, warnings
 from povgen.video.still import render
 
 TINY = (320, 240)
+ALPHAS = (0, 66, 120, 180)  # degrees
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
 NAMES = (
     "pole",
@@ -43,13 +44,7 @@ CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 5, 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
     x, y = "magnification of what is seen", "error of the position (px)"
-    finding = "The stronger the magnification, the less exact the position"
-    title = "(a) near the pole, ideal sheet"
-    result = StabilityMap("pole", title, finding, x, y, 1, "xy", "allowed: 1 px", "povgen warns")
-    result.note = (
-        "the eye is 6 tiles before the sheet; error: difference from the exact position; "
-        "an eye off the axis, 5.4 tiles away, can have an error of 1 px at 150"
-    )
+    result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
     for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 up", 8j)):
         ways = [_near_pole(toward, conditions, size, "ideal", E=E) for toward in TOWARD_POLE]
         for each in zip(*ways, strict=True):
@@ -62,20 +57,7 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
     x, y = "error that povgen states as possible (px)", "error of the predicted position (px)"
-    title = "(a) prisms' size and the pole"
-    result = StabilityMap(
-        "prediction",
-        title,
-        "",  # the finding is set below: it depends on all errors
-        x,
-        y,
-        limits.MAX_ERROR,
-        "xy",
-        "error greater\nthan stated",
-        f"povgen warns above {limits.MAX_ERROR} px",
-        "bound",
-        "each point: a scene; open: povgen warns",
-    )
+    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, limits.MAX_ERROR, "xy", is_bound=True)
     for toward in TOWARD_POLE:
         for series, prisms, z2, P in (
             (toward, 100, 6.0, 0.3 + 0.1j),
@@ -86,9 +68,6 @@ def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size
                 off = abs(place - scene.apparent_position(scene.L, scene.z1))
                 result.add(series, possible_error(scene, scene.L, scene.z1, scene.extent), px(off))
             result.limit("detailed", series, limits.MAX_ERROR, "px")
-    drawn = [(stated, error) for _, stated, error in result.rows if np.isfinite(error)]
-    more = sum(error > stated for stated, error in drawn)
-    result.finding = f"The error exceeds what povgen states in {more} of {len(drawn)} scenes"
     yield result
 
 
@@ -121,9 +100,8 @@ def _near_pole(
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
     """(b) Measure how many pixels on the designed path are wrong: POV-Ray's direction is not that of the ray trace."""
-    finding = "Very many prisms: POV-Ray's rounding sends rays astray"
     y = "pixels with rotated light that are wrong (%)"
-    result = StabilityMap("prisms", "(b) prism count", finding, "prisms N of a sheet", y, 0.01, "xy", "allowed: 0.01 %")
+    result = StabilityMap("prisms", "(b) prism count", "prisms N of a sheet", y, 0.01, "xy")
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
@@ -136,13 +114,9 @@ def gap_width(
 ) -> Iterator[StabilityMap]:
     """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
     x = "air gap between prisms / pitch"
-    finding, y = (
-        "The finer the prisms, the wider a gap POV-Ray misses",
-        "pixels with stray light that are wrong (%)",
-    )
-    narrow = StabilityMap("gap", "(c) air gap, narrow", finding, x, y, 0.5, "x", "allowed: 0.5 %")
-    finding, y = "Too wide an air gap loses rotated light", "rotated light lost (%), below 0: gained"
-    wide = StabilityMap("gap-wide", "(c) air gap, wide", finding, x, y, 3, "x", "allowed: 3 %", "loses light", "range")
+    y = "pixels with stray light that are wrong (%)"
+    narrow = StabilityMap("gap", "(c) air gap, narrow", x, y, 0.5, "x")
+    wide = StabilityMap("gap-wide", "(c) air gap, wide", x, "rotated light lost (%), below 0: gained", 3, "x")
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -160,12 +134,10 @@ def _wrong(scene: Directions, size: Size) -> tuple[float, float, float]:
 
     Designed pixels show light on the designed path. Stray pixels show other light.
     """
-    inside, direction = camera.rays(scene, size)
-    found = scene.trace(camera.along(scene, direction), max_trace_level(scene))
-    (decoded,) = probes.decoded([scene], size)
-    wrong = ~(np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3)
-    stray = (found.end <= End.BACK) & (found.count < max_trace_level(scene)) & ~found.designed
-    return wrong[found.designed].mean(), found.designed.mean(), wrong[stray].mean()
+    rays, (decoded,) = window_rays(scene, size), probes.decoded([scene], size)
+    wrong = ~(np.linalg.norm(decoded[rays.inside] - rays.traced.direction, axis=1) < 1e-3)
+    designed = rays.traced.designed
+    return wrong[designed].mean(), designed.mean(), wrong[rays.leaves & ~designed].mean()
 
 
 def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
@@ -174,10 +146,8 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     The limit that povgen uses is the trace level that it sets for the scene.
     """
     most = 100 * limits.MAX_LOST_FRACTION
-    title, x, y = "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)"
-    allowed = f"needed: with fewer, more than {most:g} % of the pixels stay black"
-    # the finding is set below: it depends on all limits
-    result = StabilityMap("trace-level", title, "", x, y, most, "x", allowed, "set by povgen", "limits")
+    x, y = "max_trace_level: faces that a ray may meet", "lost pixels (%)"
+    result = StabilityMap("trace-level", "(d) max_trace_level", x, y, most)
     levels = np.arange(5, limits.MAX_FACES)
     for given in (
         {"z2": 2},
@@ -204,8 +174,6 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
             black = np.isnan(decoded[inside][:, 0]) & leaves
             result.add(series + RENDERED, max_trace_level(other), 100 * black.mean())
         result.limit(scene.sheet, series, max_trace_level(scene), rising=False)
-    enough = sum(limit.holds for limit in result.limits)
-    result.finding = f"povgen sets a sufficient level in {enough} of {len(result.limits)} scenes"
     yield result
 
 
@@ -217,31 +185,19 @@ def field_angle(
     # 1 % more than where povgen warns, because the warning uses only a sample of rays
     most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
     x = "field angle: of the line of sight to the axis (degrees)"
-    # the finding is set below: it depends on the values at all angles
-    angles = StabilityMap("field", "(e) field angle", "", x, y, 50, "", "half of the pixels", shape="range")
-
-    for alpha, angle, rendered, exact in fractions((0, 66, 120, 180), size, z2=0.7):
+    angles = StabilityMap("field", "(e) field angle", x, y, 50)
+    near = [Directions(sheet="detailed", alpha=alpha, z2=0.7) for alpha in ALPHAS]
+    for alpha, angle, rendered, exact in fractions(near, size):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
-    traced = [row[1:] for row in angles.rows if not row[0].endswith(RENDERED)]
-    at = sorted({angle for angle, _ in traced})
-    mean = [np.mean([value for angle, value in traced if angle == each]) for each in at]
-    angles.reached = float(np.interp(50, np.maximum.accumulate(mean), at))
-    angles.finding = f"More than {angles.reached:.0f} degrees from the axis, most light is not rotated"
     yield angles
-    finding = "A near eye sees little rotated light"
-    title, x = "(e) distance of the eye", "z2: from the sheets to the eye (tiles)"
-    distance = StabilityMap(
-        "distance", title, finding, x, y, most, "x", f"allowed: {most:g} %", "povgen warns", "range"
-    )
-
-    for z2 in distances:
-        for alpha in (0, 66, 120, 180):
+    x = "z2: from the sheets to the eye (tiles)"
+    distance = StabilityMap("distance", "(e) distance of the eye", x, y, most)
+    for alpha in ALPHAS:
+        for z2 in distances:
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
             distance.add(f"α = {alpha}°", z2, 100 * (1 - survey(scene, 150).designed))
-    for alpha in (0, 66, 120, 180):
-        near = _nearest_without_warning(alpha)
-        distance.limit("detailed", f"α = {alpha}°", near, "tiles", rising=False)
+        distance.limit("detailed", f"α = {alpha}°", _nearest_without_warning(alpha), "tiles", rising=False)
     yield distance
 
 
@@ -272,21 +228,9 @@ OFF_AXIS: tuple[tuple[float, complex, float, float], ...] = (
 def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(f) Measure the error of the ideal sheet's camera for an eye off the axis, against the error's upper bound."""
     x = "predicted upper bound of the error (px)"
-    # 0.011 px: the resolution of positions in 16 bits
-    result = StabilityMap(
-        "grid",
-        "(f) cells of the ideal camera",
-        "",  # the finding is set below: it depends on all errors
-        x,
-        "worst error (px)",
-        limits.MAX_CAMERA_ERROR + 0.011,
-        "xy",
-        "error too great: above the bound + 0.011 px",
-        f"povgen's cells: the bound is at most {limits.MAX_CAMERA_ERROR} px",
-        "bound",
-        "each point: a scene; cells: triangles in which the ideal sheet's rays are interpolated; "
-        "open: larger cells than povgen's; 0.011 px: uncertainty of the measured errors",
-    )
+    tolerance = limits.MAX_CAMERA_ERROR + 0.011  # 0.011 px: the resolution of positions in 16 bits
+    title, y = "(f) cells of the ideal camera", "worst error (px)"
+    result = StabilityMap("grid", title, x, y, tolerance, "xy", is_bound=True)
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = equations.one_minus_P(1 / ratio, radians(alpha))
@@ -304,8 +248,6 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
             series = f"z2 = {z2:g}, eye at ({E.real:g}, {E.imag:g}), α = {alpha:g}°"
             result.add(series, grid_error(scene, camera_cells(scene)), px(error) if inside.sum() > 100 else np.nan)
         result.limit("ideal", series, limits.MAX_CAMERA_ERROR, "px")
-    excess = np.nanmax([error - bound for _, bound, error in result.rows])
-    result.finding = f"Measured errors exceed the predicted bound by at most {max(excess, 0):.3f} px"
     yield result
 
 
@@ -314,18 +256,8 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
     If prisms are narrower than pixels, each pixel shows a random ray, and its error does not grow any more.
     """
-    finding, y = "The narrower the prisms, the noisier the picture", "RMS error, one ray a pixel (1: white)"
-    result = StabilityMap(
-        "aliasing",
-        "(g) aliasing",
-        finding,
-        "pixels per prism",
-        y,
-        0.21,
-        "x",
-        "0.21: each pixel shows a random ray",
-        "povgen warns",
-    )
+    y = "RMS error, one ray a pixel (1: white)"
+    result = StabilityMap("aliasing", "(g) aliasing", "pixels per prism", y, 0.21, "x")
     width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3, view=VIEW)
@@ -349,19 +281,8 @@ def moire(
     the ray trace gives the fraction of rays on the designed path. The contrast is the RMS difference of this fraction
     between neighbouring blocks, divided by that at alpha = 30 deg.
     """
-    finding, y = "Sheets that are nearly parallel show moiré", "contrast of bands, relative to that at 30°"
-    result = StabilityMap(
-        "moire",
-        "(h) sheets nearly parallel",
-        finding,
-        "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
-        y,
-        1.35,
-        "",
-        "1.35: moiré begins to be visible",
-        "povgen warns",
-        "range",
-    )
+    x = "α N: angle by which rays turn, times the prisms in a sheet (degrees)"
+    result = StabilityMap("moire", "(h) sheets nearly parallel", x, "contrast of bands, relative to that at 30°", 1.35)
     for count in (50, 100, 400):
         contrast = []
         for product in (*products, 30 * count):

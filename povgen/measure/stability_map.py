@@ -1,20 +1,22 @@
 """Stability maps: measured errors against one quantity, and the limits that follow from them.
 
 A stability map is a series of measurements: an error or loss y against one quantity x, such as the number of prisms.
-`stability` measures the maps, `stability_chart` draws them. A limit is the x up to which (or above which) y is within a
-tolerance. Each measured limit is compared with the limit that povgen uses (povgen/limits.py).
+`stability` measures the maps. A limit is the x up to which (or above which) y is within a tolerance. Each measured
+limit is compared with the limit that povgen uses (povgen/limits.py).
 """
 
-import dataclasses
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Literal
+from pathlib import Path
 
 import numpy as np
 
 from povgen.measure.measured import Measured
+from povgen.measure.plotting import COLOURS, GREY, Axes, drawn, plain_ticks, save_table
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
+RED = "#c1272d"
 
 
 @dataclass
@@ -22,31 +24,19 @@ class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
     The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
-    `tolerance` is the greatest allowed y, and `allowed` says so in a drawing. `action` is what povgen does beyond its
-    limit. `finding` is what the map shows, in a sentence. `note` stands below the drawing. `reached` is the x where the
-    mean of the series first exceeds the tolerance, if the drawing marks it. `limits` are what `limit` has found.
-    `shape` is how the map is drawn:
-
-    - 'lines': each series is a line.
-    - 'range': the mean of the series is a line, in the band that they cover.
-    - 'bound': x is a bound of y, in the same unit. Each row is a point, open if x exceeds the limit.
-    - 'limits': the limits are drawn, not the series.
+    `tolerance` is the greatest allowed y. If `is_bound`, x is a bound of y in the same unit. `limits` are what `limit`
+    has found.
     """
 
     name: str
     title: str
-    finding: str
     x: str
     y: str
     tolerance: float
-    log_axes: str
-    allowed: str = ""
-    action: str = "povgen refuses"
-    shape: Literal["lines", "range", "bound", "limits"] = "lines"
-    note: str = ""
-    reached: float | None = None
-    rows: list[tuple[str, float, float]] = dataclasses.field(default_factory=list)
-    limits: list[Measured] = dataclasses.field(default_factory=list)
+    log_axes: str = ""
+    is_bound: bool = False
+    rows: list[tuple[str, float, float]] = field(default_factory=list)
+    limits: list[Measured] = field(default_factory=list)
 
     def add(self, series: str, x: float, y: float) -> None:
         """Append a row."""
@@ -72,3 +62,47 @@ class StabilityMap:
             elif y1 > self.tolerance:
                 found = x0 + (x1 - x0) * (self.tolerance - y0) / (y1 - y0)
         self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
+
+
+def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
+    """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
+    for measured in maps:
+        save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
+        with drawn(9, 5, folder / f"{measured.name}.png") as figure:
+            draw_map(figure.subplots(), measured)
+        for limit in measured.limits:
+            done(limit)
+
+
+def draw_map(ax: Axes, measured: StabilityMap) -> None:
+    """Draw each series as a line, or the rows as points if x is a bound of y. Shade what lies beyond povgen's limit."""
+    ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.title)
+    ax.grid(alpha=0.25)
+    if "x" in measured.log_axes:
+        ax.set_xscale("log")
+        plain_ticks(ax.xaxis, (1,))
+    if "y" in measured.log_axes:
+        ax.set_yscale("log")
+        plain_ticks(ax.yaxis, (1,))
+    traced = [name for name in dict.fromkeys(name for name, *_ in measured.rows) if not name.endswith(RENDERED)]
+    for n, name in enumerate(traced):
+        for series, look in ((name, "o" if measured.is_bound else "o-"), (name + RENDERED, "x")):
+            x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).reshape(-1, 2).T
+            label = name if series == name else None
+            ax.plot(x, y, look, color=COLOURS[n % len(COLOURS)], markersize=5, label=label)
+    if not measured.log_axes.endswith("y"):
+        ax.set_ylim(top=min(ax.get_ylim()[1], 8 * measured.tolerance))
+    ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
+    if measured.is_bound:
+        ends = np.array(ax.get_xlim())
+        ax.plot(ends, ends, ":", color=GREY, label="error as great as its bound")
+    else:
+        ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
+    rising = bool(measured.limits) and measured.limits[0].least
+    bounds = {limit.bound for limit in measured.limits}
+    if bounds:
+        strictest = min(bounds) if rising else max(bounds)
+        beyond = ax.get_xlim()[1 if rising else 0]
+        label = f"povgen's limit: {strictest:g}" if len(bounds) == 1 else "beyond one of povgen's limits"
+        ax.axvspan(strictest, beyond, color=RED, alpha=0.09, linewidth=0, label=label)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))

@@ -1,6 +1,6 @@
 """Squares at known positions behind the sheets, and where they appear."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import radians
 from typing import Any
 
@@ -83,7 +83,7 @@ def other_targets() -> dict[str, list[Positions]]:
     return found
 
 
-def located(scenes: list[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
+def located(scenes: Sequence[Positions], size: Size) -> Iterator[tuple[Positions, ApparentObject]]:
     """Yield each scene and where its square appears, or NOT_FOUND (NaN) if too little of the square is visible."""
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         inside, _ = camera.rays(scene, size)

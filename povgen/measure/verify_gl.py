@@ -15,7 +15,7 @@ from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
-from povgen.measure.verify_profiles import PROFILES
+from povgen.measure.verify import PROFILES
 from povgen.optics.trace import End
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
@@ -68,7 +68,7 @@ def checks() -> Iterator[Measured]:
     """Measure everything. Raises InputError if this system cannot draw with OpenGL, or has no flip-evaluator."""
     flip_evaluator()
     yield from directions()
-    for kind, profiles in PROFILES:
+    for kind, profiles in PROFILES.items():
         yield from directions(profiles, sheets=kind, least=99)
     yield from positions()
     for sheet in ("none", "ideal", "detailed"):

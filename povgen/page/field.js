@@ -21,7 +21,7 @@ export function fieldRays(now) {
 }
 
 /** A loop once round the axis that is perpendicular to the rays everywhere, and by how far its end is nearer to the sheets than
- * its start. A step dr across the axis goes with dw = -Re(conj(s) dr) for light with the slope s = r/Z: povgen/measure/field.py.
+ * its start. A step dr across the axis goes with dw = -Re(conj(s) dr) for light with the slope s = r/Z: docs/ray_field.py.
  * @param {any} now */
 export function perpendicularLoop(now) {
   const rate = (w) => -(RADIUS ** 2) * quotient([1, 0], depth(now, w))[1], step = (2 * Math.PI) / STEPS;

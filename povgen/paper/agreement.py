@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen.measure import probes, verify_ideal
+from povgen.measure import compare, probes
 from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.measure.targets import located
@@ -132,7 +132,7 @@ def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
     coded = [PiecePositions(**scene.model_dump(exclude={"predicted_image", "direct_image"})) for scene in scenes]
     found = []
     for scene, frame in zip(coded, probes.decoded(coded, SMALL), strict=True):
-        a = verify_ideal.about_eye(scene, frame, SMALL)
+        a = compare.about_eye(scene, frame, SMALL)
         r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
         nu, M = degrees(equations.nu(r, alpha)), float(equations.M(r, alpha))
         found.append(PieceAgreement(scene.alpha, scene.z1, degrees(np.angle(a)), nu, abs(a), M))
@@ -141,7 +141,7 @@ def pieces(scenes: Sequence[Chess]) -> list[PieceAgreement]:
 
 def horizon_angle(alpha: float) -> float:
     """Measure the angle by which two sheets of prisms rotate the horizon. Both angles are in degrees."""
-    measured = degrees(verify_ideal.horizon_angle(Directions(sheet="detailed", alpha=alpha), SMALL))
+    measured = degrees(compare.horizon_angle(Directions(sheet="detailed", alpha=alpha), SMALL))
     return alpha + remainder(measured - alpha, 360)
 
 

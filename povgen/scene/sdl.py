@@ -1,4 +1,4 @@
-"""Fill in the templates: a scene's text for POV-Ray, the live view's HTML and shaders, captions of figures, reports.
+"""Fill in the templates: a scene's text for POV-Ray, the live view's HTML and shaders, captions of figures.
 
 Only this module uses Jinja2.
 """
@@ -283,17 +283,6 @@ def _input(file: str) -> str:
 def to_caption(number: int, data: dict[str, object]) -> str:
     """Return the caption of a figure of the paper, in Markdown. `data` is what the figure's drawing returns."""
     return _environment().get_template(f"paper/captions/figure{number}.md.j2").render(data)
-
-
-def to_report(
-    title: str,
-    text: str,
-    tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]],
-    pictures: Sequence[tuple[str, str]],
-) -> str:
-    """Return a page of HTML with tables (name, head, rows) and pictures (name, PNG file as base64)."""
-    template = _environment().get_template("measure/report.html.j2")
-    return template.render(title=title, text=text, tables=tables, pictures=pictures)
 
 
 def origin_of(pieces: Iterable[str | PieceFile], source: str, line: int) -> tuple[str, int | None]:

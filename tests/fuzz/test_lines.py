@@ -74,8 +74,6 @@ def test_no_sdl_in_options(command, name):
         (["movie", ""], ["'': no movie spec"]),
         (["movie", "a\nb\x1b[31m\u202e.toml"], [r"a\nb\x1b[31m\u202e.toml: no movie spec"]),
         (["frame", "--" + "x" * 100_000], ["No such option", "..."]),
-        (["chart", "--baselines", "nowhere"], ["baselines = 'nowhere'"]),
-        (["chart", "--baselines", "binary"], ["baselines = 'binary': not UTF-8"]),
     ],
     ids=lambda value: " ".join(value)[:40],
 )

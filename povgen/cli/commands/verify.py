@@ -1,9 +1,11 @@
 """The command povgen verify."""
 
 import sys
-from collections.abc import Iterator
+from base64 import b64encode
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict
+from io import StringIO
 from json import dumps
 from math import isfinite
 from pathlib import Path
@@ -46,17 +48,11 @@ def command(
 ) -> None:
     """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
     _check_options(sheet, stability, gl, live, output)
-    if json_file:
-        json_file = checked_output(json_file, [".json"], "json")
-    if html:
-        html = checked_output(html, [".html"], "html")
-    versions = {"povgen": __version__} | ({} if live else {"POV-Ray": povray.version()})
-    if gl or live:
-        versions["OpenGL by"] = gl_runner.device()
-    title = ", ".join(f"{name} {version}" for name, version in versions.items())
-    table = Table("sheet", "measured", "value", "bound", "", title=title)
-    figures, rows = [], []
-    pictures: list[Path] = []
+    json_file = json_file and checked_output(json_file, [".json"], "json")
+    html = html and checked_output(html, [".html"], "html")
+    versions = _versions(gl, live)
+    table = Table("sheet", "measured", "value", "bound", "", title=", ".join(map(" ".join, versions.items())))
+    found: list[Measured] = []
     with ExitStack() as opened:
         folder = opened.enter_context(_maps_folder(output or Path("stability"))) if stability else None
         # the table appears with its first row
@@ -64,34 +60,45 @@ def command(
         shown = opened.enter_context(Live(console=console, auto_refresh=False))
 
         def add(measured: Measured) -> None:
+            found.append(measured)
             bound = f"{'≥' if measured.least else '≤'} {measured.bound:.5g} {measured.unit}"
-            row = measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound
-            rows.append((*row, "ok" if measured.holds else "FAILS"))
-            table.add_row(*row, "ok" if measured.holds else "[red]FAILS[/red]")
-            value = measured.value if isfinite(measured.value) else None
-            figures.append(asdict(measured) | {"value": value, "holds": measured.holds})
+            holds = "ok" if measured.holds else "[red]FAILS[/red]"
+            table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
             shown.update(table, refresh=True)
 
         if folder:
-            from povgen.measure import report
-            from povgen.measure.stability import maps
-            from povgen.measure.stability_chart import save_maps
+            from povgen.measure import stability as maps
+            from povgen.measure.stability_map import save_maps
 
-            before = report.times(folder)
-            save_maps(maps(sheet), folder, add)
-            pictures = report.written(folder, before, ".png")
+            save_maps(maps.maps(sheet), folder, add)
         else:
             for measured in _checks(sheet, gl, live):
                 add(measured)
-    if html:
-        from povgen.measure.report import save_report
-
-        head = ("sheet", "measured", "value", "bound", "")
-        save_report(html, "povgen: what is measured", title, [("measured", head, rows)], pictures)
+        if html:
+            save(_page(table, sorted(folder.glob("*.png")) if folder else []).encode(), html)
     if json_file:
-        save((dumps({"versions": versions, "figures": figures}, indent=2, default=float) + "\n").encode(), json_file)
-    if not all(figure["holds"] for figure in figures):
+        rows = [{**asdict(m), "value": m.value if isfinite(m.value) else None, "holds": m.holds} for m in found]
+        save((dumps({"versions": versions, "figures": rows}, indent=2, default=float) + "\n").encode(), json_file)
+    if not all(measured.holds for measured in found):
         raise typer.Exit(1)
+
+
+def _versions(gl: bool, live: bool) -> dict[str, str]:
+    """Return the versions of what is measured."""
+    versions = {"povgen": __version__} | ({} if live else {"POV-Ray": povray.version()})
+    return versions | ({"OpenGL by": gl_runner.device()} if gl or live else {})
+
+
+def _page(table: Table, pictures: Iterable[Path]) -> str:
+    """Return a page of HTML with the table and the pictures, in a single file, which needs no network."""
+    console = Console(record=True, width=160, file=StringIO())
+    console.print(table)
+    images = (f'<img alt="{file.stem}" src="data:image/png;base64,{_base64(file)}">\n' for file in pictures)
+    return console.export_html().replace("</body>", f"{''.join(images)}</body>")
+
+
+def _base64(file: Path) -> str:
+    return b64encode(file.read_bytes()).decode()
 
 
 def _maps_folder(output: Path) -> AbstractContextManager[Path]:
