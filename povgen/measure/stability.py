@@ -147,7 +147,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
     """
     most = 100 * limits.MAX_LOST_FRACTION
     x, y = "max_trace_level: faces that a ray may meet", "lost pixels (%)"
-    result = StabilityMap("trace-level", "(d) max_trace_level", x, y, most)
+    result = StabilityMap("trace-level", "(d) max_trace_level", x, y, most, "x")
     levels = np.arange(5, limits.MAX_FACES)
     for given in (
         {"z2": 2},
@@ -192,7 +192,7 @@ def field_angle(
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
     x = "z2: from the sheets to the eye (tiles)"
-    distance = StabilityMap("distance", "(e) distance of the eye", x, y, most)
+    distance = StabilityMap("distance", "(e) distance of the eye", x, y, most, "x")
     for alpha in ALPHAS:
         for z2 in distances:
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)

@@ -75,7 +75,7 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series as a line, or the rows as points if x is a bound of y. Shade what lies beyond povgen's limit."""
+    """Draw each series as a line, or the rows as points if x is a bound of y. Mark povgen's limits."""
     ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.title)
     ax.grid(alpha=0.25)
     if "x" in measured.log_axes:
@@ -98,11 +98,13 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
         ax.plot(ends, ends, ":", color=GREY, label="error as great as its bound")
     else:
         ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
-    rising = bool(measured.limits) and measured.limits[0].least
-    bounds = {limit.bound for limit in measured.limits}
-    if bounds:
-        strictest = min(bounds) if rising else max(bounds)
+    bounds = {limit.bound: limit.least for limit in measured.limits}
+    for bound, rising in bounds.items() if len(bounds) == 1 else ():
         beyond = ax.get_xlim()[1 if rising else 0]
-        label = f"povgen's limit: {strictest:g}" if len(bounds) == 1 else "beyond one of povgen's limits"
-        ax.axvspan(strictest, beyond, color=RED, alpha=0.09, linewidth=0, label=label)
+        ax.axvspan(bound, beyond, color=RED, alpha=0.09, linewidth=0, label=f"beyond povgen's limit, {bound:g}")
+    for limit in measured.limits if len(bounds) > 1 else ():
+        n = [f"{measured.title}: {name}" for name in traced].index(limit.what)
+        ax.axvline(limit.bound, color=COLOURS[n % len(COLOURS)], linestyle="--", linewidth=0.8)
+    if len(bounds) > 1:
+        ax.plot([], [], "--", color=GREY, linewidth=0.8, label="povgen's limits")
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
