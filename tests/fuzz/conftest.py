@@ -180,7 +180,7 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli.commands import check
-    from povgen.measure import charts, speed, stability, stability_chart, verify, verify_gl, verify_live
+    from povgen.measure import charts, speed, stability, stability_map, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
@@ -226,7 +226,7 @@ def place(tmp_path_factory):
         for module in (verify_gl, verify_live):
             patch.setattr(module, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
-        patch.setattr(stability_chart, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
+        patch.setattr(stability_map, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
         patch.setattr(speed, "measure_samplings", lambda *_: [])
         patch.setattr(charts, "save_frames", lambda *_: None)
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])

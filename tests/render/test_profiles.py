@@ -4,29 +4,25 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, render, save
-from povgen.measure import probes, verify_profiles
-from povgen.measure.verify_prisms import pixel_shares
+from povgen.measure import compare, probes, verify_gl
+from povgen.measure.verify import MISMATCHED, PROFILES
 from povgen.settings import Rendering
 from povgen.video import overlay
 
 SMALL = (160, 120)
 
 
-ALL = (*verify_profiles.PROFILES, verify_profiles.MISMATCHED)
+FIRST = [several[0] for several in (PROFILES | MISMATCHED).values()]
 
 
-@pytest.mark.parametrize("values", [several[0] for _, several in ALL], ids=["lenses", "thin", "mismatched"])
+@pytest.mark.parametrize("values", FIRST, ids=["lenses", "thin", "mismatched"])
 def test_povray_agrees_with_the_ray_trace(values):
-    designed, leaving, _ = pixel_shares([probes.Directions(**values)], SMALL)
-    assert designed > 0.999 and leaving > 0.99
+    designed, leaving, *_ = compare.pixels([probes.Directions(**values)], SMALL)
+    assert designed > 99.9 and leaving > 99
 
 
 def test_the_shader_agrees_with_the_ray_trace():
-    pytest.importorskip("moderngl")
-    from povgen.measure import verify_gl
-
-    scenes = [several[0] for _, several in verify_profiles.PROFILES]
-    scenes.append({"sheet": "detailed", "alpha": 60, "window": "z=2,sheet=lenticular"})
+    scenes = [*FIRST[:2], {"sheet": "detailed", "alpha": 60, "window": "z=2,sheet=lenticular"}]
     assert all(measured.holds for measured in verify_gl.directions(scenes, SMALL, least=98.5))
 
 
@@ -51,8 +47,8 @@ def test_windows_of_different_kinds_in_one_scene():
     """Dove prisms, lenses and another profile in series: POV-Ray agrees with the ray trace on the designed path."""
     window = ("z=1.5,sheet=lenticular,alpha=40,lenses=60", "z=3,sheet=profile,profile=wedges,arrangement=single")
     scene = probes.Directions(sheet="detailed", alpha=60, prisms=60, window=window, z2=8)
-    designed, leaving, _ = pixel_shares([scene], SMALL)
-    assert designed > 0.99 and leaving > 0.97
+    designed, leaving, *_ = compare.pixels([scene], SMALL)
+    assert designed > 99 and leaving > 97
 
 
 def test_a_record_has_the_profile(tmp_path):
@@ -67,9 +63,9 @@ def test_a_record_has_the_profile(tmp_path):
 
 
 def test_ghosts_are_seen_where_they_are_predicted():
-    found = [*verify_profiles.ghosts(((6, 40, 1.5),), 100_000)]
-    assert [measured.holds for measured in found] == [True] * 3 and "2 ghosts" in found[1].what
-    assert found[1].value < 2
+    scene = probes.Positions(sheet="lenticular", f_number=6, alpha=40, z1=1.5, L=0.05 - 0.3j)
+    own, ghosts, count = compare.ghosts([scene], (400, 250))
+    assert own < 3 and ghosts < 2 and count == 2
 
 
 @pytest.mark.parametrize(("f_number", "share"), [(6, 0.16), (8, 0.27)])
