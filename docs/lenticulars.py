@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, plain_ticks, save_lines
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, lenticulars
@@ -120,7 +120,7 @@ def chart() -> None:
                     (np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.full(n, np.cos(angle)))
                 )
                 origin = np.column_stack((np.zeros(n), u, np.zeros(n))) - direction
-                found.append(100 * trace(origin, direction, (Sheet(0.0, 0.0, shape),), 61 * PITCH).designed.mean())
+                found.append(100 * trace(origin, direction, (GlassSheet(0.0, 0.0, shape),), 61 * PITCH).designed.mean())
             draw(left, angles, found, name)
         left.set(xlabel="field angle (degrees)", ylabel="light on the designed path of one sheet (%)")
         left.set(xlim=(0, 30), ylim=(0, 100), title="Dove prisms keep more light on the designed path")

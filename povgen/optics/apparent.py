@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.equations import Complexes, Floats, real
-from povgen.optics.faces import Booleans, Sheet
+from povgen.optics.faces import Booleans, GlassSheet
 from povgen.optics.paraxial import Matrix, free, small_angles, solved
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -43,7 +43,7 @@ class Element(Protocol):
     def transfer(self) -> Matrix | None:
         """The ray-transfer matrix (..., 5, 5), or None if there is none."""
 
-    def layers_at(self, z: float, window: int) -> tuple[Sheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[GlassSheet, ...]:
         """Return a window's sheets of prisms or lenses, the nearest to the eye first: `sheets.Sheet.layers_at`."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:

@@ -38,7 +38,7 @@ ROUNDING = 1e-12  # periods, or radii of arcs: by how much a ray may miss the en
 
 
 @dataclass(frozen=True)
-class Sheet:
+class GlassSheet:
     """A sheet of equal prisms or lenses, turned by `angle` (radians) about z. Its middle plane is z = `centre`.
 
     `angle` is from the x axis to the ridges, and positive from x towards y. A sheet that is not built exactly can also
@@ -193,7 +193,7 @@ class UnequalPrisms(Prisms):
     own: tuple[tuple[Floats, Floats], tuple[Floats, Floats]] = ((np.empty(0), np.empty(0)),) * 2  # as `slants`
 
     @classmethod
-    def of_sheets(cls, sheets: tuple[Sheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
+    def of_sheets(cls, sheets: tuple[GlassSheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
         """Return the prisms of these sheets, in windows with this side."""
         found = [single_prisms(sheet, window) for sheet in sheets]
         most = max(len(angles) for _, _, angles in found)
@@ -385,7 +385,7 @@ def _reach(
     return (sign * np.sqrt(root) - half) / square, root > 0
 
 
-def single_prisms(sheet: Sheet, window: float) -> tuple[int, Floats, Floats]:
+def single_prisms(sheet: GlassSheet, window: float) -> tuple[int, Floats, Floats]:
     """Return the prisms of a sheet, in a window with this side, one by one: they differ at random.
 
     The result is the number of the lowest prism, the heights of the bases, and the angles of the facets. The heights

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.optics.equations import Complexes
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.paraxial import over_a_period
 from povgen.optics.profile import Profile
 from povgen.optics.trace import on_path, trace
@@ -59,7 +59,7 @@ class Ghost(NamedTuple):
 
 
 def ghosts(
-    L: complex, E: complex, z1: float, z2: float, sheets: Sequence[Sheet], window: float, least: float
+    L: complex, E: complex, z1: float, z2: float, sheets: Sequence[GlassSheet], window: float, least: float
 ) -> list[Ghost]:
     """Return the ghosts of a point L behind one window with these sheets, the brightest first.
 

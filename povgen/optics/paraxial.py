@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.equations import Complexes, Floats
-from povgen.optics.faces import Booleans, Sheet
+from povgen.optics.faces import Booleans, GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.optics.trace import Rays, on_path, trace
@@ -101,7 +101,7 @@ def mean_slope(shape: Prism | Profile, slope: complex, place: float) -> tuple[co
     return complex(slopes.mean()), float(slopes.std())
 
 
-def layer(sheet: Sheet) -> Matrix:
+def layer(sheet: GlassSheet) -> Matrix:
     """Return the matrix of a sheet in paraxial approximation. Prisms mirror the slope about the ridges.
 
     The places before and behind the sheet are those of `SmallAngles`, in its middle plane.
@@ -123,7 +123,7 @@ def layer(sheet: Sheet) -> Matrix:
     return found
 
 
-def transfer(sheets: Sequence[Sheet]) -> Matrix:
+def transfer(sheets: Sequence[GlassSheet]) -> Matrix:
     """Return the matrix of sheets, the nearest to the eye first.
 
     It maps the ray before them to the ray behind them. The place of each of these rays is where it, continued straight,
@@ -181,7 +181,7 @@ def _traced(profile: Profile, place: Floats, slope: Complexes) -> tuple[Rays, Bo
     origin = np.column_stack((z * slope.real, place + z * slope.imag, z))
     direction = np.column_stack((slope.real, slope.imag, np.ones(place.shape)))
     width = _WIDTH + 2 * round(abs(place).max())
-    rays = trace(origin, direction, (Sheet(0.0, 0.0, profile),), width, len(profile.path) + 1)
+    rays = trace(origin, direction, (GlassSheet(0.0, 0.0, profile),), width, len(profile.path) + 1)
     return rays, on_path(rays, [profile])
 
 

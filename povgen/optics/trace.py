@@ -25,7 +25,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.faces import BORDER, Booleans, Face, Floats, Indices, Prisms, Profiles, Sheet, UnequalPrisms
+from povgen.optics.faces import BORDER, Booleans, Face, Floats, GlassSheet, Indices, Prisms, Profiles, UnequalPrisms
 from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -66,19 +66,19 @@ class Rays:
         return Rays(*(getattr(self, field.name)[some] for field in fields(self)))
 
 
-def pair(alpha: float, shape: Prism | Profile, z: float = 0.0, window: int = 0) -> tuple[Sheet, ...]:
+def pair(alpha: float, shape: Prism | Profile, z: float = 0.0, window: int = 0) -> tuple[GlassSheet, ...]:
     """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2.
 
     z is midway between them, and `window` is the number of their window.
     """
     aside = shape.separation / 2
-    return Sheet(alpha / 2, z - aside, shape, window), Sheet(0.0, z + aside, shape, window)
+    return GlassSheet(alpha / 2, z - aside, shape, window), GlassSheet(0.0, z + aside, shape, window)
 
 
 def trace(
     origin: ArrayLike,
     direction: ArrayLike,
-    sheets: tuple[Sheet, ...],
+    sheets: tuple[GlassSheet, ...],
     window: float,
     most: int = 60,
     frame: float = 0.0,
@@ -159,7 +159,7 @@ def path_of(shape: Prism | Profile) -> tuple[int, ...]:
     return shape.path if isinstance(shape, Profile) else (Face.NEAR, Face.BASE, Face.FAR)
 
 
-def _check_approach(origin: Floats, direction: Floats, sheets: tuple[Sheet, ...], window: float) -> None:
+def _check_approach(origin: Floats, direction: Floats, sheets: tuple[GlassSheet, ...], window: float) -> None:
     """Raise ValueError for the first ray that does not run towards the sheets from outside."""
     dz = direction[:, 2]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -188,7 +188,7 @@ class _Trace:
     def __init__(
         self,
         rays: Rays,
-        sheets: tuple[Sheet, ...],
+        sheets: tuple[GlassSheet, ...],
         glass: Prisms | Profiles,
         window: float,
         frame: float,

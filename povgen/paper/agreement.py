@@ -16,7 +16,7 @@ from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.measure.targets import located
 from povgen.optics import equations, trace
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.scene.scenes import Chess, Scene, Spheres
 
@@ -51,7 +51,7 @@ class RayThroughSheet:
 def ray_through_sheet(prisms: int, distance: float) -> RayThroughSheet:
     """Trace a ray from z = distance to z = -distance through a sheet whose prisms are 1 apart."""
     start, slope = np.array([-1.0, -0.97, distance]), np.array([0.2, 0.25, -1.0])
-    sheet = (Sheet(0.0, 0.0, Prism(1.0)),)
+    sheet = (GlassSheet(0.0, 0.0, Prism(1.0)),)
     # a trace of at most n faces ends on the n-th
     rays = [trace.trace(start[None], slope[None], sheet, prisms, most=most) for most in (1, 2, 3, 60)]
     out = rays[-1].direction[0] / -rays[-1].direction[0][2]

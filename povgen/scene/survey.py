@@ -13,7 +13,7 @@ import numpy as np
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics import apparent, trace
 from povgen.optics.equations import Complexes, Floats
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
 
@@ -43,7 +43,7 @@ def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
     return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.depth, side)
 
 
-def prism_sheets(windows: tuple[Placed, ...]) -> tuple[Sheet, ...]:
+def prism_sheets(windows: tuple[Placed, ...]) -> tuple[GlassSheet, ...]:
     """Return the sheets of prisms in windows, the nearest to the eye first."""
     return tuple(layer for number, window in enumerate(windows) for layer in window.sheet.layers_at(window.z, number))
 
@@ -158,7 +158,7 @@ def _level(
     origin: Floats,
     direction: Floats,
     found: trace.Rays,
-    glass: tuple[Sheet, ...],
+    glass: tuple[GlassSheet, ...],
     window: float,
 ) -> int:
     """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""

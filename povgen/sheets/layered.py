@@ -33,7 +33,7 @@ class Layered(Sheet):
     def transfer(self) -> Matrix:
         return paraxial.transfer(self.layers_at(0.0, 0))
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
         if self.layers == 1:
-            return (faces.Sheet(0.0, z, self.shape, window),)
+            return (faces.GlassSheet(0.0, z, self.shape, window),)
         return trace.pair(self.alpha, self.shape, z, window)

@@ -87,7 +87,7 @@ class Lenticular(Layered):
     def shape(self) -> Profile:
         return self._shape_of(0.0)
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
         near, far = super().layers_at(z, window)
         wrong = [self.values["error"].get(name, 0.0) for name in OF_LENSES]
         return replace(near, shape=self._shape_of(wrong[0])), replace(far, shape=self._shape_of(wrong[1]))

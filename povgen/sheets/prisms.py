@@ -153,7 +153,7 @@ class PrismPair(Prisms):
         plan = self.shape
         return plan.with_length_kept(index=plan.index + index, base_angle=plan.base_angle + base_angle)
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
         near, far = trace.pair(self.alpha, self.shape, z, window)
         if self.is_exact:
             return near, far

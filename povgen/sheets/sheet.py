@@ -125,7 +125,7 @@ class Sheet:
         """Extent along z, tiles."""
         return 0.0
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.Sheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
         """Return the layers of glass of which this sheet consists, the one nearest to the eye first.
 
         z is the place of the sheet's middle plane, tiles from the first window. `window` is the number of its window,

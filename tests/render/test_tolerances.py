@@ -10,7 +10,7 @@ from povgen import Chess, InputError
 from povgen.liveview.values import values
 from povgen.measure import charts, plotting, tolerance
 from povgen.optics import paraxial
-from povgen.optics.faces import Sheet, single_prisms
+from povgen.optics.faces import GlassSheet, single_prisms
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.optics.trace import trace
@@ -26,22 +26,22 @@ def test_a_tilted_sheet_turns_light_by_twice_the_tilt_about_its_ridges(tilt):
     tilt = tuple(np.radians(tilt))
     place = np.random.default_rng(1).uniform(-1, 1, (2000, 2))
     start = np.column_stack((place, np.full(2000, -5)))
-    rays = trace(start, [[0, 0, 1]], (Sheet(0.0, 0.0, Prism(0.01), tilt=tilt),), 3.0)
+    rays = trace(start, [[0, 0, 1]], (GlassSheet(0.0, 0.0, Prism(0.01), tilt=tilt),), 3.0)
     assert rays.designed.mean() > 0.8
     slope = rays.direction[rays.designed][:, :2] / rays.direction[rays.designed][:, 2:]
     np.testing.assert_allclose(slope, [(0, -np.tan(2 * tilt[0]))] * len(slope), atol=3e-5)
-    across = paraxial.layer(Sheet(0.0, 0.0, Prism(0.01), tilt=tilt))
+    across = paraxial.layer(GlassSheet(0.0, 0.0, Prism(0.01), tilt=tilt))
     np.testing.assert_allclose(slope, [across[2:4, 4]] * len(slope), atol=3e-5)
 
 
 def test_a_tilt_and_the_opposite_rotation_of_the_rays_are_the_same():
-    sheet = Sheet(0.4, 0.2, Prism(0.1), tilt=(0.1, -0.2))
+    sheet = GlassSheet(0.4, 0.2, Prism(0.1), tilt=(0.1, -0.2))
     rng = np.random.default_rng(2)
     start = np.column_stack((rng.uniform(-0.2, 0.2, (300, 2)), np.full(300, -4.0)))  # far from the frame
     direction = np.column_stack((rng.uniform(-0.1, 0.1, (300, 2)), np.ones(300)))
     tilted = trace(start, direction, (sheet,), 3.0)
     middle = np.array([0, 0, 0.2])
-    plain = trace((start - middle) @ sheet.axes.T, direction @ sheet.axes.T, (Sheet(0.4, 0.0, Prism(0.1)),), 3.0)
+    plain = trace((start - middle) @ sheet.axes.T, direction @ sheet.axes.T, (GlassSheet(0.4, 0.0, Prism(0.1)),), 3.0)
     assert (tilted.end == plain.end).all() and (tilted.faces == plain.faces).all()
     np.testing.assert_allclose(tilted.position, plain.position @ sheet.axes + middle, atol=1e-12)
     np.testing.assert_allclose(tilted.direction, plain.direction @ sheet.axes, atol=1e-12)
@@ -82,7 +82,7 @@ def test_the_prediction_knows_the_error(error):
 def test_facets_that_differ_turn_light_as_snells_law_says():
     """Of light along z: refraction at the near facet, reflection at the base, refraction at the far facet."""
     shape, half = Prism(0.1, index=1.6, base_angle=40), radians(0.2)
-    sheet = Sheet(0.0, 0.0, shape, facets=half, seed=(4, 1))
+    sheet = GlassSheet(0.0, 0.0, shape, facets=half, seed=(4, 1))
     lowest, bottoms, angles = single_prisms(sheet, 3.0)
     assert lowest <= 0 and lowest + len(angles) >= 30 and abs(angles - radians(40)).max() <= 4 * half
     np.testing.assert_allclose(bottoms, -1.5 + 0.0005 + 0.1 * (lowest + np.arange(len(bottoms))), atol=1e-12)
@@ -104,7 +104,7 @@ def test_facets_that_differ_turn_light_as_snells_law_says():
 def test_prisms_of_other_heights_reflect_the_place_of_light_at_their_own_base(count, aspect):
     """Light along z leaves along z, and on average at the height at which it arrives: docs/tolerances.md."""
     shape = Prism(3 / count, aspect=aspect)
-    sheet = Sheet(0.0, 0.0, shape, pitches=0.05, seed=(4, 1))
+    sheet = GlassSheet(0.0, 0.0, shape, pitches=0.05, seed=(4, 1))
     lowest, bottoms, _ = single_prisms(sheet, 3.0)
     heights = np.diff(bottoms) - shape.gap * shape.pitch
     assert np.std(heights) == pytest.approx(0.05 * shape.height, rel=0.2)
@@ -143,19 +143,19 @@ def test_lenses_of_another_pitch_turn_light_in_proportion_to_the_distance(mismat
     shape = confocal(ratio, 6, 1.5, mismatch=mismatch).scaled(pitch)
     x = pitch * (np.arange(-lenses // 2 + 5, lenses // 2 - 5) + (0.5 if lenses % 2 == 0 else 0))
     start = np.column_stack((0 * x, x, 0 * x - 5))
-    rays = trace(start, [[0, 0, 1]], (Sheet(0.0, 0.0, shape),), 3.0)
+    rays = trace(start, [[0, 0, 1]], (GlassSheet(0.0, 0.0, shape),), 3.0)
     assert rays.designed.all()
     slope = rays.direction[:, 1] / rays.direction[:, 2]
     wanted = 1.5 * mismatch * x / (ratio * 6 * pitch)
     np.testing.assert_allclose(slope, wanted, rtol=0.003, atol=1e-12)
     # the prediction is fitted to rays up to 0.1 rad, and so has some spherical aberration
-    np.testing.assert_allclose(paraxial.layer(Sheet(0.0, 0.0, shape))[3, 1] * x, wanted, rtol=0.1, atol=1e-12)
+    np.testing.assert_allclose(paraxial.layer(GlassSheet(0.0, 0.0, shape))[3, 1] * x, wanted, rtol=0.1, atol=1e-12)
 
 
 def test_the_picture_of_arrays_of_different_pitch_repeats():
     """Where the lenses opposite are displaced by a whole lens, their light has order 1: every p/mismatch."""
     pitch, mismatch = 0.03, 0.025  # p/mismatch is 1.2 tiles: opposite 41 lenses are 40
-    sheet = Sheet(0.0, 0.0, confocal(1, 6, 1.5, mismatch=mismatch).scaled(pitch))
+    sheet = GlassSheet(0.0, 0.0, confocal(1, 6, 1.5, mismatch=mismatch).scaled(pitch))
     x = pitch * np.array([0.5, 41.5, -40.5])
     rays = trace(np.column_stack((0 * x, x, 0 * x - 5)), [[0, 0, 1]], (sheet,), 3.0)
     assert rays.orders[:, 0].tolist() == [0, -1, 1] and rays.designed.tolist() == [True, False, False]

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from povgen.optics import apparent, equations, paraxial
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
 
@@ -97,12 +97,12 @@ def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
     prism = Prism(window / 50)
     P = rng.uniform(-0.4, 0.4, (20_000, 2)) @ (1, 1j)
     direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
-    rays = trace([[E.real, E.imag, -z2]], direction, (Sheet(0.0, 0.0, prism),), window)
+    rays = trace([[E.real, E.imag, -z2]], direction, (GlassSheet(0.0, 0.0, prism),), window)
     end = rays.position + ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:]) * rays.direction
     D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
     along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
     L = E + complex(along, across)
-    sheet = SimpleNamespace(transfer=paraxial.transfer([Sheet(0.0, 0.0, prism)]))
+    sheet = SimpleNamespace(transfer=paraxial.transfer([GlassSheet(0.0, 0.0, prism)]))
     assert apparent.position(L, E, z1, [(z2, sheet)]) == pytest.approx(
         mirrored_position(L, E, z1, z2, prism), rel=1e-12
     )

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from povgen.optics import polarisation
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.polarisation import jones, mean_transmission, transmission
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
@@ -86,7 +86,7 @@ def test_only_the_designed_path_has_a_matrix(rng):
     """The ray trace takes no designed path where the matrix is NaN, and many where it is not."""
     direction = np.column_stack((rng.uniform(-1.2, 1.2, (4000, 2)), np.ones(4000)))
     prism = Prism(0.024)
-    rays = trace([[0, 0, -0.1]], direction, (Sheet(0.3, 0, prism),), 2.4)
+    rays = trace([[0, 0, -0.1]], direction, (GlassSheet(0.3, 0, prism),), 2.4)
     J = jones(direction, [0.3], prism)
     missing = np.isnan(J).any((-1, -2))
     assert J.shape == (4000, 2, 2) and 0.05 < missing.mean() < 0.9

@@ -8,7 +8,7 @@ import pytest
 
 from povgen import Chess
 from povgen.optics import apparent, paraxial
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
 from povgen.optics.trace import End, pair, trace
@@ -120,7 +120,7 @@ def test_light_meets_every_lens_of_a_small_pitch(mismatch):
     """Light that passed between two of the lenses would be in air inside the block, and end at the window's frame."""
     shape, y = confocal(mismatch=mismatch), np.linspace(-5, 5, 2001)
     origin = np.column_stack((0 * y, y, np.full(len(y), -shape.half - 0.1)))
-    rays = trace(origin, [[0, 0.02, 1]], (Sheet(0, 0, shape),), 61.0)
+    rays = trace(origin, [[0, 0.02, 1]], (GlassSheet(0, 0, shape),), 61.0)
     assert not (rays.end == End.FRAME).any()
 
 
@@ -140,10 +140,10 @@ def test_prisms_beside_another_profile():
     """Two sheets of different kinds: the trace takes the prisms as a profile too, and finds what each does alone."""
     prism, lens = Prism(0.03), confocal().scaled(0.05)
     origin, direction = fan(1000, 0.1)
-    both = trace(origin, direction, (Sheet(0.3, -0.3, prism), Sheet(0.0, 0.3, lens)), 2.4)
-    first = trace(origin, direction, (Sheet(0.3, -0.3, prism),), 2.4)
+    both = trace(origin, direction, (GlassSheet(0.3, -0.3, prism), GlassSheet(0.0, 0.3, lens)), 2.4)
+    first = trace(origin, direction, (GlassSheet(0.3, -0.3, prism),), 2.4)
     on = first.end == End.THROUGH
-    then = trace(first.position[on], first.direction[on], (Sheet(0.0, 0.3, lens),), 2.4)
+    then = trace(first.position[on], first.direction[on], (GlassSheet(0.0, 0.3, lens),), 2.4)
     same = both.end[on] == End.THROUGH
     assert same.mean() > 0.8
     np.testing.assert_allclose(both.direction[on][same], then.direction[same], atol=1e-9)
@@ -157,7 +157,7 @@ def test_confocal_lenses_multiply_the_slope_and_ghosts_add_to_it(shape, ratio):
     lens = shape(ratio, f_number, **({"sheet": 1.0} if shape is lenticulars else {}))
     focal = f_number * ratio * (1 / lens.index if shape is confocal else 1)
     origin, direction = fan(4000, 0.03)
-    rays = trace(origin, direction, (Sheet(0.0, 0.0, lens.scaled(0.01)),), 2.4)
+    rays = trace(origin, direction, (GlassSheet(0.0, 0.0, lens.scaled(0.01)),), 2.4)
     through = rays.end == End.THROUGH
     order = rays.orders[through, 0]
     assert (
@@ -170,7 +170,7 @@ def test_confocal_lenses_multiply_the_slope_and_ghosts_add_to_it(shape, ratio):
 
 
 def test_a_wedge_turns_light_along_z_by_snells_law():
-    rays = trace([[0, 0.001, -1]], [[0, 0, 1]], (Sheet(0.0, 0.0, wedges(20, 1.5).scaled(0.1)),), 1.0)
+    rays = trace([[0, 0.001, -1]], [[0, 0, 1]], (GlassSheet(0.0, 0.0, wedges(20, 1.5).scaled(0.1)),), 1.0)
     assert rays.designed[0]
     turned = np.arcsin(1.5 * np.sin(radians(20))) - radians(20)
     assert np.arctan2(rays.direction[0, 1], rays.direction[0, 2]) == pytest.approx(turned, abs=1e-12)
@@ -195,7 +195,7 @@ def test_a_single_surface_focuses_where_geometry_says():
     for radius, sign in ((0.8, 1), (-0.8, -1)):
         lens = read(LENS.replace("radii = [1]", f"radii = [{radius}]").replace("radii = [2]", "radii = [0]"))
         h = 0.2
-        rays = trace([[0, 0.5 + h, -3]], [[0, 0, 1]], (Sheet(0.0, 0.0, lens),), 20.0)
+        rays = trace([[0, 0.5 + h, -3]], [[0, 0, 1]], (GlassSheet(0.0, 0.0, lens),), 20.0)
         hits = h / 0.8
         inside = np.arcsin(hits) - np.arcsin(hits / 1.6)  # the angle to z within the glass
         assert np.arcsin(rays.direction[0, 1]) == pytest.approx(-sign * np.arcsin(1.6 * np.sin(inside)), abs=1e-12)

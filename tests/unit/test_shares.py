@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess
-from povgen.optics.faces import Face, Sheet
+from povgen.optics.faces import Face, GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.shares import shares
 from povgen.optics.trace import End, pair, trace
@@ -86,7 +86,7 @@ def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
 def test_rays_meet_tops_from_inside_and_from_the_gap():
     """By hand: a ray that the base reflects up to the top of a long prism, and one that runs down through the gap."""
     prism = Prism(WINDOW / 10, gap=0.2, aspect=1.5)
-    sheet = (Sheet(0.0, 0.0, prism),)
+    sheet = (GlassSheet(0.0, 0.0, prism),)
     base = -WINDOW / 2 + prism.gap * prism.pitch / 2 + 5 * prism.pitch  # of a prism in the middle
     inside = trace([[0, base + 0.1 * prism.height, -1]], [[0, 0, 1]], sheet, WINDOW)
     assert list(inside.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.TOP]

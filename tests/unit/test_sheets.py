@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from povgen import Bundle, Chess, InputError
 from povgen.optics import apparent, equations, paraxial
-from povgen.optics.faces import Sheet
+from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, pair
 from povgen.scene import windows
@@ -374,5 +374,5 @@ def test_matrices_of_prisms_without_size_are_those_of_thin_sheets():
             paraxial.transfer(pair(np.radians(alpha), Prism(0.0))), sheet("ideal", alpha=alpha).transfer, atol=1e-12
         )
     np.testing.assert_allclose(
-        paraxial.transfer([Sheet(0.0, 0.0, Prism(0.0))]), sheet("mirror", alpha=0).transfer, atol=1e-12
+        paraxial.transfer([GlassSheet(0.0, 0.0, Prism(0.0))]), sheet("mirror", alpha=0).transfer, atol=1e-12
     )

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from povgen.optics import equations
-from povgen.optics.faces import Face, Sheet
+from povgen.optics.faces import Face, GlassSheet
 from povgen.optics.polarisation import mean_transmission, reflection
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End, pair, trace
@@ -39,7 +39,7 @@ def test_an_axial_ray_through_one_prism(u, prisms):
     # height of a prism's base above the middle of the window, which is between two prisms, or amid one
     base = gap / 2 - (prisms % 2) * prism.pitch / 2
     u *= height
-    rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (Sheet(0, 0.2, prism),), WINDOW)
+    rays = trace([[0.01, base + u, -3]], [[0, 0, 1]], (GlassSheet(0, 0.2, prism),), WINDOW)
     assert rays.designed[0] and list(rays.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.FAR]
     reflected = -half + u + u / tan(down)  # z on the base, from the sheet's middle
     # where it meets the far facet, z = half - height above base
@@ -58,7 +58,7 @@ def test_a_ray_between_two_prisms_goes_straight_on():
 @pytest.mark.parametrize("t", [0.0, 0.4, -1.1])
 def test_the_designed_path_through_a_sheet_mirrors(prisms, t):
     origin, direction = fan(2000)
-    rays = trace(origin, direction, (Sheet(t, 0, Prism(WINDOW / prisms)),), WINDOW)
+    rays = trace(origin, direction, (GlassSheet(t, 0, Prism(WINDOW / prisms)),), WINDOW)
     assert rays.designed.mean() > 0.6
     mirrored = np.exp(2j * t) * transverse(direction).conj()
     np.testing.assert_allclose(transverse(rays.direction)[rays.designed], mirrored[rays.designed], atol=1e-13)
@@ -95,7 +95,7 @@ def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, index, bas
     """
     least = Prism(window / prisms, index, base_angle).least_aspect
     prism = Prism(window / prisms, index, base_angle, gap, aspect=least + (2 * max(1, least) - least) * aspect)
-    sheets = (Sheet(alpha, 0.3 * window, prism),) if single else pair(alpha, prism)
+    sheets = (GlassSheet(alpha, 0.3 * window, prism),) if single else pair(alpha, prism)
     count, step = 50, 1e-6
     rng = np.random.default_rng(seed)
     x, y, distance, side = eye
@@ -158,7 +158,7 @@ def test_a_ray_that_does_not_run_towards_the_sheets_is_refused(origin, direction
 # ---- partial reflection
 
 
-class Drawn:
+class Fixed:
     """Random numbers that are all the same: with 0 every face reflects, with 1 no face does."""
 
     def __init__(self, value):
@@ -172,7 +172,7 @@ def test_a_ray_that_every_face_reflects():
     """By hand: up from the slanted facet (45 deg) to the base of the prism above, down again, and back."""
     prism = Prism(WINDOW / 10)
     y = prism.pitch * 2.5
-    rays = trace([[0.1, y, -3]], [[0, 0, 1]], pair(0.0, prism), WINDOW, partial=Drawn(0.0))
+    rays = trace([[0.1, y, -3]], [[0, 0, 1]], pair(0.0, prism), WINDOW, partial=Fixed(0.0))
     assert list(rays.faces[0, :4]) == [Face.NEAR, Face.BASE, Face.NEAR, Face.NONE]
     assert rays.end[0] == End.BACK and rays.reflected[0] and not rays.designed[0]
     np.testing.assert_allclose(rays.direction[0], [0, 0, -1], atol=1e-14)
@@ -187,7 +187,7 @@ def test_light_on_the_designed_path_with_partial_reflection():
     origin, direction = fan(60000)
     window = pair(alpha, prism), WINDOW
     all_light = trace(origin, direction, *window)
-    passing = trace(origin, direction, *window, partial=Drawn(1.0))
+    passing = trace(origin, direction, *window, partial=Fixed(1.0))
     assert not passing.reflected.any() and (passing.faces == all_light.faces).all() and (all_light.light == 1).all()
     expected = mean_transmission(-equations.rotate(direction, alpha), [0, alpha / 2], prism)[all_light.designed]
     np.testing.assert_allclose(passing.light[all_light.designed], expected, rtol=1e-12)
