@@ -6,87 +6,63 @@ The commands are in commands/. The models check values (`povgen.validation`).
 import os
 import sys
 import warnings
-from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
-from typing import Annotated, Any
+from typing import NoReturn
 
-import typer
-from typer.core import TyperCommand, TyperGroup
+import click
 
 from povgen.errors import InputError, PovrayError, message_of, one_line, shown
-from povgen.progress import say, tell
+from povgen.progress import say
 from povgen.version import __version__
 
-HELP = {"help_option_names": ["-h", "--help"]}
+# The commands, with what the help says of each. A command is loaded only when it is run, because that is slow.
 COMMANDS = {
-    "list": "List the scenes with their parameters, kinds of sheets, pieces, glasses, and movies of povgen's own.",
-    "pov": "Write a scene's POV-Ray source to standard output, or to the file of -o.",
-    "frame": "Render a scene to a PNG or EXR file, or one again --from its file.",
-    "movie": "Render a movie, or one again --from its file. Finished frames stay in the cache.",
-    "info": "Print, as JSON, how a picture or a movie was made: its record, with every parameter.",
-    "demo": "Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network.",
-    "check": "Test POV-Ray, cache, sandbox and encoder with a small frame and movie; say how to mend faults.",
-    "cache": "Print what the cache holds, or empty it.",
-    "verify": "Compare what is rendered with the equations and the exact ray trace.",
-    "chart": "Measure the cost and the error of pictures, for every model of the sheets and every sampling.",
-    "tolerance": "Trace how errors of building a pair of sheets change what is seen, one by one and in random builds.",
-    "figure": "Make figures of the paper with captions that say how well they agree with it.",
+    "list": "list the scenes with their parameters, kinds of sheets, pieces, glasses, and movies",
+    "pov": "write a scene's POV-Ray source",
+    "frame": "render a scene to a PNG or EXR file, or one again --from its file",
+    "movie": "render a movie, or one again --from its file",
+    "info": "print, as JSON, how a picture or a movie was made",
+    "demo": "make a page to teach with: the scene, live, beside the geometry and the equations",
+    "check": "test POV-Ray, cache, sandbox and encoder, and say how to mend what does not work",
+    "cache": "print what the cache holds, or empty it",
+    "verify": "compare what is rendered with the equations and the exact ray trace",
+    "chart": "measure the cost and the error of pictures, for every renderer and every sampling",
+    "tolerance": "trace how errors of building a pair of sheets change what is seen",
+    "figure": "make figures of the paper, with captions that say how well they agree with it",
 }
 
 
-@cache
-def _with_options(name: str) -> Any:  # noqa: ANN401  (click's Command, whose module depends on typer's release)
-    from povgen.cli.layout import Described  # these load the scenes
-    from povgen.cli.options import with_options
-
-    alone = typer.Typer(add_completion=False)
-    alone.command(name, cls=Described, context_settings=HELP)(
-        with_options(import_module(f"povgen.cli.commands.{name}").command)
-    )
-    return typer.main.get_command(alone)
-
-
-class _Command(TyperCommand):
-    """A command's name and help. Its options are added when it is run, because that loads the scenes."""
-
-    def make_context(self, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401  (as click declares it)
-        return _with_options(self.name).make_context(*arguments, **options)
-
-
-class _Commands(TyperGroup):
-    def list_commands(self, context: object) -> list[str]:
+class _Commands(click.Group):
+    def list_commands(self, context: click.Context) -> list[str]:  # noqa: ARG002
         return list(COMMANDS)
 
-    def get_command(self, context: object, name: str) -> _Command:
+    def get_command(self, context: click.Context, name: str) -> click.Command:  # noqa: ARG002
         if name not in COMMANDS:
             raise InputError(f"command = {shown(name)}: unknown; allowed: {', '.join(COMMANDS)}")
-        return _Command(name, help=COMMANDS[name])
+        found: click.Command = import_module(f"povgen.cli.commands.{name}").command
+        return found
+
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl([*COMMANDS.items()])
 
 
-app = typer.Typer(
-    name="povgen",
-    help="POV-Ray scenes and movies of ray-rotating Dove-prism sheets. Lengths in floor tiles, angles in degrees.",
-    cls=_Commands,
-    no_args_is_help=True,
-    add_completion=False,
-    context_settings=HELP,
-    pretty_exceptions_enable=False,
-)
-
-
-@app.callback(invoke_without_command=True)
-def _version(version: Annotated[bool, typer.Option("--version", help="print povgen's version")] = False) -> None:
-    if version:
-        tell(f"povgen {__version__}")
-        raise typer.Exit
+@click.group(cls=_Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, message="povgen %(version)s", help="print povgen's version")
+@click.pass_context
+def app(context: click.Context) -> None:
+    """POV-Ray scenes and movies of ray-rotating Dove-prism sheets. Lengths in floor tiles, angles in degrees."""
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+        context.exit(2)
 
 
 # words in the messages of errors without memory: Python cannot start a thread, or the system cannot load a library
 NO_MEMORY = ("can't start new thread", "failed to map segment")
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Run the command line. The exit status is 2 for a value that is not allowed, 1 if POV-Ray or the disk fails."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:  # closed, as by 2>&-; otherwise the next opened file would get its number
@@ -95,22 +71,19 @@ def main() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
     if not sys.warnoptions:  # Python's warnings are for programmers
         warnings.simplefilter("ignore")
-    usage_error = typer.BadParameter.__bases__[0]  # click's UsageError; its module depends on typer's release
     try:
-        status = app(standalone_mode=False)
+        status = app(prog_name="povgen", standalone_mode=False)
     except Exception as error:
-        if isinstance(error, (InputError, usage_error)):
-            message = one_line(getattr(error, "format_message", error.__str__)())
-            _fail(f"povgen: {message}" if message else "", 2)  # no message: typer has printed the help instead
+        if isinstance(error, (InputError, click.UsageError)):
+            _fail(one_line(getattr(error, "format_message", error.__str__)()), 2)
         if isinstance(error, (PovrayError, OSError)):
-            _fail(f"povgen: {message_of(error)}", 1)
+            _fail(message_of(error), 1)
         if isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY):
-            _fail("povgen: no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
+            _fail("no memory or no thread is left for povgen itself (ulimit -v, ulimit -u)", 1)
         raise
     sys.exit(status)
 
 
-def _fail(message: str, status: int) -> None:
-    if message:
-        say(message)
+def _fail(message: str, status: int) -> NoReturn:
+    say(f"povgen: {message}")
     sys.exit(status)

@@ -1,14 +1,13 @@
 """The command line's messages and warnings."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
+from typing import Any
 
-from povgen.cli.options import Values
 from povgen.progress import say
 from povgen.rendering import surveys
-from povgen.rendering.estimate import if_long
 from povgen.rendering.views import views
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import Scene, used_parameters
 from povgen.scene.warnings import warnings
 from povgen.settings import Rendering
 from povgen.sheets import SHEETS, USED_BY
@@ -16,7 +15,7 @@ from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
 
 
-def warn(values: Values, scenes: list[Scene], rendering: Rendering | None = None) -> None:
+def warn(values: Mapping[str, Any], scenes: Sequence[Scene], rendering: Rendering | None = None) -> None:
     """Print a warning for each option of `values` that changes nothing, and for each limit that scenes exceed."""
     warn_unused(values, scenes)
     texts_by_limit: dict[str, list[str]] = {}
@@ -34,12 +33,12 @@ def warn(values: Values, scenes: list[Scene], rendering: Rendering | None = None
         say(f"povgen: warning: {texts[0]}{also}")
 
 
-def warn_unused(values: Values, scenes: list[Scene]) -> None:
+def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:
     """Print a warning for each option that a user gave and that changes nothing in these scenes."""
     layered = tuple(name for name, kind in SHEETS.items() if issubclass(kind, Layered))
     others = {"fresnel": layered, "wavelength": USED_BY["glass"]}
     sheets = {sheet.name for scene in scenes for sheet in scene.sheets}
-    used = {name for scene in scenes for name in scene.used_parameters}
+    used = {name for scene in scenes for name in used_parameters(scene)}
     used |= {name for name, kinds in others.items() if sheets & {*kinds}}
     used_by = {**USED_BY, **others}
     for name, value in values.items():
@@ -54,7 +53,7 @@ def warn_unused(values: Values, scenes: list[Scene]) -> None:
         say(f"povgen: warning: {text}")
 
 
-def _unused_in_windows(scenes: list[Scene], values: Values) -> Iterator[str]:
+def _unused_in_windows(scenes: Sequence[Scene], values: Mapping[str, Any]) -> Iterator[str]:
     """Yield a text for each parameter of a further window, or of a law, that the user gave and that changes nothing."""
     shared: set[str] = set()  # the names in the laws whose numbers are the scene's
     for scene in scenes:
@@ -71,9 +70,3 @@ def _unused_in_windows(scenes: list[Scene], values: Values) -> Iterator[str]:
     if "parameter" in values and shared:
         lost = sorted({name for scene in scenes for name in scene.parameter} - shared)
         yield from (f"parameter: {name}: no effect, because no law contains it" for name in lost)
-
-
-def tell_if_long(scenes: list[Scene], rendering: Rendering) -> None:
-    """Say how long rendering takes, if that is more than a minute."""
-    if text := if_long(scenes, rendering):
-        say(f"povgen: {text}")

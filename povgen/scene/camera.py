@@ -4,36 +4,16 @@ A position is a complex number x + iy in the plane z = 0, in tiles from the firs
 up. z points away from the eye, which is at z = -z2.
 """
 
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.rays import Bundle
+from povgen.scene.model import EyeAndWindows
 
 Size = tuple[int, int]  # width and height, pixels
 
 
-class Scene(Protocol):
-    """What the camera needs of a scene. The module `povgen.scene.scenes` describes these numbers."""
-
-    @property
-    def z2(self) -> float: ...
-
-    @property
-    def view(self) -> float: ...
-
-    @property
-    def aperture(self) -> float: ...
-
-    @property
-    def E(self) -> complex: ...
-
-    @property
-    def depth(self) -> float: ...
-
-
-def pixels(scene: Scene, size: Size) -> NDArray[np.complex128]:
+def pixels(scene: EyeAndWindows, size: Size) -> NDArray[np.complex128]:
     """Return the positions of the pixels' centres, (height, width)."""
     width, height = size
     pixels_per_tile = height / scene.view
@@ -41,23 +21,23 @@ def pixels(scene: Scene, size: Size) -> NDArray[np.complex128]:
     return np.asarray((x + 1j * y[:, None]) / pixels_per_tile, np.complex128)
 
 
-def bundle(scene: Scene, size: Size) -> Bundle:
+def bundle(scene: EyeAndWindows, size: Size) -> Bundle:
     """Return a ray from the eye for each pixel: (height, width) rays. The first row is the top one."""
     return through(scene, pixels(scene, size))
 
 
-def through(scene: Scene, position: ArrayLike) -> Bundle:
+def through(scene: EyeAndWindows, position: ArrayLike) -> Bundle:
     """Return rays from the eye through positions in the plane z = 0."""
     offset = np.asarray(position) - scene.E
     return along(scene, np.stack((offset.real, offset.imag, np.full(offset.shape, float(scene.z2))), -1))
 
 
-def along(scene: Scene, direction: ArrayLike) -> Bundle:
+def along(scene: EyeAndWindows, direction: ArrayLike) -> Bundle:
     """Return rays from the eye with these directions (..., 3): x, y, z of any length, z > 0 away from the eye."""
     return Bundle(np.array([scene.E.real, scene.E.imag, -scene.z2]), np.asarray(direction))
 
 
-def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+def rays(scene: EyeAndWindows, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """Return which pixels show the window, (height, width), and the unit directions of these pixels' rays, (n, 3).
 
     A pixel shows the window if its ray passes the frame's opening in two planes: at the frame's front, and at z = 0.
@@ -69,7 +49,7 @@ def rays(scene: Scene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float6
     return inside, bundle(scene, size).direction[inside]
 
 
-def window(scene: Scene, size: Size) -> tuple[slice, slice]:
+def window(scene: EyeAndWindows, size: Size) -> tuple[slice, slice]:
     """Return the rows and the columns of the pixels that show the window. Raises IndexError if there are none."""
     inside, _ = rays(scene, size)
     y, x = np.argwhere(inside)[[0, -1]].T

@@ -1,237 +1,44 @@
-"""Scenes: their parameters, with units and ranges. A scene never changes. Variants are copies.
+"""Scenes: what they show, and what is computed from them. A scene never changes. Variants are copies.
 
-Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets of the
-first window. Points in it are complex numbers x + iy, from this window's centre: x points right and y up, as the eye
-sees them. z points away from the eye, which is at z = -z2. z1 is the distance of an object from the middle plane of the
-last window.
+Lengths and angles are as in `povgen.scene.model`. z1 is the distance of an object from the middle plane of the last
+window.
 """
 
 from cmath import isfinite
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from functools import cached_property
-from itertools import combinations, islice, pairwise
-from math import hypot, inf, radians, remainder
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, TypeVar
+from collections.abc import Iterable, Sequence
+from itertools import combinations, islice
+from math import hypot
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
-from PIL import ImageColor
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, model_validator
 
-from povgen import limits
-from povgen.errors import InputError, at_least, at_most, input_errors, one_line, shown
-from povgen.optics import apparent, equations, glasses
+from povgen.errors import InputError, at_least, input_errors, one_line, shown
 from povgen.optics.equations import Booleans, Complexes, Floats
 from povgen.optics.ghosts import Ghost, ghosts
-from povgen.optics.prism import Prism
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
 from povgen.record import Record, info
-from povgen.scene import camera, pictures
+from povgen.scene import camera, checks, pictures, predictions
+from povgen.scene.fields import Z1, Aside, Colour, OneOrMore, PictureFile, PictureSize, PieceValue, Point, as_tuple, rgb
+from povgen.scene.model import EyeAndWindows
 from povgen.scene.pictures import Picture
-from povgen.scene.pieces import PIECES, Piece, PieceFile, as_piece, radius
+from povgen.scene.pieces import PIECES, PieceFile, radius
 from povgen.scene.recorded import scenes
-from povgen.scene.windows import (
-    WINDOW,
-    ParametersOfSheets,
-    Placed,
-    SheetName,
-    Window,
-    Windows,
-    as_windows,
-    has_glass,
-    replaced_by,
-)
-from povgen.settings import as_size
-from povgen.sheets import SHEETS
-from povgen.sheets.law_grammar import Law
-from povgen.sheets.layered import Layered
-from povgen.sheets.lenticular import Lenticular
-from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
-from povgen.sheets.prisms import SHAPE, PrismPair, Prisms, shape_of
+from povgen.scene.windows import Window
 from povgen.sheets.profile import ProfileFile
-from povgen.sheets.sheet import Ideal, Sheet
-from povgen.validation import Model, as_flag, as_pair
+from povgen.validation import as_flag
 
-T = TypeVar("T")
-APERTURE = 3.0  # the default side of the window, tiles
-VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
-MAX_VIEW = 100
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
-MAX_DEPTH = 100  # of the sheets, tiles
-MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
-MAX_SIDE = 16384  # of a picture, pixels
-Side = Annotated[int, Field(ge=1, le=MAX_SIDE)]
-Z1 = Annotated[float, Field(gt=0, le=5000)]
-MAX_ASIDE = 10  # tiles
-Aside = Annotated[float, Field(ge=-MAX_ASIDE, le=MAX_ASIDE)]
 
 
-def _listed(value: object) -> object:
-    """Return an array or another collection as a list, but one of a single value as this value. Other values stay."""
-    value = value.tolist() if hasattr(value, "tolist") else value  # numpy's
-    if isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
-        value = list(value)
-        return value[0] if len(value) == 1 else value
-    return value
-
-
-def _kind(value: object) -> str:
-    return "several" if isinstance(value, (list, tuple)) else "one"
-
-
-def _tuple(value: T | tuple[T, ...]) -> tuple[T, ...]:
-    return value if isinstance(value, tuple) else (value,)
-
-
-def _piece(value: object) -> str | PieceFile:
-    """Return a piece's name, or the `PieceFile` of its file. Raises ValueError for other values."""
-    piece = as_piece(value)
-    if not isinstance(piece, (str, PieceFile)):
-        raise ValueError("should be a name or a file")
-    return piece
-
-
-def _colour(value: str) -> str:
-    """Check a colour's name or code."""
-    rgb(value)
-    return value
-
-
-def rgb(colour: str) -> tuple[float, float, float]:
-    """Return red, green and blue (sRGB, 0 to 1) of a colour's name or code. Raises ValueError for any other text."""
-    try:
-        parts = ImageColor.getrgb(colour)
-        if len(parts) > 3 or max(parts) > 255:
-            raise ValueError
-    except ValueError:
-        raise ValueError("should be a colour's name or code, and opaque") from None
-    return parts[0] / 255, parts[1] / 255, parts[2] / 255
-
-
-if TYPE_CHECKING:  # what is read; a user may give anything that becomes such a value, as an array or text
-    Point = tuple[float, float] | Any
-    OneOrMore: TypeAlias = T | tuple[T, ...] | Any
-    PictureFile = Picture | Any
-else:
-    Point = Annotated[tuple[Aside, Aside], BeforeValidator(as_pair)]
-    # one value, or one for each object
-    OneOrMore = Annotated[
-        Annotated[T, Tag("one")] | Annotated[tuple[T, ...], Field(min_length=1, max_length=50), Tag("several")],
-        Discriminator(_kind),
-        BeforeValidator(_listed),
-    ]
-    PictureFile = Picture
-PieceValue = Annotated[Piece, BeforeValidator(_piece)]
-Colour = Annotated[str, AfterValidator(_colour)]
-
-
-@contextmanager
-def _named(where: str) -> Iterator[None]:
-    """Begin the message of a ValueError with the window that it is about."""
-    try:
-        yield
-    except ValueError as error:
-        raise ValueError(f"{where}{error}") from None
-
-
-def _index_of(window: "Scene | Window", where: str, wavelength: float) -> float | None:
-    """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
-
-    `where` begins an error's message.
-    """
-    given: float | None = window.index
-    if not has_glass(window):
-        return given
-    with _named(where):
-        index = glasses.index(str(window.glass), wavelength * 1e-9)
-    if "index" in window.model_fields_set and given != index:
-        raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
-    return index
-
-
-def _for_no_glass(name: str, wavelength: float) -> str:
-    return f"{name} = {wavelength:g}: needs a glass; allowed: with one, such as glass = BK7"
-
-
-def _distances(z1: ArrayLike) -> Floats:
-    """Return distances of objects as floats. Raises ValueError for one that is infinite or below 0."""
-    checked = equations.real("z1", z1, 0)
-    if (checked == inf).any():
-        raise ValueError("z1 = inf; allowed: finite numbers, tiles")
-    return checked
-
-
-class _Picture(Model):
-    size: Annotated[tuple[Side, Side], BeforeValidator(as_size)] = Field(
-        description=f"WIDTHxHEIGHT, whole numbers of pixels from 1 to {MAX_SIDE}"
-    )
-
-
-class Scene(ParametersOfSheets):
+class Scene(EyeAndWindows):
     """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
-
-    z2: Annotated[float, Field(gt=0, le=150)] = Field(
-        default=6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
-    )
-    sheet: SheetName = Field(
-        default="detailed",
-        description=f"model of the sheets: {', '.join(SHEETS)}",
-    )
-    window: Windows = Field(default=(), description=WINDOW)
-    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
-        default=WAVELENGTH,
-        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
-        "the picture's colours do not change",
-    )
-    fresnel: bool = Field(
-        default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"
-    )
-    aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
-        default=APERTURE,
-        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all on it moves with the "
-        "lower edge",
-    )
-    view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
-        default=VIEW,
-        description=f"height of the picture in the plane of the sheets, 0.1 to {MAX_VIEW} tiles "
-        f"(default: {VIEW}, or more if the first window's frame is larger)",
-    )
-    eye: Point = Field(
-        default=(0, 0),
-        description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
-        "the window stay, and the window stays in the middle of the picture",
-    )
-    background: Literal["sky", "transparent", "black", "white"] = Field(
-        default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
-    )
-
-    sky: Annotated[PictureFile | None, BeforeValidator(pictures.sky)] = Field(
-        default=None,
-        description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
-        "file, equirectangular, whose middle is straight ahead; with background = sky",
-    )
-
-    if TYPE_CHECKING:  # the names of changes are those of the parameters
-
-        @property
-        def replace(self) -> type[Self]: ...
 
     name: ClassVar[str]
     subject: ClassVar[str]
-    rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
 
-    if (
-        TYPE_CHECKING
-    ):  # each scene defines L of its first object, and L and z1 of every object; L is projected onto z = 0
+    if TYPE_CHECKING:  # each scene defines L of its first object, and L and z1 of every one; L is projected onto z = 0
 
         @property
         def L(self) -> complex: ...
@@ -276,140 +83,6 @@ class Scene(ParametersOfSheets):
         """The names of the parameters that draw an outline on the picture, and are true."""
         return ()
 
-    @property
-    def E(self) -> complex:
-        """The eye, projected onto z = 0."""
-        return complex(*self.eye)
-
-    @property
-    def prism(self) -> Prism:
-        """The shape of the prisms in the first window. Lengths are in tiles. Windows behind it can have others."""
-        return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
-
-    @property
-    def states(self) -> "tuple[Scene | Window, ...]":
-        """What states the parameters of each window, the first one first: the scene, and each further `Window`."""
-        return self, *self.window
-
-    def values_of(self, window: "Scene | Window", names: Iterable[str]) -> dict[str, Any]:
-        """Return parameters of one of `states`, by their names. What it does not state is the first window's."""
-        return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
-
-    @cached_property
-    def windows(self) -> tuple[Placed, ...]:
-        """The windows, the nearest to the eye first, each with its sheet."""
-
-        def sheet(window: Scene | Window) -> Sheet:
-            kind = SHEETS[window.sheet or self.sheet]
-            return kind(self.values_of(window, [each.name for each in kind.parameters]), self.aperture)
-
-        return (Placed(0.0, sheet(self)), *(Placed(window.z, sheet(window)) for window in self.window))
-
-    @property
-    def sheets(self) -> tuple[Sheet, ...]:
-        """The sheets in each window, the first window first."""
-        return tuple(window.sheet for window in self.windows)
-
-    @property
-    def rotates(self) -> bool:
-        """Whether every window rotates light about its normal, as the paper's do."""
-        return all(sheet.rotates for sheet in self.sheets)
-
-    @property
-    def used_parameters(self) -> set[str]:
-        """The names of the sheets' parameters for which at least one window uses the scene's value."""
-        windows = zip((None, *self.window), self.sheets, strict=True)
-        named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
-        return {name for window, name in named if window is None or getattr(window, name) is None}
-
-    @property
-    def only_rotates(self) -> bool:
-        """Whether the sheets do no more than to rotate light about their normal. Windows may have none."""
-        return all(sheet.rotates or sheet.name == "none" for sheet in self.sheets)
-
-    @property
-    def alphas(self) -> tuple[float, ...]:
-        """The angle by which each window rotates light about its normal, degrees."""
-        return tuple(sheet.values.get("alpha", 0.0) for sheet in self.sheets)
-
-    @property
-    def places(self) -> tuple[float, ...]:
-        """z of each window, midway between its sheets, tiles."""
-        return tuple(window.z for window in self.windows)
-
-    @property
-    def behind(self) -> tuple[tuple[float, float], ...]:
-        """The windows behind the first one, as for `equations.depth`.
-
-        Each is a pair: its distance from the window before it, tiles, and its alpha, radians.
-        """
-        turns = [radians(alpha) for alpha in self.alphas[1:]]
-        return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
-
-    @property
-    def elements(self) -> apparent.Windows:
-        """The windows as in `optics.apparent`."""
-        return self._elements(self.sheets)
-
-    def _elements(self, sheets: tuple[Sheet, ...]) -> apparent.Windows:
-        return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), sheets, strict=True)]
-
-    def _with_alpha(self, alpha: ArrayLike | None) -> apparent.Windows:
-        """Return the windows as in `optics.apparent`. `alpha`, in degrees, replaces that of the first window."""
-        if alpha is None:
-            return self.elements
-
-        first, *others = self.sheets
-        turned = type(first)({**first.values, "alpha": np.asarray(alpha, float)[()]}, first.aperture)
-        return self._elements((turned, *others))
-
-    @property
-    def layered(self) -> tuple[Layered, ...]:
-        """The sheets of prisms or lenses, the nearest to the eye first. Ideal ones stand before them."""
-        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
-
-    @property
-    def ideal(self) -> tuple[Ideal, ...]:
-        """The ideal sheets, the first one first. They are nearer to the eye than windows of prisms."""
-        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
-
-    @property
-    def has_prisms(self) -> bool:
-        """Whether the sheets of a window consist of prisms, or of lenses."""
-        return bool(self.layered)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no window has a sheet."""
-        return {sheet.name for sheet in self.sheets} == {"none"}
-
-    @property
-    def sheets_depth(self) -> float:
-        """The greatest extent along z of a window's sheets, tiles; 0 if all sheets are ideal.
-
-        The middle of the sheets is at the window's z.
-        """
-        return max(sheet.depth for sheet in self.sheets)
-
-    @property
-    def depth(self) -> float:
-        """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
-        return max(self.aperture / 10, 1.02 * self.sheets_depth)
-
-    @property
-    def default_view(self) -> float:
-        """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles.
-
-        This holds for pictures of 4:3 or wider. It is at least VIEW, and at most MAX_VIEW even if the frame needs more.
-        """
-        front, slant = -self.depth / 2, min(self.rim, self.depth)
-        reach = 0.0
-        for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # frame.pov.j2
-            scale = self.z2 / (self.z2 + z)  # from the plane z to the plane z = 0, seen from the eye
-            for eye, shape in ((self.E.imag, 1), (self.E.real, 4 / 3)):
-                reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
-        return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
-
     @input_errors()
     def apparent_position(
         self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
@@ -422,21 +95,7 @@ class Scene(ParametersOfSheets):
         is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN, or L
         or alpha is infinite. Raises InputError for a z1 that is infinite or below 0.
         """
-        z1, L, near = _distances(z1), np.asarray(L, complex), equations.real("near", near, 0)
-        if alpha is not None:
-            alpha = equations.real("alpha", alpha)
-            alpha = np.where(np.isfinite(alpha), alpha, np.nan)[()]
-        turns = 0 if alpha is None else alpha
-        shape = np.broadcast_shapes(*map(np.shape, (L, z1, near, turns)))
-        L = np.broadcast_to(np.where(np.isfinite(L) & ~np.isnan(near), L, np.nan), shape)
-        if self.sheets[0].name == "ideal" and not self.window:  # no digits are lost near the pole
-            turn = np.radians(self.alpha if alpha is None else np.fmod(alpha, 360))
-            return equations.apparent_position(L, self.E, z1, self.z2, turn)
-        elements = self._with_alpha(alpha)
-        if alpha is not None and np.ndim(alpha) and apparent.matrix(elements) is None:
-            # the search is for a single alpha
-            return np.vectorize(self.apparent_position, otypes=[complex])(L, z1, alpha, near)
-        return apparent.position(L, self.E, z1, elements, near, self.depth)
+        return predictions.apparent_position(self, L, z1, alpha, near)
 
     def visible(self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0) -> Booleans:
         """Return whether light from a point reaches the eye through the windows, by the prediction.
@@ -446,14 +105,12 @@ class Scene(ParametersOfSheets):
         """
         return self.seen(L, z1, alpha, near)[1]
 
+    @input_errors()
     def seen(
         self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
     ) -> tuple[Complexes, Booleans]:
         """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
-        position = self.apparent_position(L, z1, alpha, near)
-        with np.errstate(invalid="ignore"):  # the position can be infinite
-            slope = (position - self.E) / self.z2
-        return position, apparent.passes(slope, self.E, self._with_alpha(alpha), self.depth)
+        return predictions.seen(self, L, z1, alpha, near)
 
     @input_errors()
     def ghosts(self, L: complex, z1: float, least: float = 0.05) -> list[Ghost]:
@@ -464,7 +121,7 @@ class Scene(ParametersOfSheets):
         ideal sheets and Dove prisms, and for an L that is NaN or infinite. Raises InputError for a z1 that is infinite
         or below 0.
         """
-        _distances(z1)
+        predictions.distances(z1)
         if self.window or not self.layered or not isfinite(L):
             return []
         return ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0), self.aperture, least)
@@ -480,16 +137,7 @@ class Scene(ParametersOfSheets):
         than to rotate light about its normal, because it can distort an object. z1 is in tiles; arrays broadcast.
         Raises InputError for a z1 that is infinite or below 0.
         """
-        z1 = _distances(z1)
-        if not self.only_rotates:
-            return (nothing := np.full(np.shape(z1), np.nan)[()]), nothing
-        alpha = remainder(sum(self.alphas), 360)
-        if self.sheets[0].name == "ideal" and not self.window:
-            r = equations.r(z1, self.z2)
-            nu, M = equations.nu(r, radians(self.alpha)), equations.M(r, radians(self.alpha))
-        else:
-            nu, M = apparent.nu_and_M(z1, self.elements)
-        return alpha / 2 + np.remainder(np.degrees(nu) - alpha / 2 + 180, 360) - 180, M
+        return predictions.nu_and_M(self, z1)
 
     @input_errors()
     def rays(self, size: str | Sequence[int]) -> Bundle:
@@ -499,7 +147,7 @@ class Scene(ParametersOfSheets):
         one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
         more than 40 million pixels.
         """
-        width, height = _Picture(size=size).size
+        width, height = PictureSize(size=size).size
         if width * height > AT_ONCE:
             raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
         return camera.bundle(self, (width, height))
@@ -552,131 +200,11 @@ class Scene(ParametersOfSheets):
         parts = pencil(self.windows, point, count, middle, radius, seed)
         return spot((self.trace(rays) for rays in parts), z, as_flag("stray", stray))
 
-    @property
-    def tile(self) -> int:
-        """POV-Ray's units per tile."""
-        return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
-
-    def _check_clear(self, what: str, z1: float, nearest: float) -> None:
-        if z1 <= nearest:
-            raise ValueError(
-                f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
-                f"z = {self.places[-1] + self.depth / 2:.4g} tiles; allowed: z1 > {at_least(nearest)}"
-            )
-        if z1 > self.farthest:
-            counts = {sheet.values[sheet.counted]: sheet.counted for sheet in self.layered}
-            what = f"with {max(counts)} {counts[max(counts)]}" if counts else f"behind z = {self.places[-1]:g}"
-            raise ValueError(f"z1 = {z1:g}: beyond POV-Ray's range {what}; allowed: z1 <= {at_most(self.farthest)}")
-
-    @property
-    def farthest(self) -> float:
-        """The greatest z1, tiles."""
-        return MAX_DISTANCE / self.tile - self.places[-1]
-
-    def _replaced_by(self, changes: dict[str, object]) -> set[str]:
-        if "window" not in changes:
-            return replaced_by(changes, self.window)
-        changes["window"] = windows = as_windows(changes["window"])  # once: they can be given as an iterator
-        return replaced_by(changes, windows)
-
     @model_validator(mode="after")
-    def _find_indices(self) -> Self:
-        """Set the index of named glasses for light. Checks, renderers and predictions then need the index alone."""
-        object.__setattr__(self, "index", _index_of(self, "", self.wavelength))  # the model is frozen
-        self.model_fields_set.discard("index" if self.glass != "none" else "")
-        found: list[Window] = []
-        for number, window in enumerate(self.window, 2):
-            own = window.model_copy()
-            if own.glass is None and own.index is not None:  # else it would get the first window's glass, and its index
-                object.__setattr__(own, "glass", "none")
-            if own.glass == "none" and own.index is None and has_glass(self):  # the first window's index is its glass's
-                object.__setattr__(own, "index", INDEX.default)
-            object.__setattr__(own, "index", _index_of(own, f"window {number}, ", self.wavelength))
-            if has_glass(own):  # the index is found, not given
-                own.model_fields_set.discard("index")
-            found.append(own)
-        object.__setattr__(self, "window", tuple(found))
-        for name in ("wavelength", "design_wavelength") if not any(map(has_glass, (self, *found))) else ():
-            if (value := getattr(self, name)) != WAVELENGTH:
-                raise ValueError(_for_no_glass(name, value))
-        return self
-
-    @model_validator(mode="after")
-    def _check_shapes(self) -> Self:
-        for number, (window, sheet) in enumerate(zip(self.states, self.sheets, strict=True), 1):
-            values, where = self.values_of(window, SHAPE), f"window {number}, " if number > 1 else ""
-            with _named(where):
-                if number > 1 and window.design_wavelength is not None and values["glass"] == "none":
-                    raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
-                planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
-            if number > 1 and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
-                continue
-            if planned.aspect == 2:
-                raise ValueError(f"{where}aspect = 2: no light would take the designed path; allowed: below 2")
-            if planned.aspect <= (least := planned.least_aspect):
-                raise ValueError(
-                    f"{where}aspect = {planned.aspect:g}: the slanted facets of prisms with index = {planned.index:g} "
-                    f"and base_angle = {planned.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _check_depths_and_eye(self) -> Self:
-        for number, sheet in enumerate(self.sheets, 1):
-            where = f"window {number}, " if number > 1 else ""
-            with _named(where):  # errors out of range, lenses of a shape that does not exist
-                if isinstance(sheet, (PrismPair, Lenticular)):
-                    sheet.check_errors()
-                depth = sheet.depth
-            if not sheet.is_exact and self.window:
-                raise ValueError("error: only for a single window; allowed: no errors with --window")
-            if depth > MAX_DEPTH:
-                assert isinstance(sheet, Layered)  # others have no depth
-                what = "prisms" if isinstance(sheet, Prisms) else "profile"
-                raise ValueError(
-                    f"{where}{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
-                    f"aperture = {self.aperture:g} the sheets would be {depth:.4g} tiles deep; "
-                    f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
-                )
-        nearest = self.depth / 2 + 0.01
-        if self.z2 <= nearest:
-            raise ValueError(
-                f"z2 = {self.z2:g}: the eye would be inside the window frame; allowed: z2 > {at_least(nearest)}"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _show_whole_frame(self) -> Self:
+    def _check_eye_and_windows(self) -> Self:
+        checks.check(self)
         if "view" not in self.model_fields_set:
             object.__setattr__(self, "view", self.default_view)  # the model is frozen
-        return self
-
-    @model_validator(mode="after")
-    def _check_sheets(self) -> Self:
-        # a law is checked even if no window has it
-        for number, window in enumerate(self.states, 1):
-            text, parameters = self.values_of(window, ("law", "parameter")).values()
-            try:
-                Law(text, parameters).check_divisions(parameters)
-            except ValueError as error:
-                where = f"window {number}, law" if number > 1 else "law"
-                raise ValueError(f"{where} = {shown(text)}: {error}") from None
-        return self
-
-    @model_validator(mode="after")
-    def _check_windows(self) -> Self:
-        for number, (before, z) in enumerate(pairwise(self.places), 2):
-            least = before + self.depth + 0.01
-            if z <= least:
-                raise ValueError(
-                    f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
-                    f"allowed: z > {at_least(least)}"
-                )
-        if any(sheet.layers for sheet in self.sheets[: len(self.ideal)]):
-            raise ValueError(
-                "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
-                "them before all prisms; allowed: ideal windows, and those without sheets, first"
-            )
         return self
 
 
@@ -735,7 +263,7 @@ class Chess(Scene):
     @property
     def pieces(self) -> tuple[Standing, ...]:
         """Every piece."""
-        values = [_tuple(value) for value in (self.piece, self.x, self.z1, self.color)]
+        values = [as_tuple(value) for value in (self.piece, self.x, self.z1, self.color)]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
         return tuple(
@@ -779,7 +307,7 @@ class Chess(Scene):
             )
         for piece, _, z1, _, foot in self.pieces:
             what = "the piece" if isinstance(piece, PieceFile) else f"the {piece}"
-            self._check_clear(what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
+            checks.check_clear(self, what, z1, self.depth / 2 + foot + (PEDESTAL_EDGE if self.pedestal else 0))
         for one, other in combinations(self.pieces, 2):
             aside, behind = abs(one.x - other.x), abs(one.z1 - other.z1)
             # pedestals are square, feet are round
@@ -837,8 +365,8 @@ class Spheres(Scene):
     def objects(self) -> tuple[tuple[complex, float], ...]:
         """L (projected onto z = 0) and z1 of every sphere, tiles."""
         if self.z1 is not None:
-            return tuple((self.L, z1) for z1 in _tuple(self.z1))
-        nearest, farthest = self.nearest, self.farthest
+            return tuple((self.L, z1) for z1 in as_tuple(self.z1))
+        nearest, farthest = self.nearest, checks.farthest(self)
         return tuple((self.L, z1) for n in range(-5, 6) if nearest < (z1 := 2.0**n * self.z2) <= farthest)
 
     @property
@@ -865,7 +393,7 @@ class Spheres(Scene):
     def _check_spheres(self) -> Self:
         nearest = self.nearest
         for z1 in self.distances:
-            self._check_clear("the sphere", z1, nearest)
+            checks.check_clear(self, "the sphere", z1, nearest)
         return self
 
 
@@ -915,6 +443,13 @@ def with_seen_files(scene: Scene) -> Scene:
     if any(map(unused, scene.window)):
         changes["window"] = [window.replace(profile=None) if unused(window) else window for window in scene.window]
     return scene.model_copy(update=changes)
+
+
+def used_parameters(scene: Scene) -> set[str]:
+    """Return the names of the sheets' parameters for which at least one window uses the scene's value."""
+    windows = zip((None, *scene.window), scene.sheets, strict=True)
+    named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
+    return {name for window, name in named if window is None or getattr(window, name) is None}
 
 
 def profile_files(scene: Scene) -> list[ProfileFile]:

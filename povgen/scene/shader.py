@@ -11,6 +11,7 @@ from typing import Any
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene.laws import Text, to_live
+from povgen.scene.model import EyeAndWindows
 from povgen.scene.pictures import Picture
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
 from povgen.scene.survey import Survey, max_trace_level
@@ -143,7 +144,7 @@ def _edges(profiles: Sequence[Profile | None]) -> dict[str, Any]:
     return {"profileCounts": [*map(len, several)], "profileEdges": sum(lines, []), "profileRadii": sum(radii, [])}
 
 
-def _prism(scene: Scene, window: Scene | Window) -> Prism:
+def _prism(scene: Scene, window: EyeAndWindows | Window) -> Prism:
     """Return the shape of the prisms in a window. A window without prisms has values for them too."""
     values = scene.values_of(window, ("prisms", *SHAPE))
     return shape_of(values, scene.aperture / values["prisms"])

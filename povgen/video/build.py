@@ -4,19 +4,19 @@ import logging
 import os
 import re
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 from pydantic import Field
 
 from povgen.errors import InputError, one_line, shown
 from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, temporary_folder
 from povgen.progress import bar
-from povgen.record import MAX_FRAMES, check_unasked, in_png
+from povgen.record import MAX_FRAMES, Record, check_unasked, in_png
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, checked_scenes, input_files
@@ -91,55 +91,96 @@ def movie(
     fails. Raises OSError if the encoder fails or the disk is full.
     """
     rendering, progress = Rendering(**options), as_flag("progress", progress)
+    workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
     given: dict[str, Any] = {"frame_rate": frame_rate, "title": title}
     given = {name: value for name, value in given.items() if value is not None}
-    workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    if is_several(spec):
-        film = FilmOptions(**given)
-        rate, title = film.frame_rate, film.title
-        scenes = checked_scenes(spec, MAX_FRAMES)
-        if not scenes:
-            raise InputError(f"no scenes; allowed: 1 to {MAX_FRAMES}")
-        inputs = []
-    elif isinstance(spec, (MovieSpec, str, Path)):
-        loaded = spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)
-        inputs = [] if isinstance(spec, MovieSpec) else [spec_file(spec)]
-        spec = loaded.replace(**given)
-        scenes, rate = spec.scenes(rendering.quality), spec.rate(rendering.quality)
-        title = spec.title
-    else:
-        raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
-    check_views(scenes, rendering)
-    output = checked_movie(output, len(scenes), rate, rendering, [*inputs, *input_files(scenes)])
-    files = sequence(output, len(scenes))
-    if rendering.caption is None and not files:
-        own = ("overlay", "side_view", "note")
-        drawn = {name: getattr(spec, name) for name in own if hasattr(spec, name) and name not in options}
-        rendering = rendering.replace(caption="short", **drawn)
-    record = record_of(scenes, rendering, title or output.stem, rate)
-    tags = {
-        "title": str(record.title),
-        "description": f"povgen {__version__}, {record.renderer}. 'povgen info FILE' prints how it was made.",
-    }
-    target = output.resolve()
+    return planned(film(spec, rendering.quality, given), output, rendering).make(workers, scheduler, progress)
 
-    with ExitStack() as opened:
-        done = opened.enter_context(bar(one_line(output.name), len([*groupby(scenes)]), not progress))
-        folder = opened.enter_context(temporary_folder())
-        frames = opened.enter_context(closing(pictures(scenes, rendering, workers, scheduler, done, movie=True)))
-        if files:
-            # each file's record states the antialiasing of the whole movie; for its scene alone it could differ
-            records = (record_of([scene], record.rendering) for scene in scenes)
-            pngs = (in_png(encode.png(frame), made) for frame, made in zip(frames, records, strict=True))
-            _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
-        else:
-            part = folder / f"movie{output.suffix.lower()}"
-            encode.encode(frames, part, rate, tags, record)
-            save(part, target)
-    if files and (further := target.with_name(output.name % (len(files) + 1))).exists():
-        text = f"povgen: warning: {further.name} was there before: it is not a frame of this movie"
-        logging.getLogger("povgen").warning(text)
-    return Movie(target)
+
+class Film(NamedTuple):
+    """The scenes of a movie's frames, and what else its spec states."""
+
+    scenes: list[Scene]
+    rate: float  # frames a second
+    title: str | None = None
+    drawn: Mapping[str, Any] = {}  # overlay, side_view and note, which are for a movie without a given caption
+    files: Sequence[str | Path | int] = ()  # that were read
+    swept: Sequence[str] = ()  # the names of parameters
+
+
+def film(spec: object, quality: str, given: Mapping[str, Any]) -> Film:
+    """Return the film of a `MovieSpec`, of a movie's name or file, or of scenes. Raises InputError.
+
+    `given` may have a frame_rate and a title, which replace the spec's.
+    """
+    if isinstance(spec, (MovieSpec, str, Path)):
+        loaded = (spec if isinstance(spec, MovieSpec) else MovieSpec.load(spec)).replace(**given)
+        drawn = {name: getattr(loaded, name) for name in ("overlay", "side_view", "note")}
+        files = [] if isinstance(spec, MovieSpec) else [spec_file(spec)]
+        swept = [sweep.parameter for sweep in loaded.sweep]
+        return Film(loaded.scenes(quality), loaded.rate(quality), loaded.title, drawn, files, swept)
+    if not is_several(spec):
+        raise InputError(f"spec = {shown(spec)}: allowed: a MovieSpec, a movie's name or file, or scenes")
+    options = FilmOptions(**given)
+    scenes = checked_scenes(spec, MAX_FRAMES)
+    if not scenes:
+        raise InputError(f"no scenes; allowed: 1 to {MAX_FRAMES}")
+    return Film(scenes, options.frame_rate, options.title)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A movie that can be made: all that a user can get wrong is checked (`planned`)."""
+
+    film: Film
+    rendering: Rendering
+    output: Path
+
+    def make(self, workers: int | None = None, scheduler: str | None = None, progress: bool = True) -> Movie:
+        """Render the movie, as `movie` does, and write its files."""
+        film, output, target = self.film, self.output, self.output.resolve()
+        files = sequence(output, len(film.scenes))
+        rendering = self.rendering
+        if rendering.caption is None and not files:
+            drawn = {name: value for name, value in film.drawn.items() if name not in rendering.model_fields_set}
+            rendering = rendering.replace(caption="short", **drawn)
+        record = record_of(film.scenes, rendering, film.title or output.stem, film.rate)
+
+        with ExitStack() as opened:
+            frames = len([*groupby(film.scenes)])
+            done = opened.enter_context(bar(one_line(output.name), frames, not progress))
+            folder = opened.enter_context(temporary_folder())
+            made = pictures(film.scenes, rendering, workers, scheduler, done, movie=True)
+            opened.enter_context(closing(made))
+            if files:
+                # each record states the antialiasing of the whole movie; for its scene alone it could differ
+                records = (record_of([scene], record.rendering) for scene in film.scenes)
+                pngs = (in_png(encode.png(frame), its) for frame, its in zip(made, records, strict=True))
+                _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
+            else:
+                part = folder / f"movie{output.suffix.lower()}"
+                encode.encode(made, part, film.rate, _tags(record), record)
+                save(part, target)
+        if files and (further := target.with_name(output.name % (len(files) + 1))).exists():
+            text = f"povgen: warning: {further.name} was there before: it is not a frame of this movie"
+            logging.getLogger("povgen").warning(text)
+        return Movie(target)
+
+
+def planned(film: Film, output: str | Path, rendering: Rendering, inputs: Iterable[str | Path | int] = ()) -> Plan:
+    """Return the plan of a movie. Raises InputError if it cannot be made, or not be written there.
+
+    `inputs` are files that povgen reads, besides those of the film.
+    """
+    check_views(film.scenes, rendering)
+    inputs = [*inputs, *film.files, *input_files(film.scenes)]
+    return Plan(film, rendering, checked_movie(output, len(film.scenes), film.rate, rendering, inputs))
+
+
+def _tags(record: Record) -> dict[str, str]:
+    """Return the tags of a movie's file."""
+    about = f"povgen {__version__}, {record.renderer}. 'povgen info FILE' prints how it was made."
+    return {"title": str(record.title), "description": about}
 
 
 def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -> None:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from povgen.optics import equations
 from povgen.scene.pieces import PIECES
+from povgen.scene.predictions import only_rotates
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import Scene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS
@@ -94,7 +95,7 @@ def _moving(scenes: Sequence[Scene], side_view: bool = False) -> list[list[str]]
     imaged = [
         tuple(side_view and bool(np.isnan(image_of(scene, [L], z1)[0])) for L, z1 in scene.objects) for scene in scenes
     ]
-    used = {name for scene in scenes for name in scene.used_parameters}
+    used = {name for scene in scenes for name in used_parameters(scene)}
     rows = [_numbers(scene, used) for scene in scenes]
     found: list[list[str]] = []
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -257,12 +258,12 @@ def facts(scene: Scene) -> dict[str, str]:
     tiles = UNITS["z1"]
     texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
     texts["r"] = _range(equations.r(z1, scene.z2))
-    other = not (scene.only_rotates or scene.sheet == "single")
+    other = not (only_rotates(scene) or scene.sheet == "single")
     if scene.window or other:  # r is for a single window that rotates light
         del texts["r"]
     if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
-    if scene.only_rotates and not scene.is_empty:
+    if only_rotates(scene) and not scene.is_empty:
         nu, M = scene.nu_and_M(z1)
         texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from povgen.optics import apparent
-from povgen.scene.scenes import MAX_ASIDE, Chess, Scene
+from povgen.scene.fields import MAX_ASIDE
+from povgen.scene.scenes import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height

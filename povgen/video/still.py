@@ -7,7 +7,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from itertools import groupby, repeat
 from pathlib import Path
-from typing import Any, Unpack, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +35,11 @@ from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.validation import as_flag, is_several
 from povgen.version import __version__
-from povgen.video import encode
-from povgen.video.captions import Caption, captions
-from povgen.video.overlay import Colour, annotated, common_key
-from povgen.video.side import Extent, extent, side_view
+
+if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from the cache does not need them
+    from povgen.video.captions import Caption
+    from povgen.video.overlay import Colour
+    from povgen.video.side import Extent
 
 SUFFIXES = ".png", ".exr"
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
@@ -147,10 +148,12 @@ def pictures(
         frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
         texts: Sequence[Caption | None] = [None] * len(once)
         shows = said = None
-        if movie and rendering.side_view:
-            shows = extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         if movie and rendering.annotated:
-            texts, said = captions(once, rendering), common_key(once, rendering)
+            from povgen.video import captions, overlay, side
+
+            texts, said = captions.captions(once, rendering), overlay.common_key(once, rendering)
+        if movie and rendering.side_view:
+            shows = side.extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
             waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
@@ -212,6 +215,8 @@ def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = T
     frames = _frames(scene, rendering, quiet)
     if len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:
         return in_png(frames[0], made)
+
+    from povgen.video import encode
 
     shown = picture(frames, scene, rendering)
     return encode.exr(shown, made) if rendering.bits == 32 else in_png(encode.png(shown), made)
@@ -276,9 +281,9 @@ def picture(
     frames: Sequence[bytes],
     scene: Scene,
     rendering: Rendering,
-    caption: Caption | None = None,
-    shows: Extent | None = None,
-    said: Sequence[tuple[str, Colour]] | None = None,
+    caption: "Caption | None" = None,
+    shows: "Extent | None" = None,
+    said: "Sequence[tuple[str, Colour]] | None" = None,
 ) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
@@ -290,11 +295,13 @@ def picture(
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = [read_png(frame) for frame in frames]
     if draws_on(scene, rendering):
+        from povgen.video import overlay, side
+
         shown = views(scene, rendering)
-        said = common_key([scene], rendering) if said is None else said
-        pictures = [annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
+        said = overlay.common_key([scene], rendering) if said is None else said
+        pictures = [overlay.annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
     if rendering.side_view:
-        strips = [side_view(view, *rendering.size, shows) for view in shown]
+        strips = [side.side_view(view, *rendering.size, shows) for view in shown]
         pictures = [np.concatenate(pair) for pair in zip(pictures, strips, strict=True)]
     return composed(pictures, scene, rendering)
 

@@ -1,6 +1,5 @@
 """What can be tried: commands with their parameters, fields of models, and values, right and wrong."""
 
-import inspect
 import itertools
 import re
 import types
@@ -10,12 +9,11 @@ from importlib import import_module
 from pathlib import Path
 
 import annotated_types
-import typer
+import click
 from hypothesis import assume
 from hypothesis import strategies as st
 
 from povgen.cli import app
-from povgen.cli.options import with_options
 from povgen.scene.pieces import PIECES
 from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
@@ -26,15 +24,12 @@ COMMANDS = sorted(app.COMMANDS)
 
 @cache
 def parameters(command):
-    """Return a command's parameters by name: the type (str, Path, bool, list) and the option, '' for an argument."""
+    """Return a command's parameters by name: the type (str, Path or bool) and the option, '' for an argument."""
     found = {}
-    function = import_module(f"povgen.cli.commands.{command}").command
-    for name, parameter in inspect.signature(with_options(function)).parameters.items():
-        kind, info = typing.get_args(parameter.annotation)
-        kinds = typing.get_args(kind) if typing.get_origin(kind) is types.UnionType else [kind]
-        kind = typing.get_origin(kinds[0]) or kinds[0]
-        is_option = isinstance(info, typer.models.OptionInfo)
-        found[name] = kind, (info.param_decls or [f"--{name}"])[-1] if is_option else ""
+    for parameter in import_module(f"povgen.cli.commands.{command}").command.params:
+        kind = Path if parameter.type.name == "Path" else bool if parameter.type is click.BOOL else str
+        names = [max(names, key=len) for names in (parameter.opts, parameter.secondary_opts) if names]
+        found[parameter.name] = kind, "/".join(names) if isinstance(parameter, click.Option) else ""
     return found
 
 

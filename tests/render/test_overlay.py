@@ -13,7 +13,7 @@ from povgen import Chess, InputError, Spheres
 from povgen.optics import equations
 from povgen.rendering.views import views
 from povgen.scene import camera
-from povgen.scene.scenes import VIEW
+from povgen.scene.model import VIEW
 from povgen.settings import Rendering
 from povgen.video import captions, encode, overlay, still
 from povgen.video.text import STRIP, TEXT, _font, _runs, text_width

@@ -14,7 +14,7 @@ from povgen import Chess, Rendering, Spheres, render, to_pov
 from povgen.optics import equations
 from povgen.rendering import frames, povray
 from povgen.scene import camera
-from povgen.scene.scenes import APERTURE, VIEW
+from povgen.scene.model import APERTURE, VIEW
 from povgen.video import overlay, still
 
 WIDTH, HEIGHT = SIZE = 240, 180

@@ -6,8 +6,8 @@ import shutil
 import charts as benchmark
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from conftest import PROJECT
-from typer.testing import CliRunner
 
 from povgen import Chess, to_pov
 from povgen.cli.app import app

@@ -140,7 +140,7 @@ def test_what_real_glass_does(way, monkeypatch):
 
 def test_the_command(tmp_path, monkeypatch):
     """Status 0 and all figures where bounds hold, 1 where one does not; nothing measured for what cannot be."""
-    from typer.testing import CliRunner
+    from click.testing import CliRunner
 
     from povgen.cli.app import app
 

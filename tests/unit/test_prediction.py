@@ -10,9 +10,9 @@ from povgen.optics.prism import Prism
 from povgen.optics.trace import End
 from povgen.scene import camera, survey, warnings
 from povgen.scene.cells import camera_cells, grid_error
+from povgen.scene.model import VIEW
 from povgen.scene.pieces import PieceFile
 from povgen.scene.quantities import seen
-from povgen.scene.scenes import VIEW
 from povgen.settings import Rendering
 
 

@@ -10,7 +10,9 @@ from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene import camera
-from povgen.scene.scenes import APERTURE, SCENES, VIEW
+from povgen.scene.checks import farthest
+from povgen.scene.model import APERTURE, VIEW
+from povgen.scene.scenes import SCENES
 
 
 def test_eye_and_object_move_on_their_own():
@@ -114,7 +116,7 @@ def test_a_complex_distance_is_refused():
 
 def test_sheets_are_up_to_100_tiles_deep():
     thick = {"prisms": 1, "aperture": 10, "z1": 150, "z2": 150}
-    assert 99.9 < Chess(aspect=1.174, **thick).sheets_depth < 100
+    assert 99.9 < Chess(aspect=1.174, **thick).depth / 1.02 < 100
     with pytest.raises(InputError, match="would be 100.1 tiles deep; allowed: up to 100 tiles"):
         Chess(aspect=1.175, **thick)
 
@@ -134,7 +136,7 @@ def test_a_prism_is_at_least_a_unit_wide():
     for prisms, aperture in ((100, 2.4), (3000, 2.4), (3000, 0.5), (3000, 10), (1, 10)):
         scene = Chess(prisms=prisms, aperture=aperture, z1=60, z2=60)
         assert scene.tile >= 1000 and scene.tile * scene.prism.pitch > 1.199
-        assert scene.farthest == 5e6 / scene.tile
+        assert farthest(scene) == 5e6 / scene.tile
 
 
 @pytest.mark.parametrize("name", ["index", "base_angle", "gap", "aspect", "aperture"])

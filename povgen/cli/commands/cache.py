@@ -2,18 +2,18 @@
 
 from errno import EACCES
 from pathlib import Path
-from typing import Annotated
 
-import typer
+import click
 
+from povgen.cli.command import Argument, Command
 from povgen.errors import InputError, one_line
 from povgen.progress import counted, tell
 from povgen.rendering import cache
 
 
-def command(
-    what: Annotated[str, typer.Argument(metavar="info|clear", help="print what the cache holds, or empty it")],
-) -> None:
+@click.command("cache", cls=Command)
+@click.argument("what", cls=Argument, metavar="info|clear", help="print what the cache holds, or empty it")
+def command(what: str) -> None:
     """Print what the cache holds, or empty it.
 
     The cache keeps frames, ray traces and the shapes of your own pieces for later runs. POVGEN_CACHE names its folder.

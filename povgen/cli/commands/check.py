@@ -1,12 +1,14 @@
 """The command povgen check."""
 
-import typer
+import click
 
 from povgen.cli.checkup import faults
+from povgen.cli.command import Command
 from povgen.progress import tell
 
 
+@click.command("check", cls=Command)
 def command() -> None:
     """Test POV-Ray, cache, sandbox and encoder with a small frame and movie, and say how to mend what does not work."""
     if list(faults(tell)):
-        raise typer.Exit(1)
+        raise click.exceptions.Exit(1)

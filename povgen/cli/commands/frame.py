@@ -1,46 +1,36 @@
 """The command povgen frame."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
-import typer
+import click
 
-from povgen.cli.options import (
-    DryRun,
-    Quiet,
-    Source,
-    Tolerance,
-    Values,
-    again,
-    auto_tolerance,
-    chosen,
-    output_to,
-    scene_of,
-    split,
-    takes,
-)
-from povgen.cli.report import tell_if_long, warn
+from povgen.cli import options
+from povgen.cli.command import Argument, Command, fields
 from povgen.errors import InputError
 from povgen.files import checked_output, save
-from povgen.progress import tell, wrote
+from povgen.progress import wrote
 from povgen.record import check_unasked
-from povgen.rendering import cache
-from povgen.rendering.estimate import describe, estimate
-from povgen.scene.scenes import Scene, input_files
+from povgen.scene.scenes import input_files
 from povgen.video.still import SUFFIXES, as_file, rendering_for
 
 
-@takes("scenes", "rendering")
+@click.command("frame", cls=Command)
+@click.argument("scene", cls=Argument, metavar="[SCENE]", required=False, help="chess or spheres; none with --from")
+@options.source
+@options.output("FILE", "the file to write, .png or .exr (default frame.png)")
+@options.tolerance
+@options.dry_run
+@options.quiet
+@fields("scenes", "rendering", auto=True)
 def command(
-    scene: Annotated[
-        str | None, typer.Argument(metavar="[SCENE]", help="chess or spheres; none with --from", show_default=False)
-    ] = None,
-    source: Source = None,
-    output: Annotated[Path | None, output_to("FILE", "the file to write, .png or .exr (default frame.png)")] = None,
-    tolerance: Tolerance = None,
-    dry_run: DryRun = False,
-    quiet: Quiet = False,
-    **values: object,
+    scene: str | None,
+    source: Path | None,
+    output: Path | None,
+    tolerance: str | None,
+    dry_run: bool,
+    quiet: bool,
+    **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Render a scene to a PNG or EXR file, or one again --from its file.
 
@@ -51,35 +41,23 @@ def command(
         raise InputError(f"scene{reason}; allowed: chess or spheres, or else --from FILE")
     first = None
     if source is not None:
-        record, (first, *others), values = again(source, output, values, quiet)
+        record, (first, *others), values = options.again(source, output, values, quiet)
         if record.frame_rate is not None:
             raise InputError(f"from = {str(source)!r}: a movie of {len(others) + 1} frames; allowed: a picture")
-
-    def made_with(values: Values) -> Scene:
-        return first.replace(**values) if first else scene_of(str(scene), values)
-
-    values, options = split(values)
-    limit, renderers = auto_tolerance(values, options, tolerance)
-    if dry_run and limit is not None:
-        raise InputError("dry-run: not with --sheet auto, which renders to choose; allowed: one of them")
-    made = made_with(values if limit is None else values | {"sheet": "detailed"})
-    named = output
+    values, chosen = options.split(values)
+    automatic = options.automatic(values, chosen, tolerance, dry_run)
+    if automatic is not None:
+        values["sheet"] = "detailed"
+    made = first.replace(**values) if first else options.scene_of(str(scene), values)
     inputs: list[str | Path] = [*input_files([made]), *([source] if source else [])]
-    output = checked_output(named or "frame.png", SUFFIXES, inputs=inputs)
-    rendering = rendering_for(output, options)
-    check_unasked([] if named or dry_run else [output])
-    if limit is not None:
-        options["bits"] = rendering.bits
-        choice = chosen([made], options, limit, renderers, quiet)
-        values["sheet"], options["antialias"], options["renderer"] = choice
-        made, rendering = made_with(values), rendering_for(output, options)
-    if dry_run:
-        return tell(describe([made], rendering, estimate([made], rendering)))
-    cache.check()
-    if not quiet:
-        tell_if_long([made], rendering)
-        # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
-        warn(values if limit is None else {}, [made], rendering)
-    save(as_file(made, rendering, quiet=quiet), output)
-    if not quiet:
-        wrote(output)
+    file = checked_output(output or "frame.png", SUFFIXES, inputs=inputs)
+    rendering = rendering_for(file, chosen)
+    check_unasked([] if output or dry_run else [file])
+    if automatic is not None:
+        sheet, choice = automatic.choose([made], {**chosen, "bits": rendering.bits}, quiet)
+        made, rendering = made.replace(**sheet), rendering_for(file, {**chosen, **choice})
+    # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
+    if options.ready([made], rendering, values if automatic is None else {}, dry_run, quiet):
+        save(as_file(made, rendering, quiet=quiet), file)
+        if not quiet:
+            wrote(file)

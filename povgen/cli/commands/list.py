@@ -1,7 +1,8 @@
 """The command povgen list."""
 
-from povgen.cli.layout import columns, item
-from povgen.cli.options import described
+import click
+
+from povgen.cli.command import Command, columns, described, item
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
 from povgen.scene.pieces import PIECES
@@ -11,6 +12,7 @@ from povgen.sheets import SHEETS
 from povgen.sheets.parameters import WAVELENGTH
 
 
+@click.command("list", cls=Command)
 def command() -> None:
     """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
 

@@ -1,195 +1,137 @@
 """The command povgen movie."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
-import typer
+import click
 
-from povgen.cli.options import (
-    DryRun,
-    Quiet,
-    Scheduler,
-    Source,
-    Tolerance,
-    Values,
-    Workers,
-    again,
-    auto_tolerance,
-    chosen,
-    output_to,
-    split,
-    takes,
-)
-from povgen.cli.report import tell_if_long, warn
+from povgen.cli import options
+from povgen.cli.command import Argument, Command, fields
+from povgen.cli.options import Values
 from povgen.errors import InputError, TransientError, one_line
 from povgen.progress import bar, counted, tell, wrote
 from povgen.record import check_unasked
-from povgen.rendering import cache
-from povgen.rendering.estimate import describe, estimate
 from povgen.rendering.frames import missing, render_all, shard
 from povgen.rendering.parallel import checked_scheduler, worker_count
-from povgen.scene.scenes import SCENES, Scene, input_files
+from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
 from povgen.settings import Rendering
-from povgen.video.build import FilmOptions, check_views, checked_movie
-from povgen.video.build import movie as make
+from povgen.video.build import Film, FilmOptions, Plan, check_views, film, planned
 
 
-@takes("scenes", "rendering")
+@click.command("movie", cls=Command)
+@click.argument(
+    "spec",
+    cls=Argument,
+    metavar="[SPEC]",
+    required=False,
+    help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene (chess or "
+    "spheres); none with --from",
+)
+@options.source
+@click.option(
+    "--sweep",
+    metavar="NAME=START:STOP",
+    multiple=True,
+    help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. The spacing can be "
+    ":linear or :log. Give it once for each parameter",
+)
+@click.option("--frames", metavar="N", help="frames from start to stop, at every quality, 2 to 10000")
+@click.option("--frame-rate", metavar="RATE", help="frames a second at quality standard, or of --frames, 0.1 to 120")
+@click.option("--ease/--no-ease", default=None, help="whether the sweeps start and stop gently")
+@click.option("--hold", metavar="SECONDS", help="how long both ends, and the frame at via, stay, 0 to 10")
+@click.option("--loop/--no-loop", default=None, help="whether the movie goes there and back")
+@options.output("FILE", ".mp4, .webm, .webp, .gif, or frames/%04d.png for a file of each frame (default: NAME.mp4)")
+@options.workers
+@options.scheduler
+@click.option(
+    "--shard", "part", metavar="I/N", help="only render every N-th frame, starting with the I-th; make no movie"
+)
+@options.tolerance
+@options.dry_run
+@options.quiet
+@fields("scenes", "rendering", auto=True)
 def command(
-    spec: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[SPEC]",
-            help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene "
-            "(chess or spheres); none with --from",
-            show_default=False,
-        ),
-    ] = None,
-    source: Source = None,
-    sweep: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=START:STOP",
-            help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. "
-            "The spacing can be :linear or :log. Give it once for each parameter",
-        ),
-    ] = None,
-    frames: Annotated[
-        str | None,
-        typer.Option(metavar="N", help="frames from start to stop, at every quality, 2 to 10000"),
-    ] = None,
-    frame_rate: Annotated[
-        str | None,
-        typer.Option(metavar="RATE", help="frames a second at quality standard, or of --frames, 0.1 to 120"),
-    ] = None,
-    ease: Annotated[
-        bool | None,
-        typer.Option("--ease/--no-ease", help="whether the sweeps start and stop gently", show_default=False),
-    ] = None,
-    hold: Annotated[
-        str | None,
-        typer.Option(metavar="SECONDS", help="how long both ends, and the frame at via, stay, 0 to 10"),
-    ] = None,
-    loop: Annotated[
-        bool | None, typer.Option("--loop/--no-loop", help="whether the movie goes there and back", show_default=False)
-    ] = None,
-    output: Annotated[
-        Path | None,
-        output_to("FILE", ".mp4, .webm, .webp, .gif, or frames/%04d.png for a file of each frame (default: NAME.mp4)"),
-    ] = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    part: Annotated[
-        str | None,
-        typer.Option(
-            "--shard", metavar="I/N", help="only render every N-th frame, starting with the I-th; make no movie"
-        ),
-    ] = None,
-    tolerance: Tolerance = None,
-    dry_run: DryRun = False,
-    quiet: Quiet = False,
-    **values: object,
+    spec: str | None,
+    source: Path | None,
+    sweep: Sequence[str],
+    output: Path | None,
+    workers: str | None,
+    scheduler: str | None,
+    part: str | None,
+    tolerance: str | None,
+    dry_run: bool,
+    quiet: bool,
+    **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Render a movie, or one again --from its file. Finished frames stay in the cache.
 
     Options for the scene replace values that the spec fixes.
     """
-    given: Values = {"frames": frames, "frame_rate": frame_rate, "ease": ease, "hold": hold, "loop": loop}
+    given = {name: values.pop(name) for name in ("frames", "frame_rate", "ease", "hold", "loop")}
     given = {name: value for name, value in given.items() if value is not None}
-    given |= {"exact_frames": True, "hold": given.get("hold", 0)} if frames else {}
-    loaded, values, options = _loaded(spec, source, sweep, given, values, quiet)
+    if "frames" in given:
+        given |= {"exact_frames": True, "hold": given.get("hold", 0)}
+    film_with, values, chosen = _loaded(spec, source, sweep, given, values, quiet)
     count, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    limit, renderers = auto_tolerance(values, options, tolerance)
-    if dry_run and limit is not None:
-        raise InputError("dry-run: not with --sheet auto, which renders to choose; allowed: one of them")
-    made = loaded.with_fixed(values if limit is None else values | {"sheet": "detailed"})
-    rendering = Rendering(**options)
-    scenes = made.scenes(rendering.quality)
+    automatic = options.automatic(values, chosen, tolerance, dry_run)
+    rendering = Rendering(**chosen)
+    made = film_with(values if automatic is None else {**values, "sheet": "detailed"}, rendering.quality)
+    file = output or Path(f"{'movie' if spec == '-' else Path(source or spec or '').stem}.mp4")
     if part is not None:
         _check_shard(part, scheduler, output)
-    read = source or spec or ""
-    named = output
-    output = output or Path(f"{'movie' if spec == '-' else Path(read).stem}.mp4")
-    if part is None:
+        check_views(made.scenes, rendering)
+    else:
         # a dry run writes nothing: then the default output may be the source
-        own = [] if sweep or dry_run and not named else [source or spec_file(read)]
-        inputs = [*input_files(scenes), *own]
-        checked_movie(output, len(scenes), made.rate(rendering.quality), rendering, inputs)
-        check_unasked([] if named or dry_run else [output])
-    if limit is not None:
-        check_views(scenes, rendering)
-        choice = chosen(scenes, options, limit, renderers, quiet, scheduler)
-        values["sheet"], options["antialias"], options["renderer"] = choice
-        made, rendering = loaded.with_fixed(values), Rendering(**options)
-        scenes = made.scenes(rendering.quality)
-    scenes, rendering = _shard(scenes, rendering, part)
-    check_views(scenes, rendering)
-    if dry_run:
-        return tell(describe(scenes, rendering, estimate(scenes, rendering)))
-    cache.check()
-    if not quiet:
-        tell_if_long(scenes, rendering)
-        swept = dict.fromkeys(each.parameter for each in getattr(made, "sweep", ()))
-        # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
-        warn(swept | values if limit is None else {}, scenes, rendering)
+        own = [] if sweep or dry_run and not output else [source or spec_file(str(spec))]
+        file = planned(made, file, rendering, own).output
+        check_unasked([] if output or dry_run else [file])
+    if automatic is not None:
+        sheet, choice = automatic.choose(made.scenes, chosen, quiet, scheduler)
+        made, rendering = film_with({**values, **sheet}, rendering.quality), Rendering(**{**chosen, **choice})
+    scenes, sampled = _shard(made.scenes, rendering, part)
+    # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
+    used = dict.fromkeys(made.swept) | values if automatic is None else {}
+    if not options.ready(scenes, sampled, used, dry_run, quiet):
+        return
     if part is not None:
-        return _render_shard(part, scenes, rendering, count, quiet)
-    what = scenes if isinstance(made, _Recorded) else made
-    more = {"workers": count, "scheduler": scheduler, "progress": not quiet, **options}
-    make(what, output, frame_rate=made.frame_rate, title=made.title, **more)
+        return _render_shard(part, scenes, sampled, count, quiet)
+    Plan(made, rendering, file).make(count, scheduler, not quiet)
     if not quiet:
-        wrote(output)
-
-
-@dataclass(frozen=True)
-class _Recorded:
-    """A movie's frames, from its record."""
-
-    frames: list[Scene]
-    frame_rate: float
-    title: str | None
-
-    def with_fixed(self, values: Values) -> "_Recorded":
-        return replace(self, frames=[scene.replace(**values) for scene in self.frames])
-
-    def scenes(self, _quality: str) -> list[Scene]:
-        return self.frames
-
-    def rate(self, _quality: str) -> float:
-        return self.frame_rate
+        wrote(file)
 
 
 def _loaded(
-    spec: str | None, source: Path | None, sweeps: list[str] | None, given: Values, values: Values, quiet: bool
-) -> "tuple[MovieSpec | _Recorded, Values, Values]":
-    """Return the movie, with these values of the spec, and the values of scenes and rendering. Raises InputError.
+    spec: str | None, source: Path | None, sweeps: Sequence[str], given: Values, values: Values, quiet: bool
+) -> tuple[Callable[[Values, str], Film], Values, Values]:
+    """Return the movie with these values of its spec, and the values of scenes and of the rendering. Raises InputError.
 
-    The values of the scenes are not in the movie yet.
+    The movie is a function: it returns the film for values of the scenes and for a quality.
     """
     if source is None:
         if spec is None:
             raise InputError(
                 "spec: missing; allowed: a TOML file, a movie's name, a scene with --sweep, or --from FILE"
             )
-        values, options = split(values)
-        fixed = {name: value for name, value in values.items() if value != "auto"}
-        return _movie_of(spec, sweeps, given, fixed), values, options
+        values, rendering = options.split(values)
+        loaded = _movie_of(spec, sweeps, given, {name: value for name, value in values.items() if value != "auto"})
+        return lambda values, quality: film(loaded.with_fixed(values), quality, {}), values, rendering
 
     of_spec = {name: value for name, value in given.items() if name != "frame_rate"}
-    for name, value in {"spec": spec, "sweep": sweeps, **of_spec}.items():
+    for name, value in {"spec": spec, "sweep": sweeps or None, **of_spec}.items():
         if value is not None:
             raise InputError(f"{name} = {value!r}: not with --from, which makes the same frames; allowed: one of them")
-    record, scenes, values = again(source, None, values, quiet)
+    record, scenes, values = options.again(source, None, values, quiet)
     if record.frame_rate is None:
         raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
     rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate
     title = one_line(record.title or "")[:200] or None  # if it is the name of a file, it can be longer
-    return _Recorded(scenes, rate, title), *split(values)
+    values, rendering = options.split(values)
+    return lambda values, _: Film([scene.replace(**values) for scene in scenes], rate, title), values, rendering
 
 
-def _movie_of(spec: str, sweeps: list[str] | None, values: Values, fixed: Values) -> MovieSpec:
+def _movie_of(spec: str, sweeps: Sequence[str], values: Values, fixed: Values) -> MovieSpec:
     """Return the movie of a spec, or of a scene and its sweeps, with these values of the spec and the scene.
 
     Raises InputError.

@@ -1,11 +1,12 @@
 """The command povgen pov."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
-import typer
+import click
 
-from povgen.cli.options import SceneName, output_to, scene_of, split, takes
+from povgen.cli import options
+from povgen.cli.command import Command, fields
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import checked_output, save
@@ -15,31 +16,27 @@ from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
 
 
-@takes("scenes", "sampling")
-def command(
-    scene: SceneName,
-    output: Annotated[Path | None, output_to("FILE", "the file to write")] = None,
-    part: Annotated[
-        str | None,
-        typer.Option(metavar="sheets", help="write the sheets alone (.inc), to #include in a scene of your own"),
-    ] = None,
-    **values: object,
-) -> None:
+@click.command("pov", cls=Command)
+@options.scene
+@options.output("FILE", "the file to write")
+@click.option("--part", metavar="sheets", help="write the sheets alone (.inc), to #include in a scene of your own")
+@fields("scenes", "sampling")
+def command(scene: str, output: Path | None, part: str | None, **values: Any) -> None:  # noqa: ANN401
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
     The source's header states the command with which POV-Ray makes the same picture as povgen frame does.
     The pictures of --sky and --floor, which the source names, are written beside the file of -o.
     """
-    values, options = split(values)
-    made = scene_of(scene, values)
+    values, sampling = options.split(values)
+    made = options.scene_of(scene, values)
     if part not in (None, "sheets"):
         raise InputError(f"part = {part!r}: allowed: sheets")
-    if part and options:
-        raise InputError(f"part = {part!r}, {next(iter(options))}: the picture is not povgen's; allowed: one of them")
+    if part and sampling:
+        raise InputError(f"part = {part!r}, {next(iter(sampling))}: the picture is not povgen's; allowed: one of them")
     if output is not None:
         output = checked_output(output, [".inc" if part else ".pov"], inputs=input_files([made]))
     name = "scene.pov" if output is None else output.name
-    text = to_sheets(made) if part else to_pov(made, file=name, **options)
+    text = to_sheets(made) if part else to_pov(made, file=name, **sampling)
     warn(values, [made])
     for outline in made.outlines:
         say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")

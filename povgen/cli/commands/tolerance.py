@@ -1,96 +1,102 @@
 """The command povgen tolerance."""
 
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
-import typer
+import click
 from rich.console import Console
 from rich.table import Table
 
-from povgen.cli.options import SceneName, Scheduler, output_to, scene_of, takes
+from povgen.cli import options
+from povgen.cli.command import Command, fields
 from povgen.cli.report import warn_unused
 from povgen.errors import InputError, one_line
 from povgen.files import checked_output
+from povgen.measure import tolerance
 from povgen.progress import tell
 from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
-from povgen.scene.scenes import input_files
+from povgen.scene.scenes import Scene, input_files
 from povgen.sheets.prisms import ERRORS
 
 
-@takes("scenes")
+@click.command("tolerance", cls=Command)
+@options.scene
+@click.option(
+    "--deviation",
+    metavar="NAME=NUMBER",
+    multiple=True,
+    help="standard deviation of an error of --error, such as turn=0.05; can be repeated",
+)
+@click.option("--builds", metavar="N", help="how many random builds, 1 to 100000 (default 200)")
+@click.option("--seed", metavar="N", help="seed of the random numbers of the builds (default 1)")
+@click.option(
+    "--workers", metavar="N", help="how many processes compute at once, 1 to 256 (default: one for each core)"
+)
+@options.scheduler
+@options.output(
+    "FILE",
+    "also draw a chart into this .png file, and write its numbers beside it, as .csv: of random builds, or without "
+    "--deviation of each error",
+)
+@fields("scenes")
 def command(
-    scene: SceneName,
-    deviation: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=NUMBER",
-            help="standard deviation of an error of --error, such as turn=0.05; can be repeated",
-        ),
-    ] = None,
-    builds: Annotated[
-        str | None, typer.Option(metavar="N", help="how many random builds, 1 to 100000 (default 200)")
-    ] = None,
-    seed: Annotated[
-        str | None, typer.Option(metavar="N", help="seed of the random numbers of the builds (default 1)")
-    ] = None,
-    workers: Annotated[
-        str | None,
-        typer.Option(
-            metavar="N", help="how many processes compute at once, 1 to 256", show_default="one for each core"
-        ),
-    ] = None,
-    scheduler: Scheduler = None,
-    output: Annotated[
-        Path | None,
-        output_to(
-            "FILE",
-            "also draw a chart into this .png file, and write its numbers beside it, as .csv: of random builds, or "
-            "without --deviation of each error",
-        ),
-    ] = None,
-    **values: object,
+    scene: str,
+    deviation: Sequence[str],
+    builds: str | None,
+    seed: str | None,
+    workers: str | None,
+    scheduler: str | None,
+    output: Path | None,
+    **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
-    from povgen.measure import tolerance
-
-    made, count = scene_of(scene, values), worker_count(workers)
+    made, count = options.scene_of(scene, values), worker_count(workers)
     warn_unused(values, [made])
     given = {name: value for name, value in (("builds", builds), ("seed", seed)) if value is not None}
-    spread = tolerance.Spread(deviation=deviation or [], **given)
+    spread = tolerance.Spread(deviation=deviation, **given)
     if given and not deviation:
         name = next(iter(given))
         raise InputError(f"{name} = {given[name]}: no random builds; allowed: with --deviation, such as turn=0.1")
     random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
+    output, table_file = _checked_files(output, made)
     if output:
-        output = checked_output(output, [".png"], inputs=input_files([made]))
-        table_file = checked_output(output.with_suffix(".csv"), [".csv"], inputs=input_files([made]))
-        check_unasked([table_file])
-        from povgen.measure import charts  # says what is missing before anything is traced
+        from povgen.measure import charts  # needs matplotlib, and says so before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
-    console = Console(width=None if sys.stdout.isatty() else 120)
-    columns = ("displaced, arcmin", "turned, degrees", "magnified, %", "blurred, arcmin")
-    table = Table("a unit of the error", *columns, title="what each error changes")
-    for name, change in found.items():
-        unit = {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of")
-        table.add_row(f"{unit} {name}", *(f"{float(value):.3g}" for value in change))
-    console.print(table)
+    units = {name: {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of") for name in found}
+    _print("what each error changes", "a unit of the error", ((f"{units[name]} {name}", found[name]) for name in found))
     if output and not random:
         charts.save_sensitivities(found, output)
     if random:
         differing = tolerance.builds(made, random, count, scheduler)
         deviations = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
-        table = Table(
-            "of the builds",
-            *columns,
-            title=f"{spread.builds} build{'s' * (spread.builds > 1)} with the standard deviations {deviations}",
+        title = f"{spread.builds} build{'s' * (spread.builds > 1)} with the standard deviations {deviations}"
+        percentiles = (
+            (f"{percent} %: at most", [tolerance.percentile(change, percent) for change in differing])
+            for percent in tolerance.PERCENTILES
         )
-        for percentile in tolerance.PERCENTILES:
-            row = (f"{tolerance.percentile(change, percentile):.3g}" for change in differing)
-            table.add_row(f"{percentile} %: at most", *row)
-        console.print(table)
+        _print(title, "of the builds", percentiles)
         if output:
             charts.save_builds(differing, spread.deviation, output)
-    if output:
+    if output and table_file:
         tell(f"wrote {one_line(str(output))} and {one_line(table_file.name)}")
+
+
+def _checked_files(output: Path | None, scene: Scene) -> tuple[Path | None, Path | None]:
+    """Return the files of the chart and of its numbers. Raises InputError if one of them cannot be written."""
+    if output is None:
+        return None, None
+    output = checked_output(output, [".png"], inputs=input_files([scene]))
+    table_file = checked_output(output.with_suffix(".csv"), [".csv"], inputs=input_files([scene]))
+    check_unasked([table_file])
+    return output, table_file
+
+
+def _print(title: str, first: str, rows: Iterable[tuple[str, Iterable[float]]]) -> None:
+    """Print a table of changes, with a name for each row."""
+    table = Table(first, "displaced, arcmin", "turned, degrees", "magnified, %", "blurred, arcmin", title=title)
+    for name, change in rows:
+        table.add_row(name, *(f"{float(value):.3g}" for value in change))
+    Console(width=None if sys.stdout.isatty() else 120).print(table)

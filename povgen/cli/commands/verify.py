@@ -9,14 +9,14 @@ from io import StringIO
 from json import dumps
 from math import isfinite
 from pathlib import Path
-from typing import Annotated
 
-import typer
+import click
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from povgen.cli.options import made_folder, output_to
+from povgen.cli import options
+from povgen.cli.command import Command
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.measure.measured import Measured
@@ -24,27 +24,24 @@ from povgen.rendering import gl_runner, povray
 from povgen.version import __version__
 
 
+@click.command("verify", cls=Command)
+@click.option("--sheet", metavar="ideal|detailed", help="one model of the sheets (default both)")
+@click.option("--json", "json_file", type=Path, metavar="FILE", help="also write the values to a .json file")
+@click.option("--html", type=Path, metavar="FILE", help="also write a page with the table and the maps (.html)")
+@click.option("--stability", is_flag=True, help="measure where methods fail, draw it as maps, and check the limits")
+@click.option("--gl", is_flag=True, help="measure the renderer gl and the live view's shaders instead (needs moderngl)")
+@click.option(
+    "--live", is_flag=True, help="compare the live view in a Chromium with the renderer gl (needs playwright)"
+)
+@options.output("FOLDER", "folder for the maps (default stability)")
 def command(
-    sheet: Annotated[
-        str | None, typer.Option(metavar="ideal|detailed", help="one model of the sheets (default both)")
-    ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="also write the values to a .json file")
-    ] = None,
-    html: Annotated[
-        Path | None,
-        typer.Option("--html", metavar="FILE", help="also write a page with the table and the maps (.html)"),
-    ] = None,
-    stability: Annotated[
-        bool, typer.Option("--stability", help="measure where methods fail, draw it as maps, and check the limits")
-    ] = False,
-    gl: Annotated[
-        bool, typer.Option("--gl", help="measure the renderer gl and the live view's shaders instead (needs moderngl)")
-    ] = False,
-    live: Annotated[
-        bool, typer.Option("--live", help="compare the live view in a Chromium with the renderer gl (needs playwright)")
-    ] = False,
-    output: Annotated[Path | None, output_to("FOLDER", "folder for the maps (default stability)")] = None,
+    sheet: str | None,
+    json_file: Path | None,
+    html: Path | None,
+    stability: bool,
+    gl: bool,
+    live: bool,
+    output: Path | None,
 ) -> None:
     """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
     _check_options(sheet, stability, gl, live, output)
@@ -80,7 +77,7 @@ def command(
         rows = [{**asdict(m), "value": m.value if isfinite(m.value) else None, "holds": m.holds} for m in found]
         save((dumps({"versions": versions, "figures": rows}, indent=2, default=float) + "\n").encode(), json_file)
     if not all(measured.holds for measured in found):
-        raise typer.Exit(1)
+        raise click.exceptions.Exit(1)
 
 
 def _versions(gl: bool, live: bool) -> dict[str, str]:
@@ -104,7 +101,7 @@ def _base64(file: Path) -> str:
 def _maps_folder(output: Path) -> AbstractContextManager[Path]:
     from povgen.measure.stability import NAMES
 
-    return made_folder(output, {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES})
+    return options.made_folder(output, {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES})
 
 
 def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, output: Path | None) -> None:
@@ -120,6 +117,6 @@ def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, out
 
 
 def _checks(sheet: str | None, gl: bool, live: bool) -> Iterator[Measured]:
-    from povgen.measure import verify, verify_gl, verify_live
+    from povgen.measure import verify, verify_gl, verify_live  # slow to load
 
     return verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet)

@@ -1,0 +1,193 @@
+"""A command of the command line: its options from the fields of models, how it is run, and the layout of its help."""
+
+import logging
+import os
+import re
+from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
+from shutil import get_terminal_size
+from textwrap import wrap
+from typing import Any, TypeVar, get_args, get_origin
+
+import click
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from povgen.errors import InputError
+from povgen.scene import mesh
+from povgen.scene.scenes import SCENES, Scene
+from povgen.settings import Rendering, Sampling
+from povgen.sheets import PAPER, PARAMETERS, USED_BY
+
+F = TypeVar("F", bound=Callable[..., Any])
+OTHERS = "Parameters of other sheets, which povgen list explains"
+INDENT = 20  # characters before the text that says what an option does, in a help
+AUTO = {
+    "sheet": "; or auto: the cheapest within --tolerance",
+    "renderer": "; or auto, with --sheet auto: the cheapest within --tolerance",
+}
+
+
+class Argument(click.Argument):
+    """An argument with a text for the help, as click's own have from 8.4 on."""
+
+    def __init__(self, names: Sequence[str], *, help: str, **more: Any) -> None:  # noqa: A002, ANN401  (as click has it)
+        super().__init__(names, **more)
+        self.help = help
+
+
+class FieldOption(click.Option):
+    """An option for a field of a model. Its value is text, which the model checks; a switch is --x or --no-x."""
+
+    def __init__(self, name: str, owners: list[tuple[str, FieldInfo]], more: str) -> None:
+        """Make the option of a field, with the scenes that have it. `more` is added to the help.
+
+        If the field differs between scenes, the help names the scenes.
+        """
+        texts = {described(field): owner for owner, field in owners}
+        about = "; ".join(f"{owner}: {text}" if len(texts) > 1 else text for text, owner in texts.items()) + more
+        flag, kind = name.replace("_", "-"), owners[0][1].annotation
+        several = any(_takes_several(field.annotation) for _, field in owners)
+        super().__init__(
+            [f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}", name],
+            default=None,  # the user did not give it; for a movie, the spec then decides
+            type=bool if kind is bool else str,
+            multiple=several,
+            help=about + "; can be repeated" * several,
+            metavar=None if kind is bool else name.upper(),
+        )
+        self.group = _group(name)
+
+
+class Command(click.Command):
+    """A command whose function gets, in its **values, what the user gives for fields of models: text and Booleans."""
+
+    def __init__(self, *names: Any, **more: Any) -> None:  # noqa: ANN401  (as click declares it)
+        super().__init__(*names, **more)
+        self.context_settings = {"help_option_names": ["-h", "--help"]}
+
+    def invoke(self, context: click.Context) -> Any:  # noqa: ANN401  (as click declares it)
+        """Call the command's function, without warnings if --quiet is given."""
+        given = context.params
+        repeated = {name: value for name, value in given.items() if isinstance(value, tuple) and value}
+        for field in (parameter for parameter in self.params if isinstance(parameter, FieldOption)):
+            value = given.pop(str(field.name))
+            if value not in (None, ()):
+                given[str(field.name)] = value[0] if isinstance(value, tuple) and len(value) == 1 else value
+        logger = logging.getLogger("povgen")
+        level = logger.level
+        try:
+            logger.setLevel("ERROR" if given.get("quiet") else level)
+            return super().invoke(context)
+        except InputError as error:
+            raise InputError(f"{error}{_repeat(str(error), repeated)}") from None
+        finally:
+            logger.setLevel(level)
+
+    def format_help(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the help: options under headings, in few lines."""
+        width, usage = columns(), [f"Usage: {context.command_path} [OPTIONS]"]
+        groups: dict[str, list[str]] = {"Options": []}
+        for param in self.get_params(context):
+            about, default = getattr(param, "help", None) or "", getattr(param, "show_default", None)
+            if default:
+                about += f" (default {default if isinstance(default, str) else param.default})"
+            if isinstance(param, click.Argument):
+                names = str(param.metavar)
+                usage.append(names)
+            else:
+                names = ", ".join(sorted(param.opts, key=len))
+                names += f" {param.metavar}" if param.metavar and not isinstance(param, FieldOption) else ""
+            about = re.sub(r"\(default:? ([^)]*)\)", r"[\1]", about)
+            groups.setdefault(getattr(param, "group", "Options"), []).extend(item(names, about, width))
+        text = [" ".join(usage)]
+        for paragraph in (self.help or "").split("\n\n"):
+            text += ["", *wrap(" ".join(paragraph.split()), width)]
+        for group, lines in groups.items():
+            if group == OTHERS:
+                names = " ".join(line.split()[0] for line in lines if line.startswith("  --"))
+                lines = wrap(names, width, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False)
+            text += ["", f"{group}:", *lines]
+        if "The picture" in groups:
+            text += ["", "In brackets: the defaults. The opposite of a switch: --no-overlay."]
+        formatter.write("\n".join(text) + "\n")
+
+
+def command(function: F) -> Command:
+    """Make a command of a function that is named as its module. Its docstring is its help."""
+    return click.command(function.__module__.rpartition(".")[2], cls=Command)(function)
+
+
+def fields(*models: str, auto: bool = False) -> Callable[[F], F]:
+    """Add an option for every field of these models: 'scenes' (all scenes), 'rendering' or 'sampling'.
+
+    'sampling' is the part of 'rendering' that also has an effect if a user starts POV-Ray: quality, size and antialias.
+    `auto` adds to the help what --sheet and --renderer take beside their values.
+    """
+    groups: dict[str, Iterable[type[Scene] | type[Sampling]]] = {
+        "scenes": SCENES.values(),
+        "sampling": [Sampling],
+        "rendering": [Rendering],
+    }
+    found: dict[str, list[tuple[str, FieldInfo]]] = {}
+    for model in chain.from_iterable(groups[group] for group in models):
+        for name, field in model.model_fields.items():
+            found.setdefault(name, []).append((getattr(model, "name", ""), field))
+
+    def add(function: F) -> F:
+        options = [FieldOption(name, owners, AUTO.get(name, "") * auto) for name, owners in found.items()]
+        function.__dict__.setdefault("__click_params__", []).extend(reversed(options))  # as click's own decorators
+        return function
+
+    return add
+
+
+def _repeat(message: str, repeated: dict[str, tuple[str, ...]]) -> str:
+    """Return what to add to an error about an option that can be repeated, and that got several values at once."""
+    for name, texts in repeated.items():
+        several = (x for x in texts if re.search("[,; ]", x) and not os.path.exists(x) and not mesh.split(x))
+        if re.search(rf"\b{name} = ", message) and any(several):
+            return f"; give --{name} once for each value"
+    return ""
+
+
+def _group(name: str) -> str:
+    """Return the heading under which a field's option stands in the help."""
+    if name in PARAMETERS and {*PAPER}.isdisjoint(USED_BY[name]):
+        return OTHERS
+    if name in (*PARAMETERS, "sheet", "window", "wavelength", "fresnel", "aperture"):
+        return "The sheets"
+    if name in Rendering.model_fields or name in ("view", "background"):
+        return "The picture"
+    return "The eye" if name in Scene.model_fields else "The objects"
+
+
+def _takes_several(annotation: object) -> bool:
+    """Whether a field's type allows a tuple of any length, or a table."""
+    parts = get_args(annotation)
+    if get_origin(annotation) is dict:
+        return True
+    return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
+
+
+def columns() -> int:
+    """Return how wide a help is, in characters: as the terminal, but not so narrow that no word fits."""
+    return min(max(get_terminal_size().columns, 2 * INDENT), 120)
+
+
+def item(names: str, about: str, width: int) -> list[str]:
+    """Return the lines about an option or another name: the name, and beside it what it is."""
+    lines = wrap(about, width - INDENT, break_on_hyphens=False) or [""]
+    if len(names) > INDENT - 3:
+        return [f"  {names}", *(" " * INDENT + line for line in lines)]
+    return [f"  {names:{INDENT - 2}}{lines[0]}", *(" " * INDENT + line for line in lines[1:])]
+
+
+def described(field: FieldInfo) -> str:
+    """Return a field's help: its description and its default."""
+    default = field.default
+    if isinstance(default, tuple) and default:
+        default = ",".join(f"{x:g}" for x in default)
+    about = field.description or ""
+    said = default in (None, False, "", (), {}, PydanticUndefined) or "(default" in about
+    return about if said else f"{about} (default {default})"

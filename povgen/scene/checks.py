@@ -1,0 +1,162 @@
+"""Checks of a scene's parameters together. Each raises ValueError with what is wrong and what is allowed."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+
+from povgen.errors import at_least, at_most, shown
+from povgen.optics import glasses
+from povgen.optics.prism import Prism
+from povgen.scene.model import EyeAndWindows
+from povgen.scene.windows import Window, has_glass
+from povgen.sheets.law_grammar import Law
+from povgen.sheets.layered import Layered
+from povgen.sheets.lenticular import Lenticular
+from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
+from povgen.sheets.prisms import SHAPE, PrismPair, Prisms
+
+MAX_DEPTH = 100  # of the sheets, tiles
+MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
+
+
+def check(scene: EyeAndWindows) -> None:
+    """Check the eye and the windows, and set the index of named glasses."""
+    _find_indices(scene)
+    _check_shapes(scene)
+    _check_depths_and_eye(scene)
+    _check_laws(scene)
+    _check_windows(scene)
+
+
+def check_clear(scene: EyeAndWindows, what: str, z1: float, nearest: float) -> None:
+    if z1 <= nearest:
+        raise ValueError(
+            f"z1 = {z1:g}: {what} would touch the window frame around the sheets, whose back is at "
+            f"z = {scene.places[-1] + scene.depth / 2:.4g} tiles; allowed: z1 > {at_least(nearest)}"
+        )
+    if z1 > farthest(scene):
+        counts = {sheet.values[sheet.counted]: sheet.counted for sheet in scene.layered}
+        what = f"with {max(counts)} {counts[max(counts)]}" if counts else f"behind z = {scene.places[-1]:g}"
+        raise ValueError(f"z1 = {z1:g}: beyond POV-Ray's range {what}; allowed: z1 <= {at_most(farthest(scene))}")
+
+
+def farthest(scene: EyeAndWindows) -> float:
+    """Return the greatest z1, tiles."""
+    return MAX_DISTANCE / scene.tile - scene.places[-1]
+
+
+@contextmanager
+def _named(where: str) -> Iterator[None]:
+    """Begin the message of a ValueError with the window that it is about."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{where}{error}") from None
+
+
+def _index_of(window: EyeAndWindows | Window, where: str, wavelength: float) -> float | None:
+    """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
+
+    `where` begins an error's message.
+    """
+    given: float | None = window.index
+    if not has_glass(window):
+        return given
+    with _named(where):
+        index = glasses.index(str(window.glass), wavelength * 1e-9)
+    if "index" in window.model_fields_set and given != index:
+        raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
+    return index
+
+
+def _for_no_glass(name: str, wavelength: float) -> str:
+    return f"{name} = {wavelength:g}: needs a glass; allowed: with one, such as glass = BK7"
+
+
+def _find_indices(scene: EyeAndWindows) -> None:
+    """Set the index of named glasses for light. Checks, renderers and predictions then need the index alone."""
+    object.__setattr__(scene, "index", _index_of(scene, "", scene.wavelength))  # the model is frozen
+    scene.model_fields_set.discard("index" if scene.glass != "none" else "")
+    found: list[Window] = []
+    for number, window in enumerate(scene.window, 2):
+        own = window.model_copy()
+        if own.glass is None and own.index is not None:  # else it would get the first window's glass, and its index
+            object.__setattr__(own, "glass", "none")
+        if own.glass == "none" and own.index is None and has_glass(scene):  # the first window's index is its glass's
+            object.__setattr__(own, "index", INDEX.default)
+        object.__setattr__(own, "index", _index_of(own, f"window {number}, ", scene.wavelength))
+        if has_glass(own):  # the index is found, not given
+            own.model_fields_set.discard("index")
+        found.append(own)
+    object.__setattr__(scene, "window", tuple(found))
+    for name in ("wavelength", "design_wavelength") if not any(map(has_glass, (scene, *found))) else ():
+        if (value := getattr(scene, name)) != WAVELENGTH:
+            raise ValueError(_for_no_glass(name, value))
+
+
+def _check_shapes(scene: EyeAndWindows) -> None:
+    for number, (window, sheet) in enumerate(zip(scene.states, scene.sheets, strict=True), 1):
+        values, where = scene.values_of(window, SHAPE), f"window {number}, " if number > 1 else ""
+        with _named(where):
+            if number > 1 and window.design_wavelength is not None and values["glass"] == "none":
+                raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
+            planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
+        if number > 1 and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
+            continue
+        if planned.aspect == 2:
+            raise ValueError(f"{where}aspect = 2: no light would take the designed path; allowed: below 2")
+        if planned.aspect <= (least := planned.least_aspect):
+            raise ValueError(
+                f"{where}aspect = {planned.aspect:g}: the slanted facets of prisms with index = {planned.index:g} "
+                f"and base_angle = {planned.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
+            )
+
+
+def _check_depths_and_eye(scene: EyeAndWindows) -> None:
+    for number, sheet in enumerate(scene.sheets, 1):
+        where = f"window {number}, " if number > 1 else ""
+        with _named(where):  # errors out of range, lenses of a shape that does not exist
+            if isinstance(sheet, (PrismPair, Lenticular)):
+                sheet.check_errors()
+            depth = sheet.depth
+        if not sheet.is_exact and scene.window:
+            raise ValueError("error: only for a single window; allowed: no errors with --window")
+        if depth > MAX_DEPTH:
+            assert isinstance(sheet, Layered)  # others have no depth
+            what = "prisms" if isinstance(sheet, Prisms) else "profile"
+            raise ValueError(
+                f"{where}{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
+                f"aperture = {scene.aperture:g} the sheets would be {depth:.4g} tiles deep; "
+                f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
+            )
+    nearest = scene.depth / 2 + 0.01
+    if scene.z2 <= nearest:
+        raise ValueError(
+            f"z2 = {scene.z2:g}: the eye would be inside the window frame; allowed: z2 > {at_least(nearest)}"
+        )
+
+
+def _check_laws(scene: EyeAndWindows) -> None:
+    # a law is checked even if no window has it
+    for number, window in enumerate(scene.states, 1):
+        text, parameters = scene.values_of(window, ("law", "parameter")).values()
+        try:
+            Law(text, parameters).check_divisions(parameters)
+        except ValueError as error:
+            where = f"window {number}, law" if number > 1 else "law"
+            raise ValueError(f"{where} = {shown(text)}: {error}") from None
+
+
+def _check_windows(scene: EyeAndWindows) -> None:
+    for number, (before, z) in enumerate(pairwise(scene.places), 2):
+        least = before + scene.depth + 0.01
+        if z <= least:
+            raise ValueError(
+                f"window {number}, z = {z:g}: its frame would touch that of the window before, at z = {before:g}; "
+                f"allowed: z > {at_least(least)}"
+            )
+    if any(sheet.layers for sheet in scene.sheets[: len(scene.ideal)]):
+        raise ValueError(
+            "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
+            "them before all prisms; allowed: ideal windows, and those without sheets, first"
+        )

@@ -1,0 +1,204 @@
+"""The parameters that all scenes share, with units and ranges, and what follows from them for the eye and the windows.
+
+Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets of the
+first window. Points in it are complex numbers x + iy, from this window's centre: x points right and y up, as the eye
+sees them. z points away from the eye, which is at z = -z2.
+"""
+
+from collections.abc import Iterable
+from functools import cached_property
+from itertools import pairwise
+from math import radians
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field
+
+from povgen import limits
+from povgen.optics import apparent
+from povgen.optics.prism import Prism
+from povgen.scene import pictures
+from povgen.scene.fields import PictureFile, Point
+from povgen.scene.windows import (
+    WINDOW,
+    ParametersOfSheets,
+    Placed,
+    SheetName,
+    Window,
+    Windows,
+    as_windows,
+    replaced_by,
+)
+from povgen.sheets import SHEETS
+from povgen.sheets.layered import Layered
+from povgen.sheets.parameters import WAVELENGTH
+from povgen.sheets.prisms import SHAPE, shape_of
+from povgen.sheets.sheet import Ideal, Sheet
+
+APERTURE = 3.0  # the default side of the window, tiles
+VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
+MAX_VIEW = 100
+
+
+class EyeAndWindows(ParametersOfSheets):
+    """The eye, the windows and the sheets in them: what all scenes share. The parameters of the sheets come first."""
+
+    z2: Annotated[float, Field(gt=0, le=150)] = Field(
+        default=6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"
+    )
+    sheet: SheetName = Field(
+        default="detailed",
+        description=f"model of the sheets: {', '.join(SHEETS)}",
+    )
+    window: Windows = Field(default=(), description=WINDOW)
+    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
+        default=WAVELENGTH,
+        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
+        "the picture's colours do not change",
+    )
+    fresnel: bool = Field(
+        default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"
+    )
+    aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
+        default=APERTURE,
+        description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all on it moves with the "
+        "lower edge",
+    )
+    view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
+        default=VIEW,
+        description=f"height of the picture in the plane of the sheets, 0.1 to {MAX_VIEW} tiles "
+        f"(default: {VIEW}, or more if the first window's frame is larger)",
+    )
+    eye: Point = Field(
+        default=(0, 0),
+        description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
+        "the window stay, and the window stays in the middle of the picture",
+    )
+    background: Literal["sky", "transparent", "black", "white"] = Field(
+        default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
+    )
+
+    sky: Annotated[PictureFile | None, BeforeValidator(pictures.sky)] = Field(
+        default=None,
+        description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
+        "file, equirectangular, whose middle is straight ahead; with background = sky",
+    )
+
+    if TYPE_CHECKING:  # the names of changes are those of the parameters
+
+        @property
+        def replace(self) -> type[Self]: ...
+
+    rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
+
+    @property
+    def E(self) -> complex:
+        """The eye, projected onto z = 0."""
+        return complex(*self.eye)
+
+    @property
+    def prism(self) -> Prism:
+        """The shape of the prisms in the first window. Lengths are in tiles. Windows behind it can have others."""
+        return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
+
+    @property
+    def states(self) -> "tuple[EyeAndWindows | Window, ...]":
+        """What states the parameters of each window, the first one first: the scene, and each further `Window`."""
+        return self, *self.window
+
+    def values_of(self, window: "EyeAndWindows | Window", names: Iterable[str]) -> dict[str, Any]:
+        """Return parameters of one of `states`, by their names. What it does not state is the first window's."""
+        return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
+
+    @cached_property
+    def windows(self) -> tuple[Placed, ...]:
+        """The windows, the nearest to the eye first, each with its sheet."""
+
+        def sheet(window: EyeAndWindows | Window) -> Sheet:
+            kind = SHEETS[window.sheet or self.sheet]
+            return kind(self.values_of(window, [each.name for each in kind.parameters]), self.aperture)
+
+        return (Placed(0.0, sheet(self)), *(Placed(window.z, sheet(window)) for window in self.window))
+
+    @property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The sheets in each window, the first window first."""
+        return tuple(window.sheet for window in self.windows)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether every window rotates light about its normal, as the paper's do."""
+        return all(sheet.rotates for sheet in self.sheets)
+
+    @property
+    def alphas(self) -> tuple[float, ...]:
+        """The angle by which each window rotates light about its normal, degrees."""
+        return tuple(sheet.values.get("alpha", 0.0) for sheet in self.sheets)
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """z of each window, midway between its sheets, tiles."""
+        return tuple(window.z for window in self.windows)
+
+    @property
+    def behind(self) -> tuple[tuple[float, float], ...]:
+        """The windows behind the first one, as for `equations.depth`.
+
+        Each is a pair: its distance from the window before it, tiles, and its alpha, radians.
+        """
+        turns = [radians(alpha) for alpha in self.alphas[1:]]
+        return tuple((b - a, turn) for (a, b), turn in zip(pairwise(self.places), turns, strict=True))
+
+    @property
+    def elements(self) -> apparent.Windows:
+        """The windows as in `optics.apparent`."""
+        return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), self.sheets, strict=True)]
+
+    @property
+    def layered(self) -> tuple[Layered, ...]:
+        """The sheets of prisms or lenses, the nearest to the eye first. Ideal ones stand before them."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
+
+    @property
+    def ideal(self) -> tuple[Ideal, ...]:
+        """The ideal sheets, the first one first. They are nearer to the eye than windows of prisms."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
+
+    @property
+    def has_prisms(self) -> bool:
+        """Whether the sheets of a window consist of prisms, or of lenses."""
+        return bool(self.layered)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no window has a sheet."""
+        return {sheet.name for sheet in self.sheets} == {"none"}
+
+    @property
+    def depth(self) -> float:
+        """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
+        return max(self.aperture / 10, 1.02 * max(sheet.depth for sheet in self.sheets))
+
+    @property
+    def default_view(self) -> float:
+        """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles.
+
+        This holds for pictures of 4:3 or wider. It is at least VIEW, and at most MAX_VIEW even if the frame needs more.
+        """
+        front, slant = -self.depth / 2, min(self.rim, self.depth)
+        reach = 0.0
+        for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # frame.pov.j2
+            scale = self.z2 / (self.z2 + z)  # from the plane z to the plane z = 0, seen from the eye
+            for eye, shape in ((self.E.imag, 1), (self.E.real, 4 / 3)):
+                reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
+        return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
+
+    @property
+    def tile(self) -> int:
+        """POV-Ray's units per tile."""
+        return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
+
+    def _replaced_by(self, changes: dict[str, object]) -> set[str]:
+        if "window" not in changes:
+            return replaced_by(changes, self.window)
+        changes["window"] = windows = as_windows(changes["window"])  # once: they can be given as an iterator
+        return replaced_by(changes, windows)
