@@ -49,72 +49,48 @@ stop = 180
     ("options", "words"),
     [
         (["--alpha", "nan"], ["alpha", "nan", "finite"]),
-        (["--alpha", "inf"], ["alpha", "inf", "finite"]),
-        (["--alpha", "361"], ["alpha", "361", "360"]),
         (["--alpha", "six"], ["alpha = 'six': should be a number (ray-rotation"]),
         (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
-        (["--z1", "0.4", "--piece", "king"], ["z1", "0.4", "king", "0.61"]),
         (["--prisms", "5"], ["z1", "2", "sheets"]),
-        (["--z1", "-2"], ["z1", "-2"]),
         (["--z1", "1e9"], ["z1", "1e9", "5000"]),
         (["--z1", "1", "--z1", "2", "--x", "0"] + ["--x", "1"] * 2, ["2 values of z1", "3 values of x"]),
         (["--z2", "0"], ["z2", "0", "greater than 0"]),
-        (["--z2", "-6"], ["z2", "-6", "greater than 0"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),
         (["--z1", "2,3"], ["z1 = '2,3': should be a number", "; give --z1 once for each value\n"]),
-        (["--x", "1; 2"], ["x = '1; 2': should be a number", "; give --x once for each value\n"]),
         (["--piece", "king,queen"], ["piece = 'king,queen'", "; give --piece once for each value\n"]),
-        (["--color", "red blue"], ["color = 'red blue'", "; give --color once for each value\n"]),
         (["--z1", "2", "--z1", "3,4"], ["'3,4' should be a number", "; give --z1 once for each value\n"]),
         (
             ["--window", "alpha=1,z=2,alpha=3,z=4"],
             ["window = 'alpha=1,z=2,alpha=3,z=4'", "; give --window once for each value\n"],
         ),
-        (["--prisms", "0"], ["prisms", "0", "1"]),
         (["--prisms", "2.5"], ["prisms", "2.5", "should be a whole number"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
-        (["--sheet", "glass"], ["sheet", "glass", "ideal"]),
         (["--eye", "1"], ["eye", "'1'", "X,Y"]),
         (["--eye", "0,-1.65"], ["eye = 0,-1.65", "under the floor", "Y > -1.65"]),
         (["--eye", "0,-0.4", "--aperture", "0.5"], ["eye = 0,-0.4", "Y > -0.4"]),
-        (["--eye", "11,0"], ["eye", "'11,0'", "-10 to 10"]),
         (["--offset", "1,-1"], ["No such option", "--offset"]),
         (["--line", "0,0"], ["'line': unknown in the scene chess; allowed: ", "x", "eye"]),
-        (["--pedestal", "-1"], ["pedestal = '-1'", "0 to 10"]),
-        (["--x", "11"], ["x = '11'", "-10 to 10"]),
-        (["--index", "1"], ["index = '1'", "1.1 to 4"]),
-        (["--index", "4.1"], ["index = '4.1'", "1.1 to 4"]),
-        (["--base-angle", "76"], ["base_angle = '76'", "15 to 75"]),
         (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.25 < aspect < 2"]),
         (["--aspect", "0.4"], ["aspect = 0.4", "index = 1.5", "cross", "0.465"]),
         (["--aspect", "2"], ["aspect = 2", "below 2"]),
-        (["--gap", "1e-4"], ["gap = '1e-4'", "0.001 to 0.5"]),
-        (["--aperture", "0.4"], ["aperture = '0.4'", "0.5 to 10"]),
-        (["--view", "0"], ["view = '0'", "0.1 to 100"]),
         (
             ["--prisms", "1", "--aperture", "10", "--aspect", "1.5"],
             ["prisms = 1", "aperture = 10", "127.7 tiles", "100 tiles"],
         ),
         (["--aperture", "10", "--z1", "0.9"], ["z1 = 0.9", "knight", "z1 > 0.93"]),
         (["--size", "321x240"], ["size", "321x240", "even"]),
-        (["--size", "2x2"], ["size", "2x2", "32"]),
         (["--size", "100000x100000"], ["size", "7680"]),
-        (["--size", "big"], ["size", "big"]),
         (["--quality", "best"], ["quality", "best", "draft"]),
         (["--antialias", "3,0.3,2"], ["antialias", "3,0.3,2"]),
         (["--antialias", "5x"], ["antialias = '5x': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
-        (["--antialias", "1"], ["antialias = '1': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
-        (["--antialias", "1,1,2"], ["antialias", "1,1,2", "less than 1"]),
         (["--predicted-image", "--sheet", "single"], ["predicted_image", "single", "detailed"]),
         (
             ["--predicted-image", "--z1", "6", "--alpha", "180", "--sheet", "ideal"],
             ["predicted_image", "alpha = 180", "infinity"],
         ),
-        (["--timeout", "0"], ["timeout", "0"]),
         (["-o", "x.jpg"], ["x.jpg", ".png"]),
         (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),
         (["-o", "x" * 300 + ".png"], ["output", "too long"]),
-        (["-o", "."], ["output", ".png"]),
         (["-o", ".PNG"], ["output = '.PNG': an ending without a name; allowed: NAME.PNG"]),
         (["--colour", "red"], ["--colour"]),
     ],
@@ -130,16 +106,11 @@ def test_frame(options, words, tmp_path):
     [
         ('title = "A movie"\n', "", ["title", "missing"]),
         ("frame_rate = 10", "frame_rate = 10\nframerate = 3", ["framerate", "frame_rate"]),
-        ("frame_rate = 10", "frame_rate = 0", ["frame_rate", "0"]),
         ('scene = "chess"', 'scene = "circus"', ["scene", "circus", "spheres"]),
         ("stop = 180", "stop = 0", ["stop", "start"]),
         ("stop = 180", "", ["stop", "missing"]),
-        ("stop = 180", "stop = nan", ["stop", "nan"]),
         ("stop = 180", 'stop = 180\nspacing = "log"', ["log", "0"]),
-        ("stop = 180", 'stop = 180\nspacing = "cubic"', ["spacing", "cubic", "log"]),
         ("frames = 5", "frames = 1", ["frames", "1", "2"]),
-        ("frames = 5", "frames = 5.5", ["frames", "5.5"]),
-        ("z1 = 2", "z1 = 0.1", ["z1", "0.1"]),
         ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
         (
             "frames = 5",
@@ -154,7 +125,6 @@ def test_frame(options, words, tmp_path):
         ("[[sweep]]", "[[sweeps]]", ["sweep"]),
         ("z1 = 2", "z1 = true", ["z1", "True"]),
         ("z1 = 2", '"a\\nb\\nc" = 2', ["unknown"]),
-        ("z1 = 2", f"z1 = {'9' * 5000}", ["TOML"]),
         ("z1 = 2", f"z1 = {'[' * 5000}", ["TOML"]),
         ('title = "A movie"', 'title = "A\\u0000movie"', ["title", "one line"]),
         ("[[sweep]]", "[[sweep", ["TOML"]),
@@ -414,7 +384,10 @@ def test_a_sky_without_effect(tmp_path):
         assert status == 0 and err.count("sky: no effect with background = black") == count
 
 
-@pytest.mark.parametrize("sheet", [*SHEETS])
+@pytest.mark.parametrize(
+    "sheet",
+    [pytest.param(sheet, marks=() if sheet in ("detailed", "lenticular") else pytest.mark.release) for sheet in SHEETS],
+)
 def test_which_options_have_an_effect(sheet):
     """An option has no effect, as the warning says, if it leaves all but the comments of the scene's text as it is."""
 
@@ -528,7 +501,11 @@ def test_an_ffmpeg_that_cannot_be_started_is_refused_before_a_frame_is_rendered(
 
 @pytest.mark.parametrize(
     ("lacks", "ending", "others"),
-    [("libx264", ".mp4", ".webm, .webp"), ("libvpx-vp9", ".webm", ".mp4, .webp"), ("libwebp_anim", ".webp", ".mp4")],
+    [
+        ("libx264", ".mp4", ".webm, .webp"),
+        pytest.param("libvpx-vp9", ".webm", ".mp4, .webp", marks=pytest.mark.release),
+        pytest.param("libwebp_anim", ".webp", ".mp4", marks=pytest.mark.release),
+    ],
 )
 def test_an_ffmpeg_without_the_encoder_is_refused_before_a_frame_is_rendered(
     lacks, ending, others, tmp_path, monkeypatch
@@ -755,7 +732,15 @@ def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):
     assert len(full) >= 4 and all(len(line) > 60 for line in full), full
 
 
-@pytest.mark.parametrize("title", ["<b>&\"'</b>", "{{ 7*7 }} %s \\ ; = # $HOME `id` title=x", "-α−é 😀", "x" * 200])
+@pytest.mark.parametrize(
+    "title",
+    [
+        "-α−é <b>&\"'</b> {{ 7*7 }} %s \\ ; = # $HOME `id` title=x",
+        pytest.param("😀", marks=pytest.mark.release),
+        pytest.param("x" * 200, marks=pytest.mark.release),
+    ],
+    ids=len,
+)
 def test_a_title_is_text_in_the_metadata(title, tmp_path):
     spec = MovieSpec.parse(
         SPEC.replace("[fixed]", "[fixed]\nsheet = 'none'").replace("frames = 5", "frames = 2"), "spec"
@@ -792,6 +777,7 @@ FAR = [
 ]
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("scene", FAR)
 def test_the_ends_of_what_is_allowed(scene):
     rendering = Rendering(size=(32, 32), antialias="off", caption="full", overlay=True, timeout=200)

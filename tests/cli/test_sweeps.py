@@ -38,9 +38,7 @@ def test_a_spec_with_another_number_of_frames(tmp_path):
         (["chess", "--sweep", "alpha=0:9", "--frames", "1"], ["frames = '1'", "2 to 10000"]),
         (["chess", "--sweep", "prisms=1.2:1.4"], ["prisms: all values equal after rounding, nothing would"]),
         (["chess", "--sweep", "alpha=0:9,z1=2:3"], ["stop = '9,z1=2': ", "; give --sweep once for each value\n"]),
-        (["chess", "--sweep", "alpha=0:9", "--z1", "2,3"], ["z1 = '2,3': ", "; give --z1 once for each value\n"]),
         (["chess", "--frames", "5"], ["chess: a scene, no movie spec; allowed: with sweeps"]),
-        (["vary-z1", "--frame-rate", "0"], ["frame_rate = '0'", "0.1 to 120"]),
         (
             ["vary-z1", "--sweep", "alpha=0:9"],
             ["not with the movie 'vary-z1'; allowed: with a scene: chess or spheres"],

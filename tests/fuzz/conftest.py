@@ -37,25 +37,27 @@ PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milli
 ran = 0  # cases
 
 
-def cases(count):
-    """Run a test on `count` cases, the same each time. It fails if more than half of them were not run."""
+def cases(few):
+    """Run a test on `few` cases, the same each time, and for a release on 12 times as many.
+
+    It fails if more than half of them were not run.
+    """
 
     def counted(test):
-        fuzz = settings(
-            max_examples=count,
-            deadline=None,
-            derandomize=True,
-            database=None,
-            phases=(Phase.explicit, Phase.generate, Phase.shrink),
-            suppress_health_check=list(HealthCheck),
-        )(test)
-
-        def run():
+        def run(count):
+            fuzz = settings(
+                max_examples=count,
+                deadline=None,
+                derandomize=True,
+                database=None,
+                phases=(Phase.explicit, Phase.generate, Phase.shrink),
+                suppress_health_check=list(HealthCheck),
+            )(test)
             before = ran
             fuzz()
             assert ran - before >= count / 2, f"only {ran - before} of {count} cases were run"
 
-        return run
+        return pytest.mark.parametrize("count", [few, pytest.param(12 * few, marks=pytest.mark.release)])(run)
 
     return counted
 

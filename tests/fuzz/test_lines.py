@@ -18,45 +18,36 @@ pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` 
 NEEDED = {"spec": "spec.toml", "what": "info", "numbers": "1", "file": "recorded.png"}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command_lines(command):
-    @cases(120 if "alpha" in parameters(command) else 30 if parameters(command) else 10)
-    @given(lines(command))
-    def fuzz(line):
-        tried(line, SPEC.encode())
-
-    fuzz()
+@cases(80)
+@given(st.sampled_from(COMMANDS).flatmap(lines))
+def test_command_lines(line):
+    tried(line, SPEC.encode())
 
 
-@pytest.mark.parametrize(("command", "name"), OPTIONS)
-def test_every_option(command, name):
-    """Each option with right and wrong values."""
-
-    @cases(9)
-    @given(lines(command, of=name))
-    def fuzz(line):
-        tried(line, SPEC.encode())
-
-    fuzz()
+@cases(160)
+@given(st.sampled_from(OPTIONS).flatmap(lambda place: lines(place[0], of=place[1])))
+def test_options(line):
+    """One option with right and wrong values."""
+    tried(line, SPEC.encode())
 
 
-@pytest.mark.parametrize(
-    ("command", "name"), [place for place in OPTIONS if parameters(place[0])[place[1]][0] is not bool]
+@cases(80)
+@given(
+    st.sampled_from([place for place in OPTIONS if parameters(place[0])[place[1]][0] is not bool]), st.sampled_from(SDL)
 )
-def test_no_sdl_in_options(command, name):
+def test_no_sdl_in_options(place, payload):
+    command, name = place
     kind, option = parameters(command)[name]
-    for payload in SDL:
-        line = [command]
-        for other, (_, word) in parameters(command).items():
-            if other == name:
-                line += [option, payload] if option else [payload]
-            elif not word:
-                line.append(NEEDED.get(other, "chess"))
-        status, _, said = tried(
-            [*line, "--size=32x32"] if "size" in parameters(command) and name != "size" else line, SPEC.encode()
-        )
-        # a folder may have any name; a note does not reach POV-Ray
-        assert status == 2 or kind is Path or (name == "note" and payload.isprintable()), (payload, said)
+    line = [command]
+    for other, (_, word) in parameters(command).items():
+        if other == name:
+            line += [option, payload] if option else [payload]
+        elif not word:
+            line.append(NEEDED.get(other, "chess"))
+    line += ["--size=32x32"] if "size" in parameters(command) and name != "size" else []
+    status, _, said = tried(line, SPEC.encode())
+    # a folder may have any name; a note does not reach POV-Ray
+    assert status == 2 or kind is Path or (name == "note" and payload.isprintable()), (payload, said)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +101,7 @@ def test_names_of_files_are_not_markup(monkeypatch):
         assert status == 0 and shown in err and f"wrote {shown}\n" == out
 
 
-@cases(60)
+@cases(20)
 @given(
     st.sampled_from(NUMBERS) | st.sampled_from(SDL) | st.text(CHARACTERS) | st.floats().map(repr),
     st.sampled_from(COMMANDS),

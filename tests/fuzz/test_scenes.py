@@ -15,7 +15,7 @@ from povgen.sheets import PARAMETERS
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 
 
-@cases(80)
+@cases(30)
 @given(st.data())
 def test_what_is_right_is_done(data):
     scene = data.draw(st.sampled_from([*SCENES]))
@@ -72,19 +72,15 @@ BOUNDS = {
 }
 
 
-@pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.annotation in (int, float)])
-def test_numbers(name):
+@cases(120)
+@given(st.data())
+def test_numbers(data):
     """An accepted value is a number, as Python reads it, within the bounds that the help states."""
+    name = data.draw(st.sampled_from([name for name, field in FIELDS.items() if field.annotation in (int, float)]))
     low, high = BOUNDS[name]
-
-    @cases(60)
-    @given(
-        st.sampled_from(NUMBERS) | st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * ceil(high)).map(str)
-    )
-    def fuzz(text):
-        line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name.replace('_', '-')}={text}"]
-        line += ["--stereo=pair"] * (name == "eye_distance") + ["--glass=BK7"] * ("wavelength" in name)
-        if tried(line)[0] == 0:
-            assert low <= float(text) <= high
-
-    fuzz()
+    numbers = st.floats(-2 * high, 2 * high).map(repr) | st.integers(-5, 2 * ceil(high)).map(str)
+    text = data.draw(st.sampled_from(NUMBERS) | numbers)
+    line = ["frame", "chess", "--sheet=none", "--size=32x32", f"--{name.replace('_', '-')}={text}"]
+    line += ["--stereo=pair"] * (name == "eye_distance") + ["--glass=BK7"] * ("wavelength" in name)
+    if tried(line)[0] == 0:
+        assert low <= float(text) <= high

@@ -70,8 +70,8 @@ def position_error(scene, sheet):
     [
         (Chess(**PROBED), 0.8, "detailed"),
         (Chess(**PROBED), 4, "ideal"),
-        (Chess(prisms=1000, **PROBED), 0.8, "ideal"),
-        (Chess(alpha=0, **PROBED), 4, "none"),
+        pytest.param(Chess(prisms=1000, **PROBED), 0.8, "ideal", marks=pytest.mark.release),
+        pytest.param(Chess(alpha=0, **PROBED), 4, "none", marks=pytest.mark.release),
     ],
     ids=str,
 )
@@ -88,8 +88,10 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
     ("scene", "tolerance"),
     [
         (Chess(), 0.09),
-        (Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28),  # prisms and pixels make moire
-        (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
+        # prisms and pixels make moire
+        pytest.param(Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28, marks=pytest.mark.release),
+        # more stray light, which the ideal sheet does not show
+        pytest.param(Chess(z2=3, prisms=50), 0.35, marks=pytest.mark.release),
     ],
     ids=str,
 )
@@ -117,7 +119,15 @@ def test_a_movie_gets_one_choice_that_holds_in_every_frame():
     assert chosen.flip >= sorted(alone)[1]  # the worst, by FLIP and its margin
 
 
-@pytest.mark.parametrize("scene", [Chess(sheet="none"), Chess(sheet="ideal"), Chess(alpha=20, z2=12)], ids=str)
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(sheet="ideal"),
+        pytest.param(Chess(sheet="none"), marks=pytest.mark.release),
+        pytest.param(Chess(alpha=20, z2=12), marks=pytest.mark.release),
+    ],
+    ids=str,
+)
 def test_a_mosaic_is_parts_of_the_picture(scene):
     size, side = (160, 120), 8
     rows, columns = window(scene, size)
@@ -129,7 +139,7 @@ def test_a_mosaic_is_parts_of_the_picture(scene):
     assert (abs(parts.astype(int) - right).max(-1) < 8).mean() > 0.9
 
 
-@pytest.mark.parametrize("sampling", ["1.5x", "3x"])
+@pytest.mark.parametrize("sampling", ["1.5x", pytest.param("3x", marks=pytest.mark.release)])
 def test_the_error_of_a_reduced_picture_is_estimated(sampling):
     """From blocks that are reduced one by one."""
     chosen, _ = choose([Chess(alpha=150, z2=9)], SMALL, Tolerance(px=0.01, flip=0.9), sampling)
@@ -137,7 +147,7 @@ def test_the_error_of_a_reduced_picture_is_estimated(sampling):
     assert chosen.antialias == sampling and abs(chosen.flip - error) < 0.25 * error
 
 
-@pytest.mark.parametrize("tolerance", [0.25, 0.12])
+@pytest.mark.parametrize("tolerance", [0.25, pytest.param(0.12, marks=pytest.mark.release)])
 def test_the_renderer_is_chosen_too(tolerance, drawing):
     chosen, why = choose([Chess()], SMALL, Tolerance(flip=tolerance), renderers=RENDERERS)
 

@@ -136,7 +136,6 @@ def test_one_module_uses_an_external_library(library, users):
 
 
 def test_public_names_are_listed_and_exist():
-    assert {f"povgen.{module}.{name}" for name, module in povgen._MODULES.items()} <= imports(MODULES["__init__"])
     assert set(povgen.__all__) <= set(dir(povgen))
     assert all(getattr(povgen, name).__name__ == name for name in povgen.__all__)
     with pytest.raises(AttributeError, match="no attribute 'colour'"):
@@ -174,4 +173,5 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
 
 
 def test_a_scene_knows_nothing_of_files():
-    assert not (imports(MODULES["scene.scenes"]) | imports(MODULES["scene.model"])) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
+    known = imports(MODULES["scene.scenes"]) | imports(MODULES["scene.model"])
+    assert not known & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
