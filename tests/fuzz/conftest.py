@@ -115,16 +115,14 @@ def skeletons():
             if field.annotation is bool or typing.get_origin(field.annotation) is typing.Literal
         }
         del choices["glass"]  # it changes a number only
-        several = [choices]
+        several = {"sheet": choices}
         if "piece" in model.model_fields:  # a piece's lines depend on no sheet
-            several.append(
-                {"piece": [*PIECES], "pedestal": [0, 0.8], "sheet": ["ideal"], "predicted_image": [False, True]}
-            )
-        for choices in several:
-            for values in itertools.product(*choices.values()):
-                with suppress(InputError):  # some do not go together
-                    scene = model(**dict(zip(choices, values, strict=True)))
-                    found |= skeleton(to_pov(scene))
+            several["piece"] = {"piece": [*PIECES], "pedestal": [0, 0.8], "predicted_image": [False, True]}
+        for first, others in several.items():
+            for one, name in itertools.product(others[first], others.keys() - {first}):
+                for value in others[name]:
+                    with suppress(InputError):  # some do not go together
+                        found |= skeleton(to_pov(model(**{first: one, name: value})))
         for sheet, *others in (("ideal", None, "ideal", "detailed"), ("detailed", None), ("none", None)):
             windows = [{"alpha": 30, "z": n, "sheet": other} for n, other in enumerate(others, 1)]
             more = {"predicted_image": True} if "piece" in model.model_fields and sheet != "none" else {}
@@ -155,13 +153,11 @@ def new_folder():
     shutil.rmtree(ROOT, ignore_errors=True)
     WORK.mkdir(parents=True)
     os.chdir(WORK)
-    for name in ("folder", "folder.mp4", "baselines", "binary"):
+    for name in ("folder", "folder.mp4"):
         (WORK / name).mkdir()
     (WORK / "spec.toml").write_text(SPEC)
     for name, data in RECORDED.items():
         (WORK / name).write_bytes(data)
-    (WORK / "baselines" / "one.inc").write_text("#macro Sheet() #end\n")
-    (WORK / "binary" / "one.inc").write_bytes(b"\xff")
     for name in ("kept.png", "kept.mp4", "kept.pov", "movie.mp4", "frame.png"):
         (WORK / name).write_bytes(b"kept")
 

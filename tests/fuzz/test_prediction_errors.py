@@ -8,6 +8,7 @@ import sys
 from itertools import islice, product
 
 import numpy as np
+import pytest
 
 from povgen import Chess, InputError, Spheres
 from povgen.limits import MAX_ERROR
@@ -138,9 +139,10 @@ def measured_scenes(seed):
             yield scene, stated, error
 
 
-def test_predictions_are_right_or_their_warning_states_the_error():
-    found = [*islice(measured_scenes(3), 40)]
-    assert 5 < sum(stated is not None for _, stated, _ in found) < 30
+@pytest.mark.parametrize("count", [8, pytest.param(40, marks=pytest.mark.release)])
+def test_predictions_are_right_or_their_warning_states_the_error(count):
+    found = [*islice(measured_scenes(3), count)]
+    assert count / 8 <= sum(stated is not None for _, stated, _ in found) < 0.75 * count
     for scene, stated, error in found:
         assert error < (MAX_ERROR if stated is None else stated), scene
 
@@ -164,7 +166,8 @@ def test_a_wide_field_is_warned_of():
     assert 3 < measured_error(scene) < warned_error(scene) < 5
 
 
-def test_slopes_far_from_those_of_the_prediction_are_warned_of(rng):
+@pytest.mark.parametrize("times", [1, pytest.param(6, marks=pytest.mark.release)])
+def test_slopes_far_from_those_of_the_prediction_are_warned_of(times, rng):
     """The prediction is fitted to small slopes. Facets and lenses turn oblique light by other angles.
 
     So do lenses that are not opposite each other, because the two faces of a sheet differ in pitch.
@@ -172,7 +175,7 @@ def test_slopes_far_from_those_of_the_prediction_are_warned_of(rng):
     larger = 0
     shapes = [{"sheet": "profile", "profile": name} for name in ("wedges", "confocal", "lenticulars")]
     kinds = [each | {"arrangement": how, "periods": 300} for each, how in product(shapes, ("pair", "single"))]
-    for kind in [*kinds, {"sheet": "lenticular"}, {"sheet": "lenticular"}] * 6:
+    for kind in [*kinds, {"sheet": "lenticular"}, {"sheet": "lenticular"}] * times:
         eye, alpha = (rng.uniform(-2, 2), rng.uniform(-1, 2)), rng.uniform(-180, 180)
         values = {"eye": eye, "alpha": alpha, "z1": rng.uniform(2, 20), "z2": rng.uniform(4, 15)}
         if kind["sheet"] == "lenticular":
@@ -184,7 +187,7 @@ def test_slopes_far_from_those_of_the_prediction_are_warned_of(rng):
         if error > MAX_ERROR:  # not NaN
             larger += 1
             assert error < warnings.possible_error(scene, L, z1, radius), scene
-    assert larger > 8
+    assert larger >= 1.5 * times - 0.5
 
 
 def test_corrections_that_cancel_are_warned_of():

@@ -140,8 +140,6 @@ WORDS = [
         "tcp://192.0.2.1:8786",
         "tls://[::1]:99999",
         "http://192.0.2.1:1",
-        "baselines",
-        "binary",
         "1",
         "7",
         "6",
@@ -164,7 +162,6 @@ SOME = {  # right values for what is no field of a model
     "tolerance": st.sampled_from(["1px", "5px", "0.5flip", "100px,1flip"]),
     "json": st.just("x.json"),
     "html": st.just("x.html"),
-    "baselines": st.just("baselines"),
     "output": st.sampled_from(
         ["x.png", "x.exr", "x.mp4", "x.gif", "x.webm", "x.pov", "x.html", "x", "kept.png", "kept.mp4", "folder"]
     ),
