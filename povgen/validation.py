@@ -61,24 +61,6 @@ class Model(BaseModel):
     def __delattr__(self, name: str) -> None:
         raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
 
-    @classmethod
-    def model_validate(cls, obj: object, **options: Any) -> Self:  # noqa: ANN401  (passed on to pydantic)
-        """Return a model made from a dictionary. Raises InputError."""
-        with _errors(cls):
-            return super().model_validate(obj, **options)
-
-    @classmethod
-    def model_validate_json(cls, json_data: Any, **options: Any) -> Self:  # noqa: ANN401  (as pydantic declares it)
-        """Return a model made from a JSON object's text. Raises InputError."""
-        with _errors(cls):
-            return super().model_validate_json(json_data, **options)
-
-    @classmethod
-    def model_validate_strings(cls, obj: Any, **options: Any) -> Self:  # noqa: ANN401  (as pydantic declares it)
-        """Return a model made from a dictionary of texts. Raises InputError."""
-        with _errors(cls):
-            return super().model_validate_strings(obj, **options)
-
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy: with an update, what `replace` returns. Raises InputError."""
         return self.replace(**update) if update else super().model_copy(deep=deep)

@@ -15,7 +15,6 @@ from povgen.progress import say, tell
 from povgen.record import Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
-from povgen.rendering.views import views
 from povgen.scene.scenes import SCENES, Scene, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
@@ -134,8 +133,7 @@ class Automatic(NamedTuple):
 
             ask(scheduler)
         rendering = Rendering(**options)
-        frames = [view for scene in scenes for view in views(scene, rendering)]
-        choice, why = auto.choose(frames, rendering, self.tolerance, options.get("antialias"), self.renderers)
+        choice, why = auto.choose(scenes, rendering, self.tolerance, options.get("antialias"), self.renderers)
         if not quiet:
             say(f"povgen: {why}")
         return {"sheet": choice.sheet}, {"antialias": choice.antialias, "renderer": choice.renderer}

@@ -118,7 +118,7 @@ def cheapest(scene: Scene, tolerance: str, **options: Unpack[AutoOptions]) -> tu
     limit, rendering = Tolerance.parse(tolerance), Rendering(**{**options, "renderer": renderers[-1]})
     prisms = checked_scene(scene).replace(sheet="detailed")
     antialias = rendering.sampling if "antialias" in options else None
-    choice, _ = choose(views(prisms, rendering), rendering, limit, antialias, renderers)
+    choice, _ = choose([prisms], rendering, limit, antialias, renderers)
     chosen = {**options, "antialias": choice.antialias, "renderer": choice.renderer}
     return prisms.replace(sheet=choice.sheet), cast(Options, chosen)
 
@@ -140,6 +140,7 @@ def choose(
     """
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")
+    scenes = [view for scene in scenes for view in views(scene, rendering)]
     # at alpha = 0 the ideal sheet changes nothing, and the picture without it ("none") is cheaper; but a predicted
     # image needs a sheet
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)

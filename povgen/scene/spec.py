@@ -1,7 +1,6 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
 import logging
-import os
 import tomllib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -207,11 +206,7 @@ class MovieSpec(Model):
         name = "standard input" if stdin else str(path) or "''"
         try:
             file = spec_file(path)
-            # with O_NONBLOCK, a FIFO into which nobody writes is opened at once, and is empty
-            number = file if isinstance(file, int) else os.open(file, os.O_RDONLY | os.O_NONBLOCK)
-            with open(number, "rb", closefd=not stdin) as opened:
-                if not stdin:
-                    os.set_blocking(number, True)
+            with open(file, "rb", closefd=not stdin) as opened:
                 data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
             if len(data) > MAX_BYTES:
                 raise ValueError(f"longer than {MAX_BYTES} bytes")

@@ -5,11 +5,10 @@ Those of each further window are fields of a `Window`. A `Window` can be given a
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Annotated, Any, Generic, Literal, NamedTuple, Never, NoReturn, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Literal, NamedTuple, Never, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
-from povgen.errors import InputError
 from povgen.optics.glasses import named
 from povgen.sheets import PAPER, PARAMETERS, SHEETS
 from povgen.sheets.profile import NAMES, ProfileFile, as_profile
@@ -18,18 +17,6 @@ from povgen.validation import Model, as_pair, has_boolean
 
 MAX_WINDOWS = 5
 TABLES = {name for name, (parameter, *_) in PARAMETERS.items() if parameter.kind == "table"}
-
-
-class Table(dict[str, float]):
-    """A table of numbers. It never changes, like all values of a scene."""
-
-    def _refuse(self, *_: object, **__: object) -> NoReturn:
-        raise InputError("a table of a scene never changes; allowed: a copy of the scene, .replace(...)")
-
-    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
-
-    def __reduce__(self) -> tuple[type[Self], tuple[dict[str, float]]]:
-        return type(self), (dict(self),)
 
 
 def as_table(value: object) -> object:
@@ -84,8 +71,7 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
             return Annotated[Literal[NAMES] | ProfileFile, BeforeValidator(as_profile)]
         case "table":
             names = Literal[parameter.choices] if parameter.choices else str
-            checks = BeforeValidator(as_table), AfterValidator(Table)
-            return Annotated[dict[names, number], *checks]  # type: ignore[valid-type]
+            return Annotated[dict[names, number], BeforeValidator(as_table)]  # type: ignore[valid-type]
         case "whole number":
             return Annotated[int, bounds]
     return Annotated[number, _checked_size(parameter)] if parameter.size else number
@@ -108,7 +94,6 @@ def _fields(first: bool) -> dict[str, Any]:
         plain = len(kinds) == 1 and not {*PAPER}.isdisjoint(*kinds.values())
         about = "; ".join(text if plain else f"{', '.join(names)}: {text}" for text, names in kinds.items())
         annotation, default = _annotation(several[0]), several[0].default
-        default = Table(default) if isinstance(default, dict) else default
         found[name] = (
             (annotation, Field(default=default, description=about))
             if first

@@ -31,6 +31,7 @@ from povgen.scene.pieces import PIECES
 from povgen.scene.scenes import SCENES
 from povgen.scene.sdl import Mosaic
 from povgen.scene.spec import Sweep
+from povgen.scene.survey import Survey
 from povgen.version import __version__
 
 PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
@@ -62,6 +63,7 @@ def cases(few):
     return counted
 
 
+UNTRACED = Survey(9, 1.0)  # in place of that of a scene, whose rays take long to trace
 ROOT = Path("/")  # of all that cases may touch; set by the fixture, as is WORK, the folder that they work in
 WORK = Path("/a/b/c")
 SPEC = """\
@@ -122,13 +124,13 @@ def skeletons():
             for one, name in itertools.product(others[first], others.keys() - {first}):
                 for value in others[name]:
                     with suppress(InputError):  # some do not go together
-                        found |= skeleton(to_pov(model(**{first: one, name: value})))
+                        found |= skeleton(to_pov(model(**{first: one, name: value}), found=UNTRACED))
         for sheet, *others in (("ideal", None, "ideal", "detailed"), ("detailed", None), ("none", None)):
             windows = [{"alpha": 30, "z": n, "sheet": other} for n, other in enumerate(others, 1)]
             more = {"predicted_image": True} if "piece" in model.model_fields and sheet != "none" else {}
             for pedestal in (0, 0.8)[: 1 + ("piece" in model.model_fields)]:
                 options = more | ({"pedestal": pedestal} if "piece" in model.model_fields else {})
-                found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options)))
+                found |= skeleton(to_pov(model(sheet=sheet, window=windows, z1=2, **options), found=UNTRACED))
     for sheet in ("detailed", "ideal", "none"):
         found |= skeleton(to_pov(Chess(sheet=sheet), Mosaic((64, 48), 8, [[(0, 0)]])))
     for antialias in ("off", "2x"):  # the header's words differ

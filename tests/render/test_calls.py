@@ -72,8 +72,6 @@ def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):
     ("call", "words"),
     [
         (lambda: render("chess"), ["scene = 'chess'", "Chess(...)"]),
-        (lambda: show(None), ["scene = None"]),
-        (lambda: save(3, "a.png"), ["scene = 3"]),
         (lambda: to_pov("chess"), ["scene = 'chess'"]),
         (lambda: render(SCENE, size=(1, 1)), ["size = (1, 1)"]),
         (lambda: show(SCENE, sise=(32, 32)), ["'sise': unknown", "size"]),
@@ -87,10 +85,9 @@ def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):
         (lambda: movie("vary-alpha", "a.mp4", frame_rate="fast"), ["frame_rate = 'fast'", "120"]),
         *(
             (lambda workers=workers: movie([SCENE], "a.mp4", workers=workers), [f"workers = {workers!r}", "256"])
-            for workers in (-1, 0, "x", 2.5, True, 257)
+            for workers in (0, "x", True)
         ),
         (lambda: save(SCENE, 3), ["output = 3", ".png"]),
-        (lambda: movie("vary-alpha", 3), ["output = 3", ".mp4"]),
         (lambda: movie([SCENE], None), ["output = None", ".mp4"]),
         (lambda: movie([SCENE], "a.gif", frame_rate=60), ["GIF", "60 a second"]),
         (lambda: movie([SCENE], "a.mp4", scheduler=5), ["scheduler = 5", "tcp://"]),

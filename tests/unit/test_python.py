@@ -2,7 +2,6 @@
 
 import copy
 import inspect
-import json
 import pickle
 import pydoc
 import re
@@ -53,8 +52,6 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Chess(piece=["knight", "nix"]), ["piece = ['knight', 'nix']: 'nix' should be"]),
         (lambda: Chess(z1=np.array([2, -1.5])), ["]): -1.5 should be greater"]),
         (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}]: start = 'x': should"]),
-        (lambda: Chess.model_validate({"alpha": 400}), ["alpha = 400", "360 degrees"]),
-        (lambda: Chess.model_validate("chess"), ["Chess"]),
         (lambda: Chess().replace(alpha=400), ["alpha = 400"]),
         (lambda: Chess().replace(alfa=4), ["'alfa': unknown"]),
         (lambda: Spheres(z1=[]), ["z1 = []"]),
@@ -75,12 +72,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: MovieSpec.parse(b"", "a"), ["a: not TOML: b''; allowed: text"]),
         (lambda: MovieSpec.of_sweeps("chess", [3], {}), ["sweep = 3", "NAME=START:STOP"]),
         (lambda: Chess().replace(66), ["66: a value without a name"]),
-        (lambda: Chess.model_validate(3), ["3: should be a valid dictionary or instance of Chess"]),
-        (lambda: Chess.model_validate({3: 3}), ["keywords must be strings; allowed: the names"]),
         (lambda: Chess(window=[{3: 3}]), ["keywords must be strings; allowed: the names"]),
-        (lambda: Chess.model_validate_json("{"), ["'{': Invalid JSON"]),
-        (lambda: Chess.model_validate_json("[1]"), ["[1]: should be an object"]),
-        (lambda: Chess.model_validate_json('{"z1": [2, true]}'), ["z1 = [2, True]", "true or false"]),
         (
             lambda: Sweep(parameter="eye", values=[(True, 0), (1, 2)]),
             ["values = [(True, 0), (1, 2)]: should not be true"],
@@ -136,11 +128,8 @@ def test_an_error_has_one_line(call, words):
         lambda values: Chess(**values),
         lambda values: Chess().replace(**values),
         lambda values: Chess().model_copy(update=values),
-        Chess.model_validate,
-        lambda values: Chess.model_validate_json(json.dumps(values)),
-        Chess.model_validate_strings,
     ],
-    ids=["Chess", "replace", "model_copy", "model_validate", "model_validate_json", "model_validate_strings"],
+    ids=["Chess", "replace", "model_copy"],
 )
 def test_all_ways_to_make_a_model_check_it(make):
     assert make({"alpha": "90"}) == Chess(alpha=90)
@@ -183,7 +172,7 @@ def test_a_copy_with_changes():
     assert Rendering(quality="high").replace(quality="draft") == Rendering(quality="draft")  # its size as well
     assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
     assert Rendering().suited(False).suited(True) == Rendering()
-    for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy(), Chess.model_validate(scene)):
+    for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy()):
         assert copied == scene
 
 
@@ -278,27 +267,10 @@ def test_a_live_view_can_be_copied():
         assert made.scene == view.scene and "widget" not in vars(made)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda table: table.update(k=1),
-        lambda table: table.__setitem__("k", 1),
-        lambda table: table.pop("k"),
-        lambda table: table.clear(),
-        lambda table: table.__ior__({"k": 1}),
-    ],
-)
-def test_tables_never_change(change):
+def test_scenes_with_tables_can_be_copied():
     scene = Chess(sheet="law", law="k*x, y, z", parameter={"k": 0.3})
-    for table in (scene.parameter, Chess().error, scene.replace(error={}).error):
-        with pytest.raises(InputError, match="never changes; allowed: a copy"):
-            change(table)
-    for made in (
-        copy.deepcopy(scene),
-        pickle.loads(pickle.dumps(scene)),
-        Chess(**dict(scene)),
-        Chess(**scene.model_dump()),
-    ):
+    copies = copy.deepcopy(scene), pickle.loads(pickle.dumps(scene)), Chess(**dict(scene)), Chess(**scene.model_dump())
+    for made in copies:
         assert made == scene and hash(made) == hash(scene) and made.parameter == {"k": 0.3}
 
 

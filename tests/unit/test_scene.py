@@ -35,18 +35,14 @@ FAR = {"z1": 700, "z2": 150, "sheet": "none"}  # clear of the deepest frame, wit
         (Chess, "alpha", (-360, 360), (-360.001, 360.001)),
         (Chess, "z1", (5000,), (0, 5001)),
         (Chess, "z2", (150,), (0, 150.001)),
-        (Chess, "ratio", (0.1, 10), (0.099, 10.001)),
         (Chess, "axis", ((-1, -1, -1), (1, 1, 1), (0, 0, 0.001)), ((0, 0, 1.001), (-1.001, 0, 0), (0, 0, 9.9e-4))),
         (Chess, "prisms", (1, 3000), (0, 3001)),
         (Chess, "index", (1.1, 4), (1.099, 4.001)),
         (Chess, "base_angle", (15, 75), (14.9, 75.1)),
-        (Chess, "gap", (0.001, 0.5), (0.00099, 0.501)),
         (Chess, "aspect", (1.999,), (0, 2)),
         (Chess, "aperture", (0.5, 10), (0.499, 10.001)),
-        (Chess, "view", (0.1, 100), (0.099, 100.001)),
         (Chess, "eye", ((-10, 0), (10, 10)), ((-10.001, 0), (0, 10.001))),
         (Chess, "x", (-10, 10), (-10.001, 10.001)),
-        (Chess, "pedestal", (0, 10), (-0.001, 10.001)),
         (Spheres, "line", ((-10, -10), (10, 10)), ((-10.001, 0), (0, 10.001))),
         (Spheres, "z1", ((2,) * 50,), ((2,) * 51, (5001,))),
     ],
@@ -186,9 +182,9 @@ def test_the_view_is_the_height_of_the_picture():
         assert np.ptp(position.real) == pytest.approx(view * 39 / 30)
 
 
-@pytest.mark.parametrize("values", [{}, {"prisms": 50}, {"aperture": 3.2}, {"eye": (10, 7)}, {"z2": 1.1}, {"z2": 150}])
-def test_a_default_view_is_no_larger_than_the_frame_needs(values):
-    assert Chess(**values).view == Spheres(**values).view == VIEW
+def test_a_default_view_is_no_larger_than_the_frame_needs():
+    for values in ({}, {"prisms": 50}, {"aperture": 3.2}, {"eye": (10, 7)}, {"z2": 1.1}, {"z2": 150}):
+        assert Chess(**values).view == Spheres(**values).view == VIEW
 
 
 def test_a_default_view_follows_the_values_of_a_copy():

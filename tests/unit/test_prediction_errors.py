@@ -1,6 +1,6 @@
 """Where objects appear in random scenes, by ray traces, against the predictions and their warnings.
 
-`python tests/fuzz/test_prediction_errors.py 1000` measures scenes until 1000 of them have no warning.
+`python tests/unit/test_prediction_errors.py 1000` measures scenes until 1000 of them have no warning.
 """
 
 import re
