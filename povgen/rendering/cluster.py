@@ -10,7 +10,7 @@ import concurrent.futures
 import logging
 import socket
 import warnings
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -32,15 +32,14 @@ except ImportError:
 Result = TypeVar("Result")
 
 PATIENCE = 5.0  # seconds to wait for the scheduler's answer, and then again for its first worker
-POLL = 5.0  # seconds between two questions to the scheduler: from which workers has it heard?
-MAX_SILENT = 5  # questions in succession without news, after which the scheduler or the worker is given up
+POLL = 0.5  # seconds after which `stop` is noticed
 AHEAD = 2  # frames sent out for each thread of the workers: one is rendered while the next waits at the scheduler
 
 
 class Cluster:
     """The workers of a scheduler, as a context manager. Each worker renders one frame in each of its threads.
 
-    A worker from which the scheduler hears nothing is removed. Other workers render its frames.
+    Dask removes a worker that is lost, and other workers render its frames.
 
     `scheduler` is an address as `checked_scheduler` returns it. `renderer` is what the workers need: povray, gl, or
     None. `frames` is the number of frames to be sent out at once. Raises PovrayError if no scheduler answers, if it has
@@ -51,15 +50,16 @@ class Cluster:
     def __init__(self, scheduler: str, renderer: str | None = "povray") -> None:
         self._renderer = renderer
         self._scheduler = scheduler
-        self._no_workers = f"scheduler {scheduler}: it has no workers"
         self._versions = versions(renderer)
-        # done when this client waits for no more results; its result says why
-        self._ended: concurrent.futures.Future[str] = concurrent.futures.Future()
-        self._dismissed: set[str] = set()
+        self._stopped = False
         self._client: Any = _connected(scheduler)  # Dask's types do not cover what is used here
-        self._watching = self._start(self._watch())
         try:
-            self.frames = AHEAD * self._result(self._threads())  # to be sent out at once
+            with suppress(TimeoutError):
+                self._client.wait_for_workers(1, timeout=PATIENCE)
+            threads = sum(self._client.nthreads().values())
+            if not threads:
+                raise PovrayError(f"scheduler {scheduler}: it has no workers")
+            self.frames = AHEAD * threads  # to be sent out at once
             self._check()
         except BaseException:
             self.__exit__()
@@ -70,7 +70,6 @@ class Cluster:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
-        self._watching.cancel()
         # of any kind: the scheduler may have gone, and the frames are finished or given up
         with suppress(Exception), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -96,13 +95,18 @@ class Cluster:
         """
         future = self._client.submit(call, self._versions, self._renderer, function, *arguments, pure=False)
         try:
-            found: Result = self._result(self._client.gather(future, asynchronous=True))
-            return found
+            while not self._stopped:
+                with suppress(TimeoutError):
+                    found: Result = future.result(timeout=POLL)
+                    return found
+            raise PovrayError("the work was stopped")
         except PovrayError:
             raise
         except distributed.scheduler.KilledWorker as lost:
             number, last = lost.allowed_failures + 1, lost.last_worker.address
             raise TransientError(f"workers lost while they computed it: {number}, the last {last}") from None
+        except (distributed.CancelledError, OSError):
+            raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
         except Exception as error:
             raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
@@ -115,89 +119,12 @@ class Cluster:
 
     def stop(self) -> None:
         """Wait for no more frames. A POV-Ray that runs on a worker finishes its frame."""
-        self._end("the work was stopped")
-
-    def _end(self, why: str) -> None:
-        with suppress(concurrent.futures.InvalidStateError):  # it has ended already
-            self._ended.set_result(why)
-
-    def _start(self, coroutine: Coroutine[Any, Any, Result]) -> concurrent.futures.Future[Result]:
-        loop: Any = self._client.loop  # tornado's, which wraps asyncio's
-        return asyncio.run_coroutine_threadsafe(coroutine, loop.asyncio_loop)
-
-    def _result(self, coroutine: Coroutine[Any, Any, Result]) -> Result:
-        """Return the coroutine's result. Raises PovrayError if `stop` or a lost connection comes first."""
-        result = self._start(coroutine)
-        either: list[concurrent.futures.Future[Any]] = [result, self._ended]  # their results have two types
-        concurrent.futures.wait(either, return_when=concurrent.futures.FIRST_COMPLETED)
-        if not result.done():
-            raise PovrayError(self._ended.result())
-        try:
-            return result.result()
-        except (concurrent.futures.CancelledError, distributed.CancelledError, OSError):
-            raise PovrayError(f"scheduler {self._scheduler}: the connection was lost") from None
-
-    async def _watch(self) -> None:
-        """Ask the scheduler every POLL seconds which workers it has heard from.
-
-        Give up a worker, or the scheduler, that is silent for too long.
-        """
-        unanswered = 0  # questions in succession without an answer
-        without_news = 0  # answers in succession without news of any worker
-        heard: dict[str, float] = {}  # when the scheduler last heard from each worker, by the scheduler's clock
-        silent: dict[str, int] = {}  # answers in succession without news of each worker
-        while True:
-            pause = asyncio.create_task(asyncio.sleep(POLL))
-            try:
-                now = {name: worker["last_seen"] for name, worker in (await self._workers(POLL)).items()}
-                silent = {name: silent[name] + 1 if heard.get(name) == seen else 0 for name, seen in now.items()}
-                heard, unanswered = now, 0
-                without_news = 0 if 0 in silent.values() else without_news + 1
-                for name in [name for name, times in silent.items() if times >= MAX_SILENT]:
-                    await self._dismiss(name)
-            except Exception:  # of any kind: the scheduler did not answer correctly
-                unanswered += 1
-            if unanswered == MAX_SILENT:
-                return self._end(self._no_answer(MAX_SILENT * POLL))
-            if without_news == MAX_SILENT:
-                return self._end(self._no_workers)
-            await pause
-
-    def _no_answer(self, seconds: float) -> str:
-        return f"scheduler {self._scheduler}: it has not answered for {seconds:g} s"
-
-    async def _workers(self, seconds: float) -> dict[str, dict[str, Any]]:
-        """Return Dask's description of each worker, by the worker's address. Raises TimeoutError after `seconds`."""
-        return dict((await asyncio.wait_for(self._client.scheduler.identity(), seconds))["workers"])
-
-    async def _dismiss(self, worker: str) -> None:
-        """Tell the scheduler to give a worker's frames to others, as Dask itself does after worker-ttl."""
-        if worker not in self._dismissed:
-            self._dismissed.add(worker)
-            silence = f"worker {worker}: nothing was heard from it for {MAX_SILENT * POLL:g} s"
-            logging.getLogger("povgen").warning(f"povgen: warning: {silence}; other workers do its work")
-        forgotten = self._client.scheduler.unregister(address=worker, stimulus_id="povgen")
-        await asyncio.wait_for(forgotten, POLL)
-
-    async def _threads(self) -> int:
-        """Return how many threads the workers have, as soon as there is a worker. Raises PovrayError."""
-        answered = False
-        try:
-            async with asyncio.timeout(PATIENCE):
-                while not (workers := await self._workers(PATIENCE)):
-                    answered = True
-                    await asyncio.sleep(0.1)
-        except TimeoutError:
-            raise PovrayError(self._no_workers if answered else self._no_answer(PATIENCE)) from None
-        return sum(worker["nthreads"] for worker in workers.values())
+        self._stopped = True
 
     def _check(self) -> None:
         """Raise PovrayError if a worker has other versions than this machine."""
-        answers = self._result(
-            self._client.run(check, self._versions, self._renderer, on_error="return", asynchronous=True)
-        )
-        faults = [(name, fault) for name, fault in sorted(answers.items()) if fault and name not in self._dismissed]
-        if faults:
+        answers = self._client.run(check, self._versions, self._renderer, on_error="return")
+        if faults := [(name, fault) for name, fault in sorted(answers.items()) if fault]:
             worker, fault = faults[0]
             others = f" ({len(faults)} of {len(answers)} workers cannot be used)" if len(faults) > 1 else ""
             raise PovrayError(f"worker {worker}: {_first_line(fault)}{others}")

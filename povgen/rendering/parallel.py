@@ -1,15 +1,16 @@
 """The number of POV-Rays that run at once, threads that wait for them, and processes that run a module of povgen."""
 
 import os
+import pickle
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import ExitStack, contextmanager, suppress
 from numbers import Integral
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 from povgen import stopping
 from povgen.errors import InputError, shown
@@ -17,6 +18,9 @@ from povgen.settings import Rendering
 
 # POV-Ray sleeps about 0.65 s during each frame, even if the frame costs nothing. This many keep a core busy.
 POVRAYS_PER_CORE = 8
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class Runner(Protocol):
@@ -99,6 +103,46 @@ def end(process: "subprocess.Popen[bytes]") -> None:
         stopping.processes.discard(process)
 
 
+def computed(
+    function: Callable[[Item], Result], items: Sequence[Item], count: int, done: Callable[[], object] = lambda: None
+) -> dict[int, Result]:
+    """Return what a function returns for each item, by the item's number, computed by `count` Python processes.
+
+    `done` is called after each item. Those of a process that fails or does not start are left out.
+    """
+    found: dict[int, Result] = {}
+
+    def ask(process: Any, numbers: range) -> None:  # noqa: ANN401  (subprocess.Popen)
+        with suppress(EOFError, OSError, pickle.UnpicklingError), process.stdout:  # the process has ended
+            with process.stdin:
+                pickle.dump((function, [items[number] for number in numbers]), process.stdin)
+            for number in numbers:
+                found[number] = pickle.load(process.stdout)
+                done()
+
+    with ExitStack() as opened:
+        pool = opened.enter_context(ThreadPoolExecutor(count))
+        asked = []
+        for number in range(count):
+            try:
+                process = python(__name__)
+                opened.callback(end, process)  # before the pool ends: its threads wait for the process
+                asked.append(pool.submit(ask, process, range(number, len(items), count)))
+            except (OSError, RuntimeError):  # such as the limit of processes, which counts threads too
+                break
+        wait(asked)
+    return found
+
+
+def main() -> None:
+    """Read a pickled function and its items from the standard input. Answer with a pickled result for each item."""
+    answers = stopping.answers()
+    function, items = pickle.load(sys.stdin.buffer)
+    for item in items:
+        pickle.dump(function(item), answers.buffer)
+        answers.buffer.flush()
+
+
 @contextmanager
 def thread_pool(runner: Runner, workers: int | None = None) -> Iterator[ThreadPoolExecutor]:
     """Yield a pool of threads that call `runner.run`. At the end, cancel what waits and stop what runs."""
@@ -109,3 +153,7 @@ def thread_pool(runner: Runner, workers: int | None = None) -> Iterator[ThreadPo
         pool.shutdown(wait=False, cancel_futures=True)
         runner.stop()
         pool.shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,21 +1,17 @@
 """A table of many scenes: their parameters and `scene.quantities`, computed on all cores, or on a cluster."""
 
-import json
-import pickle
-import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from povgen import stopping
-from povgen.errors import InputError, PovrayError, shown
+from povgen.errors import InputError, shown
 from povgen.progress import bar
-from povgen.rendering.parallel import checked_scheduler, cores, end, python, worker_count
+from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.scene.quantities import QUANTITIES, parameters
 from povgen.scene.scenes import SCENES, Scene, checked_scenes
 from povgen.validation import as_flag, is_several
@@ -44,7 +40,7 @@ def results(
     `workers` processes compute at once, by default one for each core. With `scheduler`, the address of a Dask
     scheduler, its workers compute instead. `progress=False` shows no progress bar. Raises InputError for what is no
     scene or no quantity, if no quantity is given, and for `workers` or a `scheduler` that is not allowed. Raises
-    PovrayError if a process or the cluster fails.
+    PovrayError if the cluster fails.
     """
     scenes = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
@@ -84,44 +80,15 @@ def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done
     alone = workers == 1 or any(type(scene) not in SCENES.values() for scene in scenes)
     start = time.monotonic()
     while len(rows) < len(scenes) and (alone or time.monotonic() - start < PATIENCE):
-        rows += values_of([scenes[len(rows)]], quantities)
+        rows.append(_row(quantities, scenes[len(rows)]))
         done()
     left = scenes[len(rows) :]
-    if not left:
-        return rows
-    workers = min(workers, len(left))
-    later: list[list[float]] = [[]] * len(left)
-    with ExitStack() as opened:
-        pool = opened.enter_context(ThreadPoolExecutor(workers))
-        processes = []
-        for _ in range(workers):
-            processes.append(python(__name__))
-            opened.callback(end, processes[-1])  # before the pool ends: its threads wait for the process
-        parts = [range(n, len(left), workers) for n in range(workers)]
-
-        def compute(process: Any, part: range) -> None:  # noqa: ANN401  (subprocess.Popen)
-            for number, row in zip(part, _asked(process, [left[n] for n in part], quantities), strict=True):
-                later[number] = row
-                done()
-
-        for answered in [pool.submit(compute, *each) for each in zip(processes, parts, strict=True)]:
-            answered.result()
-    return rows + later
+    later = computed(partial(_row, quantities), left, min(workers, len(left)), done) if left else {}
+    return rows + [later[n] if n in later else _row(quantities, scene) for n, scene in enumerate(left)]
 
 
-def _asked(process: Any, scenes: Sequence[Scene], quantities: Sequence[str]) -> Iterator[list[float]]:  # noqa: ANN401
-    """Yield the quantities of each scene, as a process answers. Raises PovrayError if it fails."""
-    try:
-        process.stdin.write(pickle.dumps((scenes, quantities)))
-        process.stdin.close()
-    except OSError:  # it has ended
-        pass
-    with process.stdout:
-        for scene in scenes:
-            answer = process.stdout.readline()
-            if not answer.endswith(b"\n"):
-                raise PovrayError(f"results: the process that computes {shown(scene)} has ended")
-            yield json.loads(answer)
+def _row(quantities: Sequence[str], scene: Scene) -> list[float]:
+    return values_of([scene], quantities)[0]
 
 
 def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
@@ -153,15 +120,3 @@ def _is_table(answer: Any, height: int, width: int) -> bool:  # noqa: ANN401  (a
         return isinstance(answer, list) and np.asarray(answer, float).shape == (height, width)
     except (TypeError, ValueError):
         return False
-
-
-def main() -> None:
-    """Read pickled scenes and names of quantities from the standard input. Answer with a JSON line for each scene."""
-    answers = stopping.answers()
-    scenes, quantities = pickle.load(sys.stdin.buffer)
-    for scene in scenes:
-        print(json.dumps(values_of([scene], quantities)[0]), file=answers)
-
-
-if __name__ == "__main__":
-    main()

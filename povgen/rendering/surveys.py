@@ -5,25 +5,18 @@ If many are missing, several processes make them. The result of a ray trace is a
 
 import functools
 import inspect
-import json
-import pickle
-import sys
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import ExitStack, suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
-from povgen import limits, optics, sheets, stopping
+from povgen import limits, optics, sheets
 from povgen.rendering import cache
-from povgen.rendering.parallel import cores, end, python
+from povgen.rendering.parallel import computed, cores
 from povgen.scene import scenes, survey, windows
 from povgen.scene.scenes import Scene
 
 MOST = 16  # processes that make surveys at once
 EACH = 24  # surveys, at least, for each process: its start takes as long as about 15 surveys
-START, SECONDS = 60.0, 10.0  # the time limit: START, and SECONDS for each survey of a process
 
 
 def found(scene: Scene, store: bool = False) -> survey.Survey | None:
@@ -50,34 +43,14 @@ def make(shown: Iterable[Scene]) -> None:
     """Make the surveys of many scenes by several processes. Those that are known, or in the cache, are not made again.
 
     If fewer than 2 * EACH are missing, no process is started. `found` makes these later, and also those of a process
-    that fails or hangs.
+    that fails.
     """
     every = dict.fromkeys(survey.inputs(scene) for scene in shown if scene.has_prisms)
     missing = [given for given in every if given not in survey.known and not cache.load_values(_key(given))]
     count = min(cores(), MOST, len(missing) // EACH)
-    if count < 2:
-        return
-    with ExitStack() as opened:
-        pool = opened.enter_context(ThreadPoolExecutor(count))
-        asked = []
-        for number in range(count):
-            try:
-                process = python("povgen.rendering.surveys")
-                opened.callback(end, process)  # before the pool ends: its threads wait for the process
-                asked.append(pool.submit(_ask, process, missing[number::count]))
-            except (OSError, RuntimeError):  # such as the limit of processes, which counts threads too
-                break
-        wait(asked, START + SECONDS * len(missing[::count]))
-
-
-def _ask(process: Any, part: list[survey.SurveyInputs]) -> None:  # noqa: ANN401  (subprocess.Popen)
-    """Keep the surveys with which a process answers, as they come."""
-    with suppress(OSError), process.stdin:  # the process has ended
-        pickle.dump(part, process.stdin)
-    with process.stdout:
-        for given, line in zip(part, process.stdout, strict=False):
-            if line.endswith(b"\n"):
-                survey.keep(given, survey.Survey(**json.loads(line)))
+    if count >= 2:
+        for number, made in computed(survey.of_inputs, missing, count).items():
+            survey.keep(missing[number], made)
 
 
 @functools.cache
@@ -87,14 +60,3 @@ def _code_of_trace() -> str:
     for package in (optics, sheets):
         texts += [file.read_text("utf-8") for file in sorted(Path(package.__path__[0]).glob("*.py"))]
     return sha256("\0".join(texts).encode()).hexdigest()
-
-
-def main() -> None:
-    """Read pickled inputs of surveys from the standard input. Answer with a line of JSON for each survey."""
-    answers = stopping.answers()
-    for given in pickle.load(sys.stdin.buffer):
-        print(json.dumps(survey.of_inputs(given)._asdict()), file=answers)
-
-
-if __name__ == "__main__":
-    main()

@@ -11,7 +11,6 @@ import sys
 import tempfile
 import typing
 import warnings
-from concurrent.futures import Future
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache, lru_cache
 from pathlib import Path
@@ -216,10 +215,8 @@ def place(tmp_path_factory):
         patch.setattr(encode, "check_encoder", lambda ending: None)
         patch.setattr(quantities, "RAYS", 500)
         patch.setattr(results, "PATIENCE", np.inf)  # no other process: it takes longer to start than most cases
-        patch.setattr(cluster, "_connected", lambda _: mock.MagicMock())
-        patch.setattr(cluster.Cluster, "_start", lambda _, coroutine: coroutine.close() or Future())
-        patch.setattr(cluster.Cluster, "_threads", mock.MagicMock())
-        patch.setattr(cluster.Cluster, "_result", lambda *_: 1)  # of _threads
+        client = mock.MagicMock(nthreads=lambda: {"a worker": 1})
+        patch.setattr(cluster, "_connected", lambda _: client)
         patch.setattr(cluster.Cluster, "_check", lambda _: None)
         patch.setattr(cluster.Cluster, "run", staticmethod(rendered))
         patch.setattr(verify, "checks", lambda sheet: [Measured(sheet or "ideal", "error", 0.5, 1)])

@@ -1,5 +1,7 @@
 """Tables of many scenes: their columns, their numbers, and the processes that compute them."""
 
+import errno
+import math
 import os
 import subprocess
 import sys
@@ -7,10 +9,10 @@ import sys
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, PovrayError, Spheres, results
+from povgen import Chess, InputError, Spheres, results
 from povgen.optics import equations, series
+from povgen.rendering import parallel, surveys
 from povgen.rendering import results as module
-from povgen.rendering import surveys
 from povgen.rendering.parallel import worker_count
 from povgen.scene import mesh, survey
 from povgen.scene.quantities import QUANTITIES
@@ -91,25 +93,33 @@ def test_other_processes_find_the_same(monkeypatch, capsys, talking):
     assert capsys.readouterr().err.splitlines() == [f"results: {n}/6 scenes" for n in range(1, 7)]
 
 
-@pytest.mark.filterwarnings("error")
-def test_pipes_to_other_processes_are_closed(monkeypatch):
-    monkeypatch.setattr(module, "PATIENCE", 0)
-    started, python = [], module.python
-    monkeypatch.setattr(module, "python", lambda name: started.append(python(name)) or started[-1])
-    results(SCENES, "M", workers=2, progress=False)
-    assert len(started) == 2 and all(process.stdin.closed and process.stdout.closed for process in started)
+@pytest.mark.filterwarnings("error")  # such as of a pipe that is not closed
+@pytest.mark.parametrize("fault", [None, "ends", "does not start"])
+def test_items_of_a_process_that_fails_are_left_out(fault, monkeypatch):
+    started, start = [], parallel.python
+
+    def python(name):
+        if started and fault == "does not start":
+            raise OSError(errno.EAGAIN, "no more processes")
+        started.append(start("no_module" if started and fault == "ends" else name))
+        return started[-1]
+
+    monkeypatch.setattr(parallel, "python", python)
+    done = []
+    found = parallel.computed(math.sqrt, [1, 4, 9, 16, 25], 2, lambda: done.append(1))
+    assert found == ({0: 1, 2: 3, 4: 5} if fault else {0: 1, 1: 2, 2: 3, 3: 4, 4: 5}) and len(done) == len(found)
+    assert all(process.poll() is not None for process in started)
 
 
 def test_one_scene_is_a_table_of_one_row():
     assert results(SCENES[1], "M", progress=False)["M"] == results(SCENES, "M", progress=False)["M"][1]
 
 
-def test_a_process_that_ends_is_an_error(monkeypatch):
+def test_what_no_other_process_computes_is_computed_here(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
-    python = module.python
-    monkeypatch.setattr(module, "python", lambda _: python("povgen.version"))
-    with pytest.raises(PovrayError, match="^results: the process that computes Chess.* has ended$"):
-        results(SCENES, "M", workers=2, progress=False)
+    monkeypatch.setattr(module, "computed", lambda *_: {1: [7.0]})
+    table = results(SCENES, "M", workers=2, progress=False)
+    assert table["M"][1] == 7 and np.array_equal(np.delete(table["M"], 1), np.delete(results(SCENES, "M")["M"], 1))
 
 
 class Mine(Chess):
@@ -118,7 +128,7 @@ class Mine(Chess):
 
 def test_scenes_of_ones_own(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
-    monkeypatch.setattr(module, "python", None)
+    monkeypatch.setattr(module, "computed", None)
     assert results([Mine(), Mine(alpha=3)], "M", workers=2, progress=False)["alpha"].tolist() == [66, 3]
 
 
@@ -161,14 +171,19 @@ def test_a_number_of_workers_can_be_numpys():
         worker_count(np.bool_(True))
 
 
-def test_what_python_prints_at_its_start_is_no_survey_and_no_mesh(talking, monkeypatch):
-    scenes = [Chess(alpha=alpha, prisms=10) for alpha in (10, 20)]
+def test_surveys_of_many_scenes_are_made_by_several_processes(talking, monkeypatch):
+    """They are those that this process makes. What Python prints at its start is none, and no mesh."""
+    scenes = [
+        *(Chess(alpha=alpha, prisms=10) for alpha in (10, 20)),
+        Chess(sheet="lenticular", f_number=8),
+        Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 1}, window="z=3,sheet=detailed,prisms=10"),
+    ]
     monkeypatch.setattr(surveys.cache, "load_values", lambda _: None)
-    monkeypatch.setattr(surveys, "EACH", 1)
+    monkeypatch.setattr(surveys, "EACH", 2)
     monkeypatch.setattr(surveys, "cores", lambda: 2)
     monkeypatch.setattr(survey, "known", {})
-    surveys.make(scenes)
-    assert {survey.inputs(scene) for scene in scenes} <= survey.known.keys()
+    surveys.make([Chess(sheet="ideal"), *scenes[:1], *scenes])
+    assert {given: survey._traced(given) for given in map(survey.inputs, scenes)} == survey.known
     triangle = b"solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid\n"
     assert "1 of" not in mesh.text_and_note(triangle, "stl", "", 0.3)[1]
 
