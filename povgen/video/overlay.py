@@ -39,8 +39,8 @@ MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture'
 LINES = 4  # of a strip of text, at most
 SAMPLE = 1.7  # width of a dot or line in a strip with the space after it, in units of the text's height
 GAP = 1.4  # between two texts of a strip, in units of the text's height
-ROWS = 64  # rows blended at a time, so that large pictures need little additional memory
-AT_ONCE = 1 << 18  # about this number of pixels, those of all discs, are computed at a time in `_discs`, to save memory
+FINER = 3  # discs are drawn this many times as large, and reduced
+ROWS = 270  # rows of a picture whose discs are drawn at a time, so that large pictures need little additional memory
 
 Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
@@ -299,35 +299,28 @@ def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Seque
 
 
 def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour: Colour) -> None:
-    """Blend a colour over discs with smooth edges. Their centres x + iy and their radius are in pixels."""
-    if not len(points):
-        return
-    reach = ceil(radius + 0.5)
-    rows, columns = (
-        slice(max(0, int(ends.min()) - reach), min(size, int(ends.max()) + reach + 2))
-        for ends, size in zip((points.imag, points.real), picture.shape, strict=False)
-    )
-    part = picture[rows, columns]
-    if not part.size:
-        return
-    # for each pixel, the square of its distance from the nearest point, at most (radius + 0.5)^2
-    nearest = np.full(part.shape[:2], (radius + 0.5) ** 2, np.float32)
-    near = np.arange(-reach, reach + 2)  # rows, or columns, around a point: 0 is the last one not beyond the point
-    for some in np.array_split(points, len(points) * len(near) ** 2 // AT_ONCE + 1):
-        sides = []
-        for ends, first, size in ((some.imag, rows.start, len(part)), (some.real, columns.start, part.shape[1])):
-            pixels = np.floor(ends - first).astype(int)[:, None] + near
-            squares = (pixels - (ends - first)[:, None]) ** 2
-            squares[(pixels < 0) | (pixels >= size)] = np.inf
-            sides.append((pixels.clip(0, size - 1), squares))
-        (down, dy2), (right, dx2) = sides
-        np.minimum.at(
-            nearest, (down[:, :, None], right[:, None, :]), (dy2[:, :, None] + dx2[:, None, :]).astype(np.float32)
-        )
-    for top in range(0, len(part), ROWS):
-        band = slice(top, top + ROWS)
-        opacity = (radius + 0.5 - np.sqrt(nearest[band, :, None])).clip(0, 1) * (colour[3] / 255)
-        part[band] = (part[band] * (1 - opacity) + opacity * colour[:3] + 0.5).astype(np.uint8)
+    """Blend a colour over discs. Their centres x + iy and their radius are in pixels.
+
+    For smooth edges they are drawn FINER times as large, and reduced.
+    """
+    reach = radius + 1
+    for top in range(0, len(picture), ROWS):
+        some = points[abs(points.imag - top - ROWS / 2) < ROWS / 2 + reach]
+        if not len(some):
+            continue
+        left, right = (max(0, int(end)) for end in (some.real.min() - reach, some.real.max() + reach + 1))
+        part = picture[top : top + ROWS, left:right]
+        if not part.size:
+            continue
+        mask = Image.new("L", (FINER * part.shape[1], FINER * len(part)))
+        draw = ImageDraw.Draw(mask)
+        half = FINER * radius * (1 + 1j)
+        for centre in FINER * (some - complex(left, top) + 0.5 + 0.5j):
+            low, high = centre - half, centre + half - 1 - 1j
+            draw.ellipse([round(x) for x in (low.real, low.imag, high.real, high.imag)], fill=colour[3])
+        image = Image.fromarray(part)
+        image.paste(colour[:3], mask=mask.reduce(FINER))
+        part[:] = np.asarray(image)
 
 
 def positions(scene: Scene) -> list[complex]:
