@@ -33,31 +33,33 @@ class Jumps(NamedTuple):
 def template(scene: Scene) -> str:
     """Return the name of the template of the camera that simulates the ideal windows.
 
-    "": no ideal window has a sheet, and POV-Ray's own camera is used. "ideal": the only ideal window only rotates
-    light. "series": there are several ideal windows, and all only rotate light. "law": all other cases. "series"
-    divides the picture into exact polygons. "law" halves a triangle whose rays do not all pass the same windows, again
-    and again, until the parts are small.
+    "": no ideal window has a sheet, and POV-Ray's own camera is used. "series": there are several ideal windows, and
+    all only rotate light: the picture is divided into exact polygons. "law": all other cases. There, a triangle whose
+    rays do not all pass the same windows is halved, again and again, until the parts are small.
     """
     if {sheet.name for sheet in scene.ideal} <= {"none"}:
         return ""
-    if all(sheet.rotates for sheet in scene.ideal):
-        return "ideal" if len(scene.ideal) == 1 else "series"
-    return "law"
+    return "series" if len(scene.ideal) > 1 and _rotates(scene) else "law"
+
+
+def _rotates(scene: Scene) -> bool:
+    """Whether all ideal windows only rotate light."""
+    return all(sheet.rotates for sheet in scene.ideal)
 
 
 def camera_cells(scene: Scene) -> int:
     """Return the number of cells across the window in which the ideal sheets' camera interpolates rays.
 
-    It is the least number that keeps the error below MAX_CAMERA_ERROR, but at most MAX_CELLS. For the template "law"
-    the least number is only estimated (`_cells_of_laws`). A probe (a scene for measuring) can set the number with
-    `grid`. See camera/ideal.pov.j2. If there is one window, which only rotates light, and the eye is on its axis, one
-    cell is exact. With several windows one cell is not: the part of the first window that shows the second one is no
-    rectangle.
+    It is the least number that keeps the error below MAX_CAMERA_ERROR, but at most MAX_CELLS. For laws that do not only
+    rotate light the least number is only estimated (`_cells_of_laws`). A probe (a scene for measuring) can set the
+    number with `grid`. See camera/law.pov.j2. If there is one window, which only rotates light, and the eye is on its
+    axis, one cell is exact. With several windows one cell is not: the part of the first window that shows the second
+    one is no rectangle.
     """
     grid: int | None = getattr(scene, "grid", None)
     if grid:
         return grid
-    if template(scene) == "law":
+    if not _rotates(scene):
         return MAX_CELLS if jumps(scene).share else _cells_of_laws(scene)
     return (
         ceil(min(MAX_CELLS, max(1, sqrt(grid_error(scene, 1) / MAX_CAMERA_ERROR))))
@@ -93,7 +95,7 @@ def _P(scene: Scene, z1: float) -> float:
 
 
 def jumps(scene: Scene) -> Jumps:
-    """Return where the rays of the template "law" jump. In other templates no ray jumps.
+    """Return where rays jump. Through windows that only rotate light no ray jumps.
 
     Where a law jumps, interpolation is as wrong in a small cell as in a large one. Here, MAX_CELLS cells across the
     window are tried. A cell also counts if a ray inside does not pass although those of all corners do, or passes
@@ -102,7 +104,7 @@ def jumps(scene: Scene) -> Jumps:
     POV-Ray's text divides cells into some 100,000 triangles in half a minute; `step` follows from that. If more than a
     quarter of the cells count, they are not divided.
     """
-    if template(scene) != "law":
+    if _rotates(scene):
         return Jumps()
 
     farthest, tolerance = max(scene.distances, default=2 * scene.z2), 10 * MAX_CAMERA_ERROR * scene.view / 960

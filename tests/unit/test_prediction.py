@@ -119,7 +119,7 @@ def test_the_trace_level_costs_no_partially_reflected_light(values, brightness, 
 def told_aside(scene):
     """Pixels of 1280x960 by which POV-Ray's interpolation between unit vectors shows an object aside, and should not.
 
-    Computed for the triangles of camera/ideal.pov.j2: at the middle of each side and of each triangle.
+    Computed for the triangles of camera/law.pov.j2: at the middle of each side and of each triangle.
     """
     n, half = camera_cells(scene), scene.aperture / 2
     corners = (np.arange(n + 1) / n * 2 - 1) * half
