@@ -24,11 +24,8 @@ PANELS := $(addprefix docs/gallery/,$(addsuffix .png,prisms prediction single bl
 # without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
 SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
-# This file says that make created the environment. Only then may make remove it. It lies in the environment: if a user
-# replaces the environment by another, the file is gone.
+# This file says that make created the environment. Only then may make remove it.
 CREATED := $(VENV)/made-by-make
-# removes all else in the environment, so that make can continue after an interruption
-empty-venv = find $(VENV)/ -mindepth 1 -maxdepth 1 ! -name made-by-make -exec rm -rf {} +
 # Debian's packages that are missing
 MISSING := $(if $(shell command -v povray),,povray) \
   $(if $(shell command -v python3),$(if $(shell python3 -c 'import ensurepip, venv' 2>&1),python3-venv),python3 python3-venv)
@@ -48,13 +45,6 @@ NEW := $(if $(or $(strip $(MISSING)),$(shell test "$$(cat $(READY) 2> /dev/null)
 # Installs into the environment. READY is missing meanwhile, so an interrupted installation is repeated from the start.
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
-# `make clean` removes the files that recipes have noted here with their checksums, if nobody has changed them since. A
-# recipe calls `begin` before it makes files, and then `note` with names or folders: it notes what is new there.
-MADE := build/.make/made
-# The clock of files has ticks of up to 10 ms, and a file that is made in the same tick is not newer.
-begin = @mkdir -p build/.make && touch build/.make/$@ && sleep 0.02
-note = @find $(1) -type f -newer build/.make/$@ -exec sha256sum {} + >> $(MADE)
-
 .PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release coverage test-deps gl-deps firefox-deps \
   lint verify chart ray-pictures site package container notes bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
@@ -63,19 +53,14 @@ movies: $(MOVIES)  ## the paper's three movies, into movies/
 
 movies-beyond: $(BEYOND)  ## movies of windows in series and of other ideal sheets, into movies/
 
-movies/%.mp4: movies/%.toml $(SOURCES) build/.make/options | $(READY) $(RENDERER_READY)
+movies/%.mp4: movies/%.toml $(SOURCES) build/options | $(READY) $(RENDERER_READY)
 	$(POVGEN) movie $< -o $@ --quality $(QUALITY) --renderer $(RENDERER) $(OPTIONS)
-	@sha256sum $@ >> $(MADE)
 
 frame: | $(READY) $(RENDERER_READY)  ## one frame, frame.png: a chess piece and its predicted image
-	$(begin)
 	$(POVGEN) frame chess --predicted-image --quality $(QUALITY) --renderer $(RENDERER) $(OPTIONS) -o frame.png
-	$(call note,frame.png)
 
-demo: | $(READY)  ## a page for teaching, build/demo.html: the scene, live, beside the equations; works offline
-	$(begin)
+demo: | $(READY) build  ## a page for teaching, build/demo.html: the scene, live, beside the equations; works offline
 	$(POVGEN) demo -o build/demo.html $(OPTIONS)
-	$(call note,build -maxdepth 1 -name 'demo*')
 
 # The tests start hundreds of Pythons. Without the compiled modules on disk, each of them would compile povgen again.
 test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
@@ -91,11 +76,9 @@ test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-re
 test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## the variants that take long; tests with every Python here, with the oldest packages, and in Firefox
 	$(VENV)/bin/python -m pytest -m release --numprocesses 6 --dist loadgroup
 
-coverage: $(VENV)/test-ready test-deps gl-deps  ## which lines of povgen no test runs: a table, and pages in build/coverage
-	$(begin)
+coverage: $(VENV)/test-ready test-deps gl-deps | build  ## which lines of povgen no test runs: a table, and pages in build/coverage
 	COVERAGE_FILE=build/coverage.data $(VENV)/bin/python -m pytest tests/unit tests/cli tests/fuzz tests/render --numprocesses 6 --dist loadgroup \
 	  --cov povgen --cov-report term:skip-covered --cov-report html:build/coverage
-	$(call note,build/coverage build/coverage.data)
 
 figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, into docs/figures
 	@mkdir -p docs/figures
@@ -154,14 +137,11 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[0-9]*.yml
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 
-verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in docs/stability
-	$(begin)
+verify: $(VENV)/charts-ready | build  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in docs/stability
 	$(POVGEN) verify --html build/verify.html
 	$(POVGEN) verify --stability --html build/stability.html -o docs/stability
-	$(call note,build/verify.html build/stability.html)
 
-chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
-	@mkdir -p build
+chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps | build  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > build/mitsuba.csv
 	@mv build/mitsuba.csv benchmarks/mitsuba.csv
 	$(VENV)/bin/python benchmarks/charts.py docs/chart
@@ -169,17 +149,13 @@ chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/
 	$(VENV)/bin/python docs/ray_field.py
 	$(VENV)/bin/python docs/real_glass.py
 
-site: | $(VENV)/docs-ready  ## the site, build/site/index.html: these pages, the gallery, the live page, the Python interface
-	$(begin)
+site: | $(VENV)/docs-ready build  ## the site, build/site/index.html: these pages, the gallery, the live page, the Python interface
 	@rm -rf build/site
 	$(VENV)/bin/python docs/website.py build/site
-	$(call note,build/site)
 
 package: | $(VENV)/package-ready  ## the wheel and the source distribution, into dist
-	$(begin)
 	@rm -f dist/povgen-*
 	$(VENV)/bin/uv build --quiet --out-dir dist
-	$(call note,dist)
 
 container: package  ## an image of povgen, for Docker or Podman
 	$(if $(shell command -v podman),podman,docker) build --tag povgen --file Containerfile .
@@ -188,27 +164,17 @@ notes:  ## what CHANGELOG.md says of this version
 	@awk -v version="$$(sed -n 's/^__version__ = "\(.*\)"/\1/p' povgen/version.py)" \
 	  '/^## /{found = $$2 == version; next} found' CHANGELOG.md
 
-bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready  ## CPU time of povgen and of other programs: a table, and build/bench.json
-	$(begin)
+bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready | build  ## CPU time of povgen and of other programs: a table, and build/bench.json
 	$(VENV)/bin/python benchmarks/bench.py $(VENV)/mitsuba/bin/python
-	$(call note,build/bench.json)
 
-cluster-bench: $(VENV)/cluster-ready  ## time of a movie on a Dask cluster: tables, and build/cluster.json
-	$(begin)
+cluster-bench: $(VENV)/cluster-ready | build  ## time of a movie on a Dask cluster: tables, and build/cluster.json
 	$(VENV)/bin/python benchmarks/cluster_bench.py
-	$(call note,build/cluster.json)
 
-auto-check: $(VENV)/charts-ready $(RENDERER_READY)  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
-	$(begin)
+auto-check: $(VENV)/charts-ready $(RENDERER_READY) | build  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first
 	$(VENV)/bin/python benchmarks/auto_check.py $(SCENES) $(RENDERER)
-	$(call note,build/auto-check)
 
-clean:  ## remove what make made: movies, frame.png, pages, the virtual environment (frames stay in povgen's cache)
-	$(if $(wildcard $(CREATED)),$(empty-venv) && rm -rf $(VENV))
-	@LC_ALL=C sha256sum --check $(MADE) 2> /dev/null | sed -n 's/: OK$$//p' | xargs -r -d '\n' sh -c \
-	  'rm -f "$$@"; for file; do rmdir -p "$$(dirname "$$file")"; done 2> /dev/null; true' sh
-	rm -rf build/.make .pytest_cache
-	@rmdir build 2> /dev/null; true
+clean:  ## remove the folders that make alone writes to: the virtual environment and build (not movies, frame.png and the cache)
+	rm -rf $(if $(wildcard $(CREATED)),$(VENV)) build .pytest_cache
 
 help:  ## this list
 	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), RENDERER=povray|gl|auto (now $(RENDERER); auto with --sheet auto), OPTIONS='more options of povgen'"
@@ -217,16 +183,18 @@ help:  ## this list
 
 chosen = '$(subst ','\'',$(QUALITY) $(RENDERER) $(OPTIONS))'
 # changes when QUALITY, RENDERER or OPTIONS change
-build/.make/options: FORCE
-	@mkdir -p build/.make
+build/options: FORCE | build
 	@printf '%s\n' $(chosen) | cmp -s - $@ || printf '%s\n' $(chosen) > $@
 FORCE:
+
+build:
+	@mkdir $@
 
 $(READY): pyproject.toml $(NEW)
 	@test -e $(CREATED) -o ! -e $(VENV) || { echo "povgen: $(VENV) was not made by make; allowed: remove it, or name" \
 	  "another folder, as in make VENV=.venv-povgen" >&2; exit 2; }
 	$(if $(strip $(MISSING)),$(call install,$(strip $(MISSING))))
-	@mkdir -p $(VENV) && touch $(CREATED) && $(empty-venv)
+	@rm -rf $(VENV) && mkdir -p $(VENV) && touch $(CREATED)
 	python3 -m venv $(VENV)
 	$(call install-into-venv,$(VENV)/bin/pip install --quiet --disable-pip-version-check --editable .)
 
