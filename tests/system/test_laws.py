@@ -56,10 +56,11 @@ def test_numpy_and_javascript(scene, node, rng):
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11)
 
 
-def test_numpy_and_pov_ray(rng, tmp_path):
+@pytest.mark.parametrize("scenes", [SCENES[2::7], pytest.param(SCENES, marks=pytest.mark.release)], ids=["few", "all"])
+def test_numpy_and_pov_ray(scenes, rng, tmp_path):
     """POV-Ray writes what the functions in the text of each scene give."""
     d, place = directions(rng, 20)
-    for scene in SCENES:
+    for scene in scenes:
         if scene.sheet == "none":
             continue
         text = to_pov(scene)
@@ -104,7 +105,11 @@ def through(scene, direction):
     return passes, bent / np.linalg.norm(bent, axis=1, keepdims=True), place
 
 
-@pytest.mark.parametrize("scene", SERIES, ids=lambda scene: scene.sheet)
+@pytest.mark.parametrize(
+    "scene",
+    [SERIES[0], *(pytest.param(scene, marks=pytest.mark.release) for scene in SERIES[1:])],
+    ids=lambda s: s.sheet,
+)
 def test_sheets_in_series(scene, view):
     """POV-Ray's pictures and the shader show in every pixel the direction that the laws give."""
     inside, direction = camera.rays(scene, SIZE)
