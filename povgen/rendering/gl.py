@@ -36,7 +36,6 @@ SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light 
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
 SPARE = 1 << 28  # bytes, of which a driver needs a part when it starts
-NEAR = 0.9  # factor for the steps in `extend`, because their sum along the grid can exceed the distance by up to 13 %
 
 
 class Drawer:
@@ -232,30 +231,16 @@ def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
 def extend(distance: NDArray[np.float64], most: float) -> NDArray[np.float64]:
     """Return distances (z, y, x), in voxels, also where the given ones are `most` or more, which means unknown.
 
-    There are two sweeps in opposite directions. An unknown distance is found from those of the neighbours that the
-    sweep has already passed, each plus a step. The result is about 0.9 to 1.05 times the distance.
+    There the result is the least sum of a known distance and the way to it along the axes, divided by sqrt(3). It is
+    about 0.6 to 1 times the distance.
     """
-    nz, ny, nx = distance.shape
-    # inside a border of voxels that are infinitely far away, each voxel has all neighbours
-    bordered = np.pad(distance, 1, constant_values=np.inf)
-    layer, rows = ny + 2, bordered.reshape(-1, nx + 2)
-    step1, step2, step3 = NEAR * np.sqrt([1, 2, 3])
-    along = NEAR * np.arange(nx)
-    for sweep in (rows, rows[::-1, ::-1]):
-        # The rows with the same 2z + y do not depend on each other, so they are computed at once.
-        for t in range(3, 2 * nz + ny + 1):
-            start = max(1, (t - ny + 1) // 2) * ny + t
-            stop = min(nz, (t - 1) // 2) * ny + t + 1
-            here, *near = (sweep[start - back : stop - back : ny] for back in (0, 1, layer, layer - 1, layer + 1))
-            face, edge = (np.maximum(np.minimum(*pair), 0) for pair in (near[:2], near[2:]))
-            ahead = np.minimum(face + step1, edge + step2)[:, 1:-1]
-            aside = np.minimum(face + step2, edge + step3)
-            here = here[:, 1:-1]
-            unknown, found = here >= most, np.maximum(here, 0)
-            for before in (ahead, aside[:, :-2], aside[:, 2:]):
-                np.minimum(found, before, out=found, where=unknown)
-            np.copyto(here, np.minimum.accumulate(found - along, axis=1) + along, where=unknown)
-    return bordered[1:-1, 1:-1, 1:-1]
+    found = distance
+    for axis, size in enumerate(distance.shape):
+        line, along = np.moveaxis(found, axis, -1), np.arange(size)
+        for _ in range(2):  # one way and the other
+            line = (np.minimum.accumulate(line - along, axis=-1) + along)[..., ::-1]
+        found = np.moveaxis(line, -1, axis)
+    return np.where(distance < most, distance, np.maximum(found / np.sqrt(3), most))
 
 
 def write_png(file: Path, bands: Iterator[NDArray[np.uint8]], size: tuple[int, int]) -> None:
