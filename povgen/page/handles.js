@@ -1,5 +1,6 @@
 // Dragging the object and the eye, in the picture and in the diagram; and moving them by the arrow keys.
 
+import { onArrows, onDrag } from "../liveview/pointer.js";
 import { abs, finite, minus, plus, scaled } from "./complex.js";
 import { $, clamped } from "./data.js";
 import { orientation } from "./diagram.js";
@@ -12,7 +13,6 @@ import { player, povray } from "./player.js";
 import { change, session, state } from "./state.js";
 
 const KEY_STEP = 0.05;  // tiles; with Shift five times as far
-const KEY_STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 // The place in the plane z = 0, in tiles, of a point of the stage.
 const placeAt = ([x, y]) => scaled(1 / tilePixels(), [x, -y]);
@@ -49,7 +49,7 @@ function sphereAt(at, now) {
 let tapped = { time: -Infinity, at: [0, 0] };  // when and where the picture was last pressed
 
 function holdInPicture(event) {
-  if (event.button || povray.shown || event.target.id === "curtain") return;
+  if (povray.shown || event.target.id === "curtain") return undefined;
   const at = pointerAt(event, stage.getBoundingClientRect());
   const what = underPointer(event, at, moment());
   const again = event.timeStamp - tapped.time < 350 && abs(minus(at, tapped.at)) < 24;
@@ -60,62 +60,50 @@ function holdInPicture(event) {
     refresh();
   }
   const now = moment();
-  hold(event, what, (step) => {
-    const tiles = scaled(1 / tilePixels(), [step[0], -step[1]]);
+  return hold(event, what, (way) => {
+    const tiles = scaled(1 / tilePixels(), way);
     return what !== "L" ? tiles : objectStep(now, tiles);
   });
 }
 
 function holdInDiagram(event) {
   const handle = event.target.closest(".handle");
-  if (event.button || !handle) return;
   const map = session.diagramMap;
-  hold(event, handle.dataset.moves, (step) => scaled(1 / map.tile, [step[0], -step[1]]), map);
+  return handle ? hold(event, handle.dataset.moves, (way) => scaled(1 / map.tile, way), map) : undefined;
 }
 
-// While it is held, the pointer's step in pixels becomes a step of L or E in tiles.
+// While it is held, the pointer's way in pixels becomes a step of L or E in tiles.
 function hold(event, what, toTiles, map) {
   event.preventDefault();
   document.activeElement.blur();
-  const handle = event.target.closest(".handle");
+  const handle = event.target.closest(".handle"), from = state[what];
   if (handle?.dataset.moves === what) handle.focus();
   player.pause();
-  session.held = { pointer: event.pointerId, start: [event.clientX, event.clientY], from: state[what], what, toTiles, map };
-  event.currentTarget.setPointerCapture(event.pointerId);
+  session.held = { what, from, map };
   document.body.classList.add("dragging");
   $("hint").hidden = true;
+  return (way) => {
+    change({ [what]: plus(from, toTiles(way)) });
+    refresh();
+  };
 }
 
-function drag(event) {
-  if (session.held?.pointer !== event.pointerId) return;
-  const step = session.held.toTiles([event.clientX - session.held.start[0], event.clientY - session.held.start[1]]);
-  change({ [session.held.what]: plus(session.held.from, step) });
-  refresh();
-}
-
-function release(event) {
-  if (session.held?.pointer !== event.pointerId) return;
-  if (event.type === "pointercancel") change({ [session.held.what]: session.held.from });  // the browser scrolls the page instead
+function release({ type }) {
+  if (type === "pointercancel" && session.held) change({ [session.held.what]: session.held.from });  // the browser scrolls the page instead
   session.held = null;
   document.body.classList.remove("dragging");
   refresh();
 }
 
-for (const [place, take] of new Map([[stage, holdInPicture], [$("diagram-box"), holdInDiagram]])) {
-  place.addEventListener("pointerdown", take);
-  place.addEventListener("pointermove", drag);
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) place.addEventListener(end, release);
-}
+onDrag(stage, holdInPicture, release);
+onDrag($("diagram-box"), holdInDiagram, release);
 
 for (const handle of document.querySelectorAll(".handle[data-moves]")) {
-  handle.addEventListener("keydown", (event) => {
-    const step = KEY_STEPS[event.key];
-    if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
-    event.preventDefault();
+  onArrows(handle, (step, { shiftKey }) => {
     const { moves } = handle.dataset;
     $("hint").hidden = true;
     player.pause();
-    change({ [moves]: plus(state[moves], scaled(KEY_STEP * (event.shiftKey ? 5 : 1), step)) });
+    change({ [moves]: plus(state[moves], scaled(KEY_STEP * (shiftKey ? 5 : 1), step)) });
     refresh();
   });
 }

@@ -2,6 +2,7 @@
 // the curves of the equations. Points are in tiles of the window's plane.
 
 import { radians } from "../liveview/geometry.js";
+import { onArrows, onDrag } from "../liveview/pointer.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, write } from "./data.js";
 import { refresh } from "./frame.js";
@@ -82,29 +83,14 @@ const move = (name, place) => {
   points[name] = place.map((x, k) => clamped(x, [-FARTHEST[k], FARTHEST[k]]));
   refresh();
 };
-const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 for (const name of Object.keys(points)) {
   const button = $(`point-${name}`);
-  let held = null;
-  button.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
+  onDrag(button, (event) => {
     event.stopPropagation();  // it is not the picture that is dragged
-    held = { start: [event.clientX, event.clientY], from: points[name] };
-    button.setPointerCapture(event.pointerId);
+    const from = points[name];
+    return (way) => move(name, plus(from, scaled(1 / tilePixels(), way)));
   });
-  button.addEventListener("pointermove", (event) => {
-    if (!held) return;
-    /** @type {any} */
-    const way = [event.clientX - held.start[0], held.start[1] - event.clientY];
-    move(name, plus(held.from, scaled(1 / tilePixels(), way)));
-  });
-  for (const ended of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(ended, () => (held = null));
-  button.addEventListener("keydown", (event) => {
-    const aside = STEPS[event.key];
-    if (!aside || event.ctrlKey || event.altKey || event.metaKey) return;
-    event.preventDefault();
-    move(name, plus(points[name], scaled(event.shiftKey ? 0.1 : 0.01, aside)));
-  });
+  onArrows(button, (step, { shiftKey }) => move(name, plus(points[name], scaled(shiftKey ? 0.1 : 0.01, step))));
 }
 
 // ---- The table ----

@@ -2,6 +2,7 @@
 // Points are [x, y, z], in tiles. Depths are to scale, unless the whole is very long.
 
 import * as geometry from "../liveview/geometry.js";
+import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPrisms } from "../liveview/sheets.js";
 import { passage } from "./trace.js";
 import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
@@ -311,28 +312,27 @@ function turnTo(camera) {
   refresh();
 }
 
-let held = null;
-$("space-turn").addEventListener("pointerdown", (event) => {
-  if (event.button) return;
-  held = { from: [event.clientX, event.clientY], camera: session.camera };
-  event.currentTarget.setPointerCapture(event.pointerId);
+onDrag($("space-turn"), () => {
+  const [azimuth, elevation] = session.camera;
+  return ([right, up]) => turnTo([azimuth - right / 150, elevation - up / 150]);
 });
-$("space-turn").addEventListener("pointermove", (event) => {
-  if (held) turnTo([held.camera[0] - (event.clientX - held.from[0]) / 150, held.camera[1] + (event.clientY - held.from[1]) / 150]);
-});
-for (const ended of ["pointerup", "pointercancel", "lostpointercapture"]) $("space-turn").addEventListener(ended, () => (held = null));
 
-const TURNS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const ZOOMS = { "+": 1.2, "-": 1 / 1.2, "0": 0 };
 $("space-turn").addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey) return;
-  const aside = TURNS[event.key], larger = { "+": 1.2, "-": 1 / 1.2, "0": 0 }[event.key];
-  if (!aside && larger === undefined) return;
+  if (!(event.key in ZOOMS) || event.ctrlKey || event.altKey || event.metaKey) return;
   event.preventDefault();
   event.stopPropagation();  // digits are keys of the movies
-  if (aside) turnTo(session.camera.map((x, k) => x + aside[k] * (event.shiftKey ? 0.3 : 0.06)));
-  else session.zoom = larger ? clamped(session.zoom * larger, [0.5, 40]) : 1;
+  session.zoom = ZOOMS[event.key] ? clamped(session.zoom * ZOOMS[event.key], [0.5, 40]) : 1;
+  sayTurned();
+});
+onArrows($("space-turn"), (step, event) => {
+  event.stopPropagation();
+  turnTo(session.camera.map((x, k) => x + step[k] * (event.shiftKey ? 0.3 : 0.06)));
+  sayTurned();
+});
+function sayTurned() {
   const [azimuth, elevation] = session.camera.map(angle);
   $("spoken").textContent = say("light.turned", { azimuth, elevation, times: brief(session.zoom) });
   refresh();
-});
+}
 for (const button of $("cameras").children) button.addEventListener("click", () => turnTo(CAMERAS[button.value]));
