@@ -11,6 +11,7 @@ from povgen.rendering.light import Picture, encoded, linear
 from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
+from povgen.sheets.own import OwnLaw
 from povgen.sheets.prisms import RANDOM
 
 
@@ -50,9 +51,26 @@ def check_gl(scene: Scene) -> None:
     for name in RANDOM:
         if any(getattr(sheet, name) for each in scene.layered for sheet in each.layers_at(0.0, 0)):
             raise InputError(f"error: {name}: the renderer gl draws equal prisms; allowed: with --renderer povray")
+    for sheet in scene.ideal:
+        if isinstance(sheet, OwnLaw) and not _fits_32_bits(sheet, scene):
+            raise InputError(
+                f"law = {shown(sheet.values['law'])}: the renderer gl computes with 32-bit numbers; "
+                "allowed: parts of 1e-38 to 3e38, or --renderer povray"
+            )
     if type(scene) not in SCENES.values():
         allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
         raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
+
+
+def _fits_32_bits(sheet: OwnLaw, scene: Scene) -> bool:
+    """Return whether a law bends most rays alike with 32-bit numbers, as shaders compute it, and with 64 bits."""
+    side = np.linspace(-0.47, 0.49, 15) * scene.aperture
+    place = side + 1j * side[:, None]
+    ray = np.stack(((place - scene.E).real, (place - scene.E).imag, np.full(place.shape, scene.z2)), -1)
+    right = sheet.bend(ray, place)
+    off = np.linalg.norm(sheet.law.bend_in_32_bits(ray, place, sheet.numbers) - right, axis=-1)
+    lit = np.isfinite(right[..., 0])
+    return not lit.any() or bool((off[lit] < 0.01).mean() > 0.9)
 
 
 def composed(pictures: Sequence[NDArray[Any]], scene: Scene, rendering: Rendering) -> NDArray[Any]:

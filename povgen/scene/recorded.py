@@ -1,6 +1,7 @@
 """The scenes in a file's record (povgen.record). The file can be a stranger's: every value is checked."""
 
 import base64
+import time
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, TypeVar
 
@@ -11,6 +12,7 @@ from povgen.scene.pieces import PIECES, PieceFile, checked
 from povgen.sheets.profile import NAMES, ProfileFile
 
 T = TypeVar("T")
+PATIENCE = 120  # CPU seconds in which all frames are checked; 10,000 frames of one window of prisms take 4
 
 
 def scenes(record: Record, known: Mapping[str, type[T]]) -> list[T]:
@@ -18,8 +20,14 @@ def scenes(record: Record, known: Mapping[str, type[T]]) -> list[T]:
 
     No file is read: the record has the text of every piece and every profile that is not povgen's own.
     """
-    files = _Files(record)
-    return [_scene(values, files, known) for values in record.values]
+    files, end = _Files(record), time.process_time() + PATIENCE
+    made: list[T] = []
+    for values in record.values:
+        if time.process_time() > end:
+            count = f"{len(made)} of {len(record.frames)}"
+            raise InputError(f"frames: {count} were checked within {PATIENCE} s; allowed: frames that take less time")
+        made.append(_scene(values, files, known))
+    return made
 
 
 class _Files:

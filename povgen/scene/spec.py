@@ -1,6 +1,7 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
 import logging
+import os
 import tomllib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -206,7 +207,11 @@ class MovieSpec(Model):
         name = "standard input" if stdin else str(path) or "''"
         try:
             file = spec_file(path)
-            with open(file, "rb", closefd=not stdin) as opened:
+            # with O_NONBLOCK, a FIFO into which nobody writes is opened at once, and is empty
+            number = file if isinstance(file, int) else os.open(file, os.O_RDONLY | os.O_NONBLOCK)
+            with open(number, "rb", closefd=not stdin) as opened:
+                if not stdin:
+                    os.set_blocking(number, True)
                 data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
             if len(data) > MAX_BYTES:
                 raise ValueError(f"longer than {MAX_BYTES} bytes")

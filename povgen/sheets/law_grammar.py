@@ -88,12 +88,20 @@ class Law:
         `direction` (..., 3) are vectors with z > 0, of lengths from 1e-150 to 1e150. `place` is complex, X + iY, and
         broadcasts. `values` has a number or an array for each name of a parameter in the law; angles are in radians.
         """
+        return self._bent(self._code, direction, place, values, "float64")
+
+    def bend_in_32_bits(self, direction: ArrayLike, place: ArrayLike, values: Mapping[str, float]) -> Any:  # noqa: ANN401
+        """Return what `bend` returns, but computed as shaders do: with 32-bit numbers, except for the `constants`."""
+        constants = {f"c{n}": number for n, number in enumerate(self.constant_numbers(values))}
+        return self._bent(_compiled(self._extracted[1]), direction, place, constants, "float32")
+
+    def _bent(self, code: Any, direction: Any, place: Any, values: Mapping[str, float], kind: str) -> Any:  # noqa: ANN401
         d = np.asarray(direction, float)
         with np.errstate(all="ignore"):  # light that does not pass is NaN
             x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
             at = np.asarray(place, complex)
             ray = {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag}
-            parts = _evaluated(self._code, {**values, **ray})
+            parts = _evaluated(code, {**values, **ray}, kind)
             bent = np.stack(np.broadcast_arrays(*parts, x + 0 * at.real)[:3], -1)
             bent = bent / abs(bent).max(-1, keepdims=True)  # squares of very large or small numbers are inf or 0
             bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
@@ -297,10 +305,18 @@ def _compiled(parts: Iterable[ast.expr]) -> Any:  # noqa: ANN401  (a code object
     return compile(ast.fix_missing_locations(ast.Expression(body)), "<law>", "eval")
 
 
-def _evaluated(code: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    """Evaluate the code of several expressions. `values` has a number or an array for each name. Return a tuple."""
+def _evaluated(code: Any, values: Mapping[str, Any], kind: str = "float64") -> Any:  # noqa: ANN401
+    """Evaluate the code of several expressions. `values` has a number or an array for each name. Return a tuple.
+
+    All is computed with numbers of this kind of numpy's.
+    """
+
+    def number(value: Any) -> Any:  # noqa: ANN401
+        return np.asarray(value, kind)[()]
+
     names = {name: getattr(np, function) for name, (_, function) in FUNCTIONS.items()}
-    names |= {name: np.asarray(value, float)[()] for name, value in values.items()} | {"__builtins__": {}}
+    names["abs"] = lambda value: np.abs(number(value))  # `_Numpy` wraps every number
+    names |= {name: number(value) for name, value in values.items()} | {"__builtins__": {}}
     return eval(code, names)  # safe: the grammar has only these names and calls, and no attributes
 
 

@@ -25,6 +25,7 @@ from povgen.measure.drawn import Drawn
 from povgen.measure.probes import Directions
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
 from povgen.rendering.flip import flip
+from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
 from povgen.scene.scenes import pieces
 from povgen.settings import Rendering
@@ -196,6 +197,26 @@ def test_the_length_of_a_laws_direction_does_not_matter(renderer, factor, drawin
         )
     ]
     assert made[0].std() > 30 and np.mean(np.abs(np.subtract(*made, dtype=float)).max(-1) > 8) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("law", "drawn"),
+    [
+        ("x*1e-30*1e-30, y*1e-30*1e-30, z*1e-30*1e-30", False),
+        ("x*1e30*1e30, y*1e30*1e30, z*1e30*1e30", False),
+        ("x + X*z*1e-30*1e-30*1e30*1e30, y, z", False),  # a wrong direction, not black
+        ("x*1e-19*1e-18, y*1e-19*1e-18, z*1e-19*1e-18", True),
+        ("x*k, y*k, z*k", True),  # only a product of parameters, computed in Python
+        ("x*X/abs(X), y, 0 - z", True),  # no light, with 64 bits neither
+    ],
+)
+def test_a_law_that_32_bits_cannot_hold_is_refused(law, drawn):
+    scene = Chess(sheet="law", law=law.replace("k", "(k*k/k/k)"), parameter={"k": 1e-30} if "k" in law else {})
+    if drawn:
+        check_gl(scene)
+    else:
+        with pytest.raises(InputError, match="32-bit numbers; allowed: parts of 1e-38 to 3e38, or --renderer povray"):
+            check_gl(scene)
 
 
 @pytest.mark.parametrize("renderer", ["gl", "povray"])

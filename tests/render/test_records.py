@@ -280,6 +280,9 @@ def test_each_file_in_a_record_is_checked_once(made, tmp_path, monkeypatch):
     scenes = recorded_scenes.scenes(record, SCENE_CLASSES)
     assert [scene.z1 for scene in scenes] == [2, 3, 4] and scenes[0].piece[0] is scenes[2].piece[2]
     assert sorted(calls) == ["_picture", "_picture", "checked", "loads"]
+    monkeypatch.setattr(recorded_scenes, "PATIENCE", -1)
+    with pytest.raises(InputError, match="frames: 0 of 3 were checked within -1 s; allowed: "):
+        recorded_scenes.scenes(record, SCENE_CLASSES)
 
 
 def test_a_time_limit_is_no_part_of_a_record(made):

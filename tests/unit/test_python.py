@@ -98,6 +98,12 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Chess(color={"red": 1}.keys()), ["color = dict_keys(['red']): should be in order"]),
         (lambda: Sweep(parameter="eye", values=[{0, 1}, (1, 2)]), ["values = [{0, 1}, (1, 2)]: should be in order"]),
         (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should be in order"]),
+        *(
+            (lambda values=values: Chess(**values), ["should be written without _"])
+            for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"x": ["1", "1_0"]}, {"error": "turn=0_1"}]
+            + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}, {"parameter": "k=1_0"}]
+        ),
+        (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
         (lambda: render(repeat(Chess())), ["more than 30000 scenes"]),
         (lambda: results(repeat(Chess()), "nu"), ["more than 200000 scenes"]),
