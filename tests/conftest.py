@@ -110,9 +110,13 @@ def cache(tmp_path_factory):
         yield
 
 
-def some(values, first):
-    """Return parameters of a test, of which `make test` takes the first ones, and `make test-release` the others."""
-    return [*values[:first], *(pytest.param(each, marks=pytest.mark.release) for each in values[first:])]
+def some(values, first, several=False):
+    """Return parameters of a test, of which `make test` takes the first ones, and `make test-release` the others.
+
+    If `several`, the test has several parameters, and each value is a tuple of them.
+    """
+    later = ((each if several else (each,)) for each in values[first:])
+    return [*values[:first], *(pytest.param(*each, marks=pytest.mark.release) for each in later)]
 
 
 def wait_for(condition, seconds=200):

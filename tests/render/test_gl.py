@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import povgen as run
-from conftest import refused, wait_for
+from conftest import refused, some, wait_for
 from PIL import Image
 
 import povgen
@@ -86,6 +86,7 @@ def test_points_of_what_is_no_scene_are_refused():
         (lambda: povgen.points(3, SIZE), "scene = 3"),
         (lambda: povgen.points(PLAIN, (3, 3)), "size = (3, 3)"),
         (lambda: povgen.points(PLAIN.replace(fresnel=True), SIZE), "fresnel = true"),
+        (lambda: povgen.render(Directions(), renderer="gl"), "the renderer gl does not know this class"),
     ):
         with pytest.raises(InputError) as raised:
             call()
@@ -100,17 +101,22 @@ def holding(figures, count):
 
 @pytest.mark.parametrize(
     "scene",
-    [
-        Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
-        Spheres(sheet="ideal", eye=(0.2, 0.1)),
-        Chess(sheet="detailed", alpha=50),
-        Chess(sheet="single", tops="black", prisms=30),
-        Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
-        Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.1}),
-        Chess(sheet="ideal", alpha=50, window=("alpha=75,z=2", "alpha=20,z=4,sheet=detailed"), z2=8, eye=(0.6, 0.1)),
-        Chess(alpha=50, window="z=2,alpha=20,prisms=60,index=1.7,tops=black", z2=8),
-    ],
-    ids=["none", "spheres", "detailed", "black tops", "axis", "law", "ideal before prisms", "other prisms in series"],
+    some(
+        [
+            Chess(sheet="detailed", alpha=50),
+            Chess(sheet="none", piece=("knight", "king"), x=(0, 0.6), z1=(2, 3)),
+            Chess(alpha=50, window="z=2,alpha=20,prisms=60,index=1.7,tops=black", z2=8),
+            Spheres(sheet="ideal", eye=(0.2, 0.1)),
+            Chess(sheet="single", tops="black", prisms=30),
+            Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15),
+            Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.1}),
+            Chess(
+                sheet="ideal", alpha=50, window=("alpha=75,z=2", "alpha=20,z=4,sheet=detailed"), z2=8, eye=(0.6, 0.1)
+            ),
+        ],
+        1,
+    ),
+    ids=["detailed", "none", "other prisms in series", "spheres", "black tops", "axis", "law", "ideal before prisms"],
 )
 def test_pictures_agree_with_povray(scene):
     kind = "detailed" if scene.has_prisms else scene.sheet
@@ -149,6 +155,7 @@ def converged():
     return dict(zip(scenes, verify_gl.rendered([*scenes.values()], SIZE, CONVERGED), strict=True))
 
 
+@pytest.mark.release
 @pytest.mark.parametrize(("sheet", "antialias"), [("detailed", "2x"), ("detailed", "1,0.1,2"), ("ideal", "1,0.1,2")])
 def test_an_antialiasing_has_the_error_of_povrays(sheet, antialias, converged, drawing):
     """Every pixel has as many rays as POV-Ray's have at most."""
@@ -160,6 +167,7 @@ def test_an_antialiasing_has_the_error_of_povrays(sheet, antialias, converged, d
     assert ours < 1.05 * theirs, (ours, theirs)
 
 
+@pytest.mark.release
 def test_costs_are_measured_against_povrays():
     detailed, ideal = verify_gl.costs((64, 48), 1)
     assert 0 < ideal.value and 0 < detailed.value < 5
@@ -187,7 +195,10 @@ def test_the_distance_field_is_extended_as_far_as_its_box():
     assert (found[far] > 0.57 * right[far]).all() and (found[far] < 1.03 * right[far]).all()
 
 
-@pytest.mark.parametrize(("renderer", "factor"), [("gl", "1e-19"), ("gl", "1e20"), ("povray", "*".join(6 * ["1e-30"]))])
+@pytest.mark.parametrize(
+    ("renderer", "factor"),
+    some([("gl", "1e-19"), ("povray", "*".join(6 * ["1e-30"])), ("gl", "1e20")], 2, several=True),
+)
 def test_the_length_of_a_laws_direction_does_not_matter(renderer, factor, drawing):
     made = [
         povgen.render(scene, size=SIZE, antialias="off", renderer=renderer)
@@ -253,6 +264,7 @@ def test_every_thread_is_given_the_points_of_a_picture():
             np.testing.assert_array_equal(each, found)
 
 
+@pytest.mark.release
 def test_it_draws_with_many_files_open(monkeypatch, tmp_path):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -283,6 +295,7 @@ def test_tiles_are_the_whole_picture(drawer):
     assert len(bands) == 3 and np.array_equal(np.concatenate(bands), whole)
 
 
+@pytest.mark.release
 def test_a_large_picture_takes_no_more_memory(text, drawer, tmp_path):
     """It is written band by band: the memory that Python takes for it is that of a few bands."""
     large, size = drawer(64), (8192, 640)
@@ -343,11 +356,6 @@ def test_what_it_cannot_show_is_refused(tmp_path, arguments):
     assert "renderer" in refused(["frame", "chess", "--renderer", "opengl"], tmp_path)
 
 
-def test_other_classes_of_scenes_are_refused():
-    with pytest.raises(InputError, match="the renderer gl does not know this class"):
-        povgen.render(Directions(), renderer="gl")
-
-
 def test_without_moderngl_or_egl_the_remedy_is_said(tmp_path, monkeypatch):
     frame = ["frame", "chess", "--sheet", "none", "--renderer", "gl", "--size", "64x48"]
     monkeypatch.setenv("GLCONTEXT_LINUX_LIBEGL", "libmissing.so")
@@ -392,6 +400,7 @@ def test_a_crash_of_the_driver_costs_one_try(text, runner, tmp_path, monkeypatch
     assert crashed and crashed[0] not in runner._idle
 
 
+@pytest.mark.release
 def test_a_process_that_does_not_start_is_tried_again(text, tmp_path, monkeypatch):
     answer, started = gl_runner.Runner._answer, []
 
@@ -415,6 +424,7 @@ def test_a_process_that_does_not_start_is_tried_again(text, tmp_path, monkeypatc
             call(gl_runner.Runner())
 
 
+@pytest.mark.release
 def test_processes_that_were_killed_while_idle_cost_no_try(text, runner, tmp_path):
     killed = [runner._started()[0] for _ in range(gl_runner.TRIES)]
     for process in killed:
@@ -425,6 +435,7 @@ def test_processes_that_were_killed_while_idle_cost_no_try(text, runner, tmp_pat
     assert len(runner._idle) == 1 and not runner._all & {*killed}
 
 
+@pytest.mark.release
 def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
     """The movie's other frames are kept. Without a crash, the next call renders only this one."""
     answer, asked_for = gl_runner.Runner._answer, []
@@ -449,6 +460,7 @@ def test_a_frame_that_crashes_the_driver_twice(text, monkeypatch):
     assert len(list(frames.render_all(scenes, SMALL))) == 3 and asked_for.count(4) == 1
 
 
+@pytest.mark.release
 def test_a_process_that_something_else_killed_did_not_crash(runner, monkeypatch):
     answer = gl_runner.Runner._answer
     monkeypatch.setattr(gl_runner.Runner, "_answer", lambda *given: given[1].kill() or answer(*given))
@@ -456,6 +468,7 @@ def test_a_process_that_something_else_killed_did_not_crash(runner, monkeypatch)
         runner.device()
 
 
+@pytest.mark.release
 def test_too_little_memory_is_no_missing_library(runner, tmp_path, monkeypatch):
     (tmp_path / "sitecustomize.py").write_text(
         "import moderngl, resource\n"
@@ -470,6 +483,7 @@ def test_too_little_memory_is_no_missing_library(runner, tmp_path, monkeypatch):
         runner.device()
 
 
+@pytest.mark.release
 def test_what_a_driver_writes_is_no_answer(text, tmp_path, monkeypatch):
     """And a relative PYTHONPATH is that of povgen's own working directory."""
     (tmp_path / "own").mkdir()

@@ -7,6 +7,7 @@ from math import radians
 
 import numpy as np
 import pytest
+from conftest import some
 from PIL import Image, ImageDraw
 
 from povgen import Chess, InputError, Spheres
@@ -184,16 +185,13 @@ def test_the_caption_prints_what_the_equations_predict():
             Spheres(alpha=90, sheet="ideal", z1=[3, 12, 6]),
             ["3 to 12 tiles", "0.5 to 2", "26.6 to 63.4°", "0.447 to 0.894"],
         ),
-        (Spheres(alpha=90, z1=[20, 2, 60]), ["2 to 60 tiles", "0.1 to 3", "18.0 to 84.4°", "0.0996 to 0.964"]),
-        (Spheres(alpha=-90, sheet="ideal", z1=[6, 6]), ["6 tiles", "1", "-45.0°", "0.707"]),
         (Spheres(alpha=270, sheet="ideal", z1=[3, 6]), ["3 to 6 tiles", "1 to 2", "-45.0 to -26.6°", "0.707 to 0.894"]),
+        (Chess(alpha=-0.02, z1=5000, z2=150, sheet="ideal"), ["5000 tiles", "0.03", "0.0°", "0.0291"]),
         # beyond the pole, on it and before it
         (
             Spheres(alpha=180, sheet="ideal", z1=[9, 6, 3]),
             ["3 to 9 tiles", "0.667 to 2", "0.0 to 180.0°, ?", "2 to infinite"],
         ),
-        (Spheres(alpha=-180, sheet="ideal", z1=[9, 8]), ["8 to 9 tiles", "0.667 to 0.75", "-180.0°", "2 to 3"]),
-        (Spheres(alpha=180, sheet="ideal", z1=[6]), ["6 tiles", "1", "?", "infinite"]),
         (Chess(alpha=180, sheet="ideal", z1=6), ["6 tiles", "1", "?", "infinite"]),
         (Chess(alpha=-180, sheet="ideal", z1=5.9), ["5.9 tiles", "1.02", "0.0°", "60"]),
         # light meets the eye's plane in a line or not at all, in a mirrored image
@@ -202,18 +200,6 @@ def test_the_caption_prints_what_the_equations_predict():
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
     assert [captions.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
-
-
-@pytest.mark.parametrize(
-    ("scene", "texts"),
-    [
-        (Chess(alpha=-359.99, z1=5000, z2=12.3456), ["-360°", "5000 tiles", "12.35 tiles", "0.00247"]),
-        (Chess(alpha=-0.0, z1=0.8, z2=150), ["0°", "0.8 tiles", "150 tiles", "188"]),
-        (Chess(alpha=-0.02, z1=0.8, z2=150), ["-0.02°", "0.8 tiles", "150 tiles", "188"]),
-    ],
-)
-def test_numbers_are_not_in_powers_of_ten(scene, texts):
-    assert [captions.facts(scene)[name] for name in ("alpha", "z1", "z2", "r")] == texts
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
@@ -268,7 +254,7 @@ EXTREMES = [
 ]
 
 
-@pytest.mark.parametrize("size", [(320, 240), (480, 360), (1920, 1080), (240, 320)])
+@pytest.mark.parametrize("size", some([(320, 240), (240, 320), (480, 360), (1920, 1080)], 2))
 @pytest.mark.parametrize("scene", EXTREMES, ids=str)
 def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     """Nor into the text beside it, even if a number is longer than the space that is reserved for it."""
@@ -456,12 +442,6 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [Chess(sheet="refraction", ratio=0.7, alpha=x) for x in (0, 90)],
             [f"index behind/before sheet 0.7, light turned by {x}°" for x in (0, 90)],
         ),
-        ([Chess(sheet="refraction", ratio=x) for x in (0.7, 0.9)], ["n₁/n₂ = 0.70", "n₁/n₂ = 0.90"]),
-        (
-            [Chess(sheet="lenslets", ratio=x) for x in (0.5, 2)],
-            ["lenses' focal lengths f₁/f₂ = 0.5", "lenses' focal lengths f₁/f₂ = 2.0"],
-        ),
-        ([Chess(sheet="lenticular", f_number=x) for x in (3, 4.8)], ["f/3.0 lenses", "f/4.8 lenses"]),
         ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
         ([Chess(window=f"z=2,alpha={x}", z1=3) for x in (66, 66.4)], ["α₂ = 66.00°", "α₂ = 66.40°"]),
         (
@@ -475,9 +455,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [Chess(window=["z=1,alpha=0", f"z={x},alpha=0"], alpha=0, z1=2) for x in (2, 3)],
             ["window 3 at 2 tiles", "window 3 at 3 tiles"],
         ),
-        ([Spheres(z2=6), Spheres(z2=7)], ["z₂ = 6 tiles", "z₂ = 7 tiles"]),
         ([Chess(sheet="refraction", ratio=0.7, alpha=40)], ["index behind/before sheet 0.7, light turned by 40°"]),
-        ([Chess(sheet="mirror")], ["mirror line at 33°"]),
         ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
         ([Chess(alpha=66.5)], ["rays turned by α = 66.5°"]),
         (
@@ -501,13 +479,6 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(sheet="law", law="x, alpha*y, z", parameter="alpha=0.3", window="z=2,sheet=ideal,alpha=30")],
             ["α = 0.3, rays turned by α = 30°"],
-        ),
-        (
-            [Chess(sheet="lenslets", ratio=1.2, alpha=20, window="z=2,sheet=refraction,ratio=1.5,alpha=33", z1=3)],
-            [
-                "rays turned by α = 20°, lenses' focal lengths f₁/f₂ = 1.2, "
-                "index behind/before sheet 1.5, light turned by 33°"
-            ],
         ),
         (
             [Chess(sheet="twist", twist=30, alpha=20, window="z=2,sheet=mirror,alpha=33", z1=3)],
@@ -597,7 +568,6 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
             ["rays turned by α = 0°", "rays turned by α = 9°"],
         ),
         ([Chess(sheet="ideal", index=index) for index in (1.3, 2)], ["", ""]),
-        ([Chess(sheet="none", prisms=prisms) for prisms in (10, 100)], ["", ""]),
         ([Chess(sheet="law", law="x*k, y, z", parameter={"k": k}) for k in (1, 2)], ["k = 1", "k = 2"]),
         (
             [Chess(sheet="law", law="x*k, y, z", parameter={"k": k}, window="z=1,parameter=k=5") for k in (1, 2)],
@@ -676,6 +646,7 @@ def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
         assert abs(z - right) < scene.view / 480 and (picture[y, x] != 120).any()
 
 
+@pytest.mark.release
 def test_a_large_picture_needs_little_memory_more():
     """It needs memory for the copy of the picture, 24 MiB at 3840x2160, and about as much again for all else."""
     code = """if True:

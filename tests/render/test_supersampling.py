@@ -47,6 +47,7 @@ def test_the_weights_are_those_of_the_filter(antialias, far):
         np.testing.assert_allclose(light._reduced(picture, SIZE), np.outer(down, across), atol=1e-6)
 
 
+@pytest.mark.release
 def test_it_is_nearer_to_the_converged_picture():
     """By RMS, inside the window: 1.5x than POV-Ray's 1,0.9,2, which costs as much, and 2x than 1.5x."""
     scene = Chess()
