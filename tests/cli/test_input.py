@@ -3,8 +3,11 @@
 import errno
 import os
 import re
+import select
 import shlex
 import sys
+import threading
+import time
 import warnings
 from pathlib import Path
 from unittest.mock import Mock
@@ -790,3 +793,20 @@ def test_a_flag_in_a_spec_is_taken_back(tmp_path):
 def test_a_spec_with_a_byte_order_mark(tmp_path):
     (tmp_path / "spec.toml").write_text(SPEC, encoding="utf-8-sig")
     assert MovieSpec.load(tmp_path / "spec.toml") == MovieSpec.parse(SPEC, "spec")
+
+
+def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
+    os.mkfifo(tmp_path / "movie.toml")
+    assert "movie.toml: title: missing" in refused(["movie", "movie.toml"], tmp_path)
+    writes = os.open(tmp_path / "movie.toml", os.O_RDWR)  # as `povgen movie <(...)`
+    os.write(writes, b"title = 3")
+
+    def close():
+        while select.select([writes], [], [], 0)[0]:  # the text has not been read yet
+            time.sleep(0.01)
+        os.close(writes)
+
+    thread = threading.Thread(target=close)
+    thread.start()
+    assert "movie.toml: title = 3" in refused(["movie", "movie.toml"], tmp_path)
+    thread.join()
