@@ -10,14 +10,13 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from shlex import quote
-from types import NoneType
 from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from jinja2.bccache import Bucket
 
 from povgen import limits
-from povgen.errors import InputError, shown
+from povgen.errors import InputError
 from povgen.files import own_folder
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -132,14 +131,6 @@ def to_pov(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'sky', 'black' or 'white'"
         )
-    for name, value, kinds, allowed in (
-        ("mosaic", mosaic, (Mosaic, NoneType), "a Mosaic"),
-        ("sheet_macro", sheet_macro, (str, NoneType), "text"),
-        ("file", file, str, "text"),
-        ("found", found, (Survey, NoneType), "a Survey"),
-    ):
-        if not isinstance(value, kinds):
-            raise InputError(f"{name} = {shown(value)}: should be {allowed}")
     shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
     first = scene.sheets[0]

@@ -21,7 +21,7 @@ SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets
 def scenes():
     for sheet in SHEETS:
         yield Spheres(sheet=sheet)
-        for piece in PIECES:
+        for piece in PIECES if sheet == "ideal" else ["knight"]:
             yield Chess(sheet=sheet, piece=piece)
         yield Directions(sheet=sheet)
         yield Positions(sheet=sheet, z1=3)

@@ -13,7 +13,10 @@ from povgen.scene.spec import MovieSpec
 SIZE = {"size": (64, 64), "antialias": "off"}
 
 
-@pytest.mark.parametrize("sheet", ["ideal", "detailed", "none"])
+@pytest.mark.parametrize(
+    "sheet",
+    ["detailed", pytest.param("ideal", marks=pytest.mark.release), pytest.param("none", marks=pytest.mark.release)],
+)
 def test_the_sky_is_transparent_through_the_sheets_too(sheet):
     scene = Spheres(sheet=sheet, alpha=66, prisms=12, z1=8, line=(0, 0), aperture=2.4, background="transparent")
     alpha = render(scene, **SIZE)[..., 3]
@@ -71,7 +74,7 @@ def test_each_eye_has_its_own_overlay():
     assert (render(scene, **rendering) == np.concatenate((left, right), axis=1)).all()
 
 
-@pytest.mark.parametrize(("stereo", "width"), [("pair", 64), ("anaglyph", 32)])
+@pytest.mark.parametrize(("stereo", "width"), [("pair", 64), pytest.param("anaglyph", 32, marks=pytest.mark.release)])
 def test_two_eyes_and_transparency(stereo, width):
     scene = Chess(sheet="none", background="transparent")
     rendering = Rendering(stereo=stereo)
@@ -137,9 +140,8 @@ def test_what_does_not_fit_is_refused(values, said):
 
 
 def test_one_eye_has_no_distance(tmp_path):
-    for command in (["frame", "chess"], ["movie", "vary-alpha"], ["demo"]):
-        for stereo in ([], ["--stereo=none"]):
-            assert "eye_distance = 0.4: one eye" in refused([*command, "--eye-distance=0.4", *stereo], tmp_path)
+    for command in (["frame", "chess"], ["movie", "vary-alpha", "--stereo=none"], ["demo"]):
+        assert "eye_distance = 0.4: one eye" in refused([*command, "--eye-distance=0.4"], tmp_path)
     pair = Rendering(stereo="pair", eye_distance=0.4)
     assert pair.replace(stereo="none").replace(stereo="pair") == pair
 
