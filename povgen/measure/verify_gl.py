@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from povgen.measure import probes
+from povgen.measure.compare import window_rays
 from povgen.measure.drawn import Drawn
 from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.measure.verify import PROFILES
-from povgen.optics.trace import End
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
-from povgen.scene import camera, survey
+from povgen.scene import camera
 from povgen.scene.scenes import Chess, Scene, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.video.still import render
@@ -90,14 +90,11 @@ def directions(
         scene = Directions(**{"sheet": "detailed", **values})
         view.set(scene)
         read = view.readout(size)
-        inside, direction = camera.rays(scene, size)
-        trace_level = survey.max_trace_level(scene)
-        found = scene.trace(camera.along(scene, direction), trace_level)
-        seen = (found.end <= End.BACK) & (found.count < trace_level)
-        off = np.linalg.norm(read["ray"][inside][:, :3] - found.direction, axis=1)
-        same = (off < 1e-3) & (read["ray"][inside][:, 3] == found.end)
-        designed.append(100 * same[seen & found.designed].mean())
-        leaving.append(100 * same[seen].mean())
+        rays, ray = window_rays(scene, size), read["ray"]
+        off = np.linalg.norm(ray[rays.inside][:, :3] - rays.traced.direction, axis=1)
+        same = (off < 1e-3) & (ray[rays.inside][:, 3] == rays.traced.end)
+        designed.append(100 * same[rays.leaves & rays.traced.designed].mean())
+        leaving.append(100 * same[rays.leaves].mean())
     kind = f"{sheets}, worst of {len(scenes)} scenes"
     what = "rays on the designed path within 1e-3 rad of the ray trace"
     yield Measured("gl", f"{what}, {kind}", np.min(designed), 99.9, "%", least=True)

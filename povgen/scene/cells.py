@@ -1,12 +1,12 @@
 """The cells in which the camera that simulates ideal sheets interpolates rays (templates/camera/)."""
 
-from cmath import rect
 from math import ceil, hypot, inf, radians, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
+from povgen.optics import equations
 from povgen.optics.equations import Complexes, Floats
 from povgen.scene.scenes import Scene
 
@@ -82,16 +82,10 @@ def grid_error(scene: Scene, cells: int) -> float:
     nearest, farthest = hypot(max(0, x - half), max(0, y - half)), hypot(x + half, y + half)
     tangent = min(max(1, nearest / scene.z2), farthest / scene.z2)  # sin(2 angle) is greatest at 45 degrees
     displaced = 2 * (scene.aperture / cells) ** 2 * 2 * tangent / (1 + tangent**2) / (8 * scene.z2)
-    return displaced * max((_P(scene, z1) for z1 in scene.distances), default=1) / scene.view * 960
-
-
-def _P(scene: Scene, z1: float) -> float:
-    """Return |z1/Z|, which is |P| of eq. 7 for one window. Unlike `equations` it does not need numpy, slow to load."""
-    Z, turn = complex(scene.z2), 1 + 0j
-    for distance, alpha in ((0, radians(scene.alphas[0])), *scene.behind):
-        Z, turn = Z + distance * turn, turn * rect(1, -alpha)
-    Z += z1 * turn
-    return z1 / abs(Z) if Z else inf
+    z1 = np.array(scene.distances)
+    with np.errstate(divide="ignore"):
+        P = z1 / abs(equations.depth(z1, scene.z2, radians(scene.alphas[0]), scene.behind))
+    return displaced * float(P.max() if len(P) else 1) / scene.view * 960
 
 
 def jumps(scene: Scene) -> Jumps:
