@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from conftest import NAMES
 from PIL import Image
+from playwright.sync_api import expect
 
 from povgen.measure import browser as chromium
 
+expect.set_options(timeout=60_000)  # ms: a busy machine is no fault
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
 COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 STILL = "view.later = () => {}"  # most tests are not about the live view
