@@ -12,7 +12,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
@@ -49,7 +48,6 @@ read+write = .
 """
 OLDEST = (3, 7)
 TRIES = 2
-POLL = 2.0  # seconds between two checks that POV-Ray's folder is still there
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 # POV-Ray processes that run at once share this machine's memory. Each gets at least these bytes: for itself, for each
@@ -250,8 +248,7 @@ class Runner:
 
         If POV-Ray is killed, takes too long or reports a timeout of its own, it is tried once more, because the scene
         is not always the cause. Raises TransientError, a kind of PovrayError, if both tries fail. Raises another
-        PovrayError if POV-Ray is missing, refuses the scene or was stopped. Raises OSError if the disk is full or the
-        folder has been removed.
+        PovrayError if POV-Ray is missing, refuses the scene or was stopped. Raises OSError if the disk is full.
         """
         for attempt in count(1):
             try:
@@ -275,8 +272,7 @@ class Runner:
 
     def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
         config = folder / ".povray" / "3.7" / "povray.conf"
-        for part in (folder, folder / ".povray", config.parent):
-            part.mkdir(exist_ok=True)  # not parents=True: if the work folder has been removed, it stays removed
+        config.parent.mkdir(parents=True, exist_ok=True)
         config.write_text(f'{CONFIG}read* = "{library()}"\n')
         (folder / SCENE).write_text(source, "utf-8")
         shown_files = pictures.used(source)
@@ -328,12 +324,9 @@ class Runner:
             stopping.processes.add(process)
         messages = bytearray()
         reader = Thread(target=_read_last, args=(process.stderr, messages, self._part))
-        end = time.monotonic() + timeout
         try:
             reader.start()
-            while (left := end - time.monotonic()) > 0 and reader.is_alive():
-                reader.join(min(left, POLL))
-                folder.stat()  # raises FileNotFoundError: POV-Ray hangs if its folder has been removed
+            reader.join(timeout)
             if reader.is_alive():
                 raise TransientError(f"POV-Ray took longer than {timeout:g} s (--timeout) and was stopped")
             process.wait()

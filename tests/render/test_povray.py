@@ -1,8 +1,6 @@
 """The runner, with real POV-Ray: its command line, the frames in the cache, and the message for each failure."""
 
-import contextlib
 import os
-import shutil
 import signal
 import stat
 import subprocess
@@ -12,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import POVGEN, wait_for
+from conftest import wait_for
 
 from povgen import Chess, PovrayError, Rendering, to_pov
 from povgen.measure import probes
@@ -32,6 +30,7 @@ def test_command():
     assert "-A" in povray.command("povray", TINY)
 
 
+@pytest.mark.release
 def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
     """POV-Ray would swap a picture above 128 MB to a file outside the sandbox."""
     large = Rendering(size=(3200, 2400), antialias="off")
@@ -58,14 +57,6 @@ def test_a_frame_is_rendered_once(monkeypatch):
     assert kept.stat().st_mtime_ns == written
     with pytest.raises(BaseException, match="rendered again"):
         still.as_file(EMPTY, Rendering(size=(34, 32), antialias="off"))
-
-
-def test_the_cache_holds_whole_frames_only(monkeypatch, tmp_path):
-    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path))
-    still.as_file(Chess(sheet="none", z1=4), TINY)
-    files = [path for path in cache.folder().rglob("*") if path.is_file() and path.name != cache.TAG]
-    assert files and set(files) == {path for _, _, path in cache.by_last_use()}
-    assert not list(cache.folder().rglob(".povgen-*"))
 
 
 def test_a_fault_in_the_scene(monkeypatch):
@@ -131,25 +122,6 @@ def test_killed(kills, tmp_path):
     killer.join()
 
 
-def test_its_folder_is_removed(tmp_path, monkeypatch):
-    """POV-Ray itself hangs then."""
-    monkeypatch.setattr(povray, "POLL", 0.05)
-    monkeypatch.setattr(povray, "TRIES", 1)
-    runner, folder = povray.Runner(), tmp_path / "work"
-    folder.mkdir()
-
-    def remove():
-        (process,) = wait_for(lambda: runner._running)
-        process.send_signal(signal.SIGSTOP)
-        shutil.rmtree(folder)
-
-    remover = threading.Thread(target=remove)
-    remover.start()
-    with pytest.raises(FileNotFoundError):
-        runner.run(to_pov(Chess()), Rendering(quality="high", timeout=30), folder)
-    remover.join()
-
-
 def test_what_povgen_stops_is_not_tried_again(tmp_path):
     """The runner then starts no other POV-Ray either."""
     runner = povray.Runner()
@@ -170,6 +142,7 @@ def test_what_povgen_stops_is_not_tried_again(tmp_path):
     assert not (tmp_path / "later" / "1" / TINY.file).stat().st_size
 
 
+@pytest.mark.release
 def test_one_render_does_not_stop_another(tmp_path):
     """The other render is in another thread, and takes longer than all others."""
     runner = povray.Runner()
@@ -211,13 +184,6 @@ def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
     other.wait()
 
 
-def test_a_work_folder_that_has_been_removed_is_not_made_again(tmp_path):
-    """povgen removes it when it is stopped."""
-    with pytest.raises(FileNotFoundError):
-        povray.run(to_pov(EMPTY), TINY, tmp_path / "gone")
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     """POV-Ray 3.7 fails with this message then. It is started again, because the scene is not at fault."""
     fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'
@@ -227,20 +193,6 @@ def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     assert povray.run("scene", TINY, tmp_path).read_text() == "scene"
 
 
-def test_too_slow(tmp_path):
-    with pytest.raises(PovrayError, match="longer than 0.2 s"):
-        povray.run(to_pov(Chess()), Rendering(quality="high", timeout=0.2), tmp_path)
-
-
-def test_no_shell(tmp_path):
-    """POV-Ray can run commands that an ini file names. povgen's configuration forbids that."""
-    (tmp_path / "1").mkdir()  # where POV-Ray runs
-    (tmp_path / "1" / "povray.ini").write_text(f"Pre_Scene_Command=touch {tmp_path}/ran\n")
-    with contextlib.suppress(PovrayError):  # POV-Ray may ignore the command, or refuse to run
-        povray.run(to_pov(EMPTY), TINY, tmp_path)
-    assert not (tmp_path / "ran").exists()
-
-
 def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     show = 'cp "$HOME/.povray/3.7/povray.conf" frame.png'
@@ -248,41 +200,8 @@ def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
     monkeypatch.setattr(povray, "libraries", lambda *_: [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     for folder in (tmp_path / "absolute", Path("relative")):
         folder.mkdir()
-        assert povray.run("", TINY, folder).read_text() == povray.CONFIG
+        assert povray.run("", TINY, folder).read_text().startswith(povray.CONFIG)
     assert "[Shellout Security]\nforbidden" in povray.CONFIG and "\nrestricted" in povray.CONFIG
-
-
-def test_an_interrupted_movie_goes_on(tmp_path):
-    """SIGINT ends it without a child process or a partial file. The next run renders only the missing frames."""
-    cache = tmp_path / "cache"
-    spec = tmp_path / "z2.toml"
-    spec.write_text(
-        'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = 12\n[fixed]\nsheet = "none"\n'
-        '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
-    )
-    arguments = [POVGEN, "movie", spec, "--size", "64x48", "-o", "a.mp4", "--workers", "1"]
-    environment = {**os.environ, "POVGEN_CACHE": str(cache)}
-    process = subprocess.Popen(
-        arguments,
-        cwd=tmp_path,
-        env=environment,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # what runs in the background ignores it
-    )
-
-    def finished():
-        return {path: path.stat().st_mtime_ns for path in cache.glob("??/*.png")}
-
-    wait_for(lambda: len(finished()) >= 3)
-    process.send_signal(signal.SIGINT)
-    message = process.communicate(timeout=200)[1]
-    assert process.returncode == 130 and "goes on" in message and "Traceback" not in message
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "z2.toml"]
-    kept = finished()
-    assert 3 <= len(kept) < 12
-    subprocess.run(arguments, cwd=tmp_path, env=environment, check=True, timeout=200)
-    assert kept.items() <= finished().items() and len(finished()) == 12
 
 
 def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_path):

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from conftest import POVGEN, povgen
+from conftest import POVGEN, povgen, some
 
 from povgen import Chess, PovrayError, Rendering, render
 from povgen.errors import TransientError
@@ -60,10 +60,10 @@ def test_what_a_scene_may_do(tmp_path):
 
 @landlock
 @pytest.mark.parametrize(
-    "name", ["/etc/passwd", "{folder}/secret.txt", "../../secret.txt", "/proc/self/environ", LIBRARY]
+    "name", some(["{folder}/secret.txt", "/etc/passwd", "../../secret.txt", "/proc/self/environ", LIBRARY], 1)
 )
 @pytest.mark.parametrize("way", ['#include "{}"', '#fopen F "{}" read #read(F, S) #error S'])
-def test_no_other_file_is_read(way, name, tmp_path):
+def test_no_other_file_is_read(name, way, tmp_path):
     (folder := tmp_path / (80 * "n" + "  n")).mkdir()  # POV-Ray breaks lines of its messages, also within words
     for secret in (tmp_path, folder):
         (secret / "secret.txt").write_text('"hidden"\n')
@@ -72,7 +72,7 @@ def test_no_other_file_is_read(way, name, tmp_path):
 
 
 @landlock
-@pytest.mark.parametrize("used", ["pigment { image_map", "pigment { rgb 1 } normal { bump_map"])
+@pytest.mark.parametrize("used", some(["pigment { image_map", "pigment { rgb 1 } normal { bump_map"], 1))
 def test_no_other_picture_is_read(used, tmp_path):
     picture = run("", tmp_path).rename(tmp_path / "other.png")
     (tmp_path / "work").rename(tmp_path / "done")
@@ -80,8 +80,10 @@ def test_no_other_picture_is_read(used, tmp_path):
 
 
 @landlock
-@pytest.mark.parametrize("name", ["{folder}/written.txt", "../written.txt", "{home}/written.txt", "{folder}/kept.txt"])
-@pytest.mark.parametrize("way", ["write", "append"])
+@pytest.mark.parametrize(
+    "name", some(["{folder}/kept.txt", "{folder}/written.txt", "../written.txt", "{home}/written.txt"], 1)
+)
+@pytest.mark.parametrize("way", some(["write", "append"], 1))
 def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     (tmp_path / "home").mkdir()
@@ -92,7 +94,7 @@ def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeyp
 
 
 @landlock
-@pytest.mark.parametrize("name", ["new.txt", "a/new.txt", "scene.pov", ".povray/3.7/povray.conf", "povray.ini"])
+@pytest.mark.parametrize("name", some(["new.txt", "scene.pov", "a/new.txt", ".povray/3.7/povray.conf"], 2))
 def test_a_scene_makes_no_file_and_changes_none_of_povgens(name, tmp_path):
     """So the sum of what it writes is bounded by the limit for a file, however many names it tries."""
     refused(f'#fopen F "{name}" write #write(F, "x")', tmp_path, "line 2", "Cannot open")
@@ -144,7 +146,7 @@ def in_work_folder(monkeypatch, prepare):
     monkeypatch.setattr(sandbox, "within", prepared)
 
 
-@pytest.mark.parametrize("place", ["povray.ini", ".povray/3.7/povray.ini"])
+@pytest.mark.parametrize("place", some(["povray.ini", ".povray/3.7/povray.ini"], 1))
 def test_no_command_of_an_ini_file_is_run(place, tmp_path, monkeypatch):
     """POV-Ray reads an ini file in its work folder, but runs none of the commands in it."""
     commands = "".join(f"{when}_Command=touch ran\n" for when in ("Pre_Scene", "Pre_Frame", "Post_Frame", "Post_Scene"))
@@ -155,7 +157,7 @@ def test_no_command_of_an_ini_file_is_run(place, tmp_path, monkeypatch):
 
 
 @landlock
-@pytest.mark.parametrize("program", ["/bin/sh", "/usr/bin/env", "/usr/bin/python3"])
+@pytest.mark.parametrize("program", some(["/bin/sh", "/usr/bin/env", "/usr/bin/python3"], 1))
 def test_no_program_is_run_but_povray(program, tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "command", lambda *_: [program, "-c", "echo > ran"])
     refused("", tmp_path, "Permission denied")
@@ -189,23 +191,10 @@ def running():
     return found
 
 
-def test_endless_messages_are_not_kept(tmp_path):
-    with pytest.raises(PovrayError, match="took longer than 1 s"):
-        run('#while (1) #debug "0123456789\\n" #warning "0123456789\\n" #end', tmp_path, SHORT)
-    assert sum(file.stat().st_size for file in tmp_path.rglob("*") if file.is_file()) < 1e5
-
-
-@pytest.mark.parametrize(
-    ("grows", "words"),
-    [
-        ("#declare A = array[100000000]; #for (I, 0, 99999999) #declare A[I] = <I, I, I>; #end", ["line 2"]),
-        ('#declare S = "0123456789"; #while (1) #declare S = concat(S, S); #end', ["line 2"]),
-        ("union { #while (1) sphere { 0, 1 } #end }", []),
-    ],
-)
-def test_no_more_memory_than_its_share(grows, words, tmp_path, monkeypatch):
+def test_no_more_memory_than_its_share(tmp_path, monkeypatch):
     monkeypatch.setattr(povray, "MAX_MEMORY", 512 << 20)
-    refused(grows, tmp_path, "out of memory: its limit is 512 MiB", *words)
+    grows = '#declare S = "0123456789"; #while (1) #declare S = concat(S, S); #end'
+    refused(grows, tmp_path, "out of memory: its limit is 512 MiB", "line 2")
 
 
 HUNGRY = {
@@ -220,6 +209,7 @@ HUNGRY = {
 }
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("mebibytes", [64, 90, 200])
 def test_the_message_names_the_limit_whatever_takes_the_memory(mebibytes, tmp_path, monkeypatch):
     """POV-Ray ends in many ways. With the smallest limit it cannot even start its threads."""
@@ -304,19 +294,13 @@ def test_no_larger_file_than_its_share(tmp_path, monkeypatch):
     assert [file.stat().st_size for file in tmp_path.rglob(povray.DATA)] == [1 << 20]  # and is not tried again
 
 
-def test_a_picture_is_not_larger_than_its_share(tmp_path, monkeypatch):
-    monkeypatch.setattr(povray, "MAX_FILE", 1 << 13)
-    with pytest.raises(PovrayError):
-        run("plane { z, 5 pigment { granite scale 0.01 } finish { ambient 1 } }", tmp_path, Rendering(size=(256, 256)))
-
-
 def test_a_large_picture_takes_no_file_larger_than_itself(tmp_path, monkeypatch):
     """POV-Ray would write 20 bytes a pixel beside the picture: more than the limit from 7680x7000 on."""
     monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
     assert run("", tmp_path, Rendering(size=(320, 240), antialias="off")).stat().st_size < 1 << 20
 
 
-@pytest.mark.parametrize("kind", [resource.RLIMIT_AS, resource.RLIMIT_DATA])
+@pytest.mark.parametrize("kind", some([resource.RLIMIT_AS, resource.RLIMIT_DATA], 1))
 def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
     theirs = {kind: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
     endless = resource.RLIM_INFINITY
