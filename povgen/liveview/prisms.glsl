@@ -2,7 +2,8 @@
 //
 // A ray is kept in the coordinates of the prism that it is at: the number `cell` of the prism, and the height u above
 // its base, in units of the pitch. So 32-bit numbers are precise enough for any number of prisms. The cells of another profile
-// are its periods. Lenses turn an error of a ray's place into one of its direction: docs/accuracy.md says how large it is.
+// are its periods. The code for Dove prisms is special, because a frame then takes half the time. Lenses turn an error of a
+// ray's place into one of its direction: docs/accuracy.md says how large it is.
 
 const int THROUGH = 0;     // leaves the sheets away from the eye
 const int BACK = 1;        // leaves them towards the eye

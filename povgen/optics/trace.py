@@ -97,27 +97,10 @@ def trace(
     window or prisms without extent, for prisms without a top (`Prism.least_aspect`), for sheets that overlap, and for
     `most` < 1.
     """
-    shapes = dict.fromkeys(sheet.shape for sheet in sheets)
-    for name, value in (("window", window), *(("pitch", shape.pitch) for shape in shapes), ("most", most)):
-        if not value > 0:
-            raise ValueError(f"{name} = {value:g}; allowed: above 0")
-    prisms = [shape for shape in shapes if isinstance(shape, Prism)]
-    for prism in prisms:
-        if prism.aspect < (1 - 1e-9) * prism.least_aspect:
-            raise ValueError(f"aspect = {prism.aspect:g}: facets cross; allowed: {prism.least_aspect:.4g} or more")
-    for before, sheet in pairwise(sheets):
-        least = before.centre + before.reach(window) + sheet.reach(window)
-        if sheet.centre < least - 1e-9 * window:  # for rounding
-            raise ValueError(f"centre = {sheet.centre:g}: overlaps the sheet before; allowed: {least:g} or more")
     several = [sheet.shape for sheet in sheets]
-    if len(prisms) == len(shapes):
-        doves = [shape for shape in several if isinstance(shape, Prism)]
-        unequal = any(sheet.facets or sheet.pitches for sheet in sheets)
-        glass: Prisms | Profiles = (
-            UnequalPrisms.of_sheets(sheets, doves, window) if unequal else Prisms.of(doves, window)
-        )
-    else:
-        glass = Profiles.of(several, window)
+    if not most > 0:
+        raise ValueError(f"most = {most:g}; allowed: above 0")
+    glass = _glass(sheets, window)
     position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
@@ -140,6 +123,26 @@ def trace(
             _Trace(rays[start : start + CHUNK], sheets, glass, window, frame, partial).run()
     rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)
     return rays
+
+
+def _glass(sheets: tuple[GlassSheet, ...], window: float) -> Prisms | Profiles:
+    """Return what a ray meets in the sheets. Raises ValueError for sheets through which no ray can be followed."""
+    shapes = dict.fromkeys(sheet.shape for sheet in sheets)
+    for name, value in (("window", window), *(("pitch", shape.pitch) for shape in shapes)):
+        if not value > 0:
+            raise ValueError(f"{name} = {value:g}; allowed: above 0")
+    prisms = [sheet.shape for sheet in sheets if isinstance(sheet.shape, Prism)]
+    for prism in prisms:
+        if prism.aspect < (1 - 1e-9) * prism.least_aspect:
+            raise ValueError(f"aspect = {prism.aspect:g}: facets cross; allowed: {prism.least_aspect:.4g} or more")
+    for before, sheet in pairwise(sheets):
+        least = before.centre + before.reach(window) + sheet.reach(window)
+        if sheet.centre < least - 1e-9 * window:  # for rounding
+            raise ValueError(f"centre = {sheet.centre:g}: overlaps the sheet before; allowed: {least:g} or more")
+    if len(prisms) < len(sheets):
+        return Profiles.of([sheet.shape for sheet in sheets], window)
+    unequal = any(sheet.facets or sheet.pitches for sheet in sheets)
+    return UnequalPrisms.of_sheets(sheets, prisms, window) if unequal else Prisms.of(prisms, window)
 
 
 def on_path(rays: Rays, shapes: Sequence[Prism | Profile], forward: ArrayLike = True) -> Booleans:

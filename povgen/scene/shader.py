@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from math import cos, radians, sin
 from typing import Any
 
+from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene.laws import Text, to_live
@@ -63,16 +64,6 @@ def uniforms(
     """
     laws = to_live([scene])
     last = scene.places[-1]
-    layers = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
-    turns = [[layer.angle for layer in several] + [0.0] * (2 - len(several)) for several in layers]
-    centres = [[layer.centre for layer in several] + [0.0] * (2 - len(several)) for several in layers]
-    plain = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-    axes = [[layer.axes.tolist() for layer in several] + [plain] * (2 - len(several)) for several in layers]
-    prisms = [_prism(scene, window) for window in scene.states]
-    profiles = _profiles(scene)
-    shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
-    # two shapes for each window, one for each sheet: with errors of building they differ
-    own = [([layer.shape for layer in several] + [plan] * 2)[:2] for several, plan in zip(layers, shapes, strict=True)]
     pieces, pedestal = (scene.pieces, scene.pedestal) if isinstance(scene, Chess) else ((), 0.0)
     spheres = scene.objects if isinstance(scene, Spheres) else ()
     radii = scene.radii if spheres else ()
@@ -97,23 +88,6 @@ def uniforms(
         "floorMean": ground.mean if ground else (0, 0, 0),
         "floorY": floor,
         "horizon": 1e7 / scene.tile,  # POV-Ray does not show what is farther away
-        "sheetCounts": [len(several) for several in layers],
-        "sheetTurns": [(cos(angle), sin(angle)) for several in turns for angle in several],
-        "sheetAxes": axes,
-        "sheetCentres": centres,
-        "pitches": [shape.pitch for shape in shapes],
-        "firstBases": [
-            ((shape.gap if isinstance(shape, Prism) else 0) - scene.aperture / shape.pitch) / 2 for shape in shapes
-        ],
-        "prismHeights": [prism.height / prism.pitch for prism in prisms],
-        "prismHalves": [shape.length / shape.pitch / 2 for shape in shapes],
-        "slants": [
-            (cos(base), sin(base))
-            for several, prism in zip(own, prisms, strict=True)
-            for base in (radians((shape if isinstance(shape, Prism) else prism).base_angle) for shape in several)
-        ],
-        "glassIndices": [shape.index for several in own for shape in several],
-        "blackTops": [sheet.values.get("tops") == "black" for sheet in scene.sheets],
         "maxFaces": max_trace_level(scene, found),
         "volumes": 1,
         "pieceFoot": [(piece.x, floor + pedestal, last + piece.z1) for piece in pieces],
@@ -124,6 +98,38 @@ def uniforms(
         "volumePlace": places,
         "sphereCount": len(ball),
         "spheres": ball + [(0, 0, 1, 0)] * (MOST_SPHERES - len(ball)),
+    } | _sheets(scene)
+
+
+def _sheets(scene: Scene) -> dict[str, Any]:
+    """Return the uniforms of povgen/liveview/prisms.glsl, of two sheets for each window. One that is missing has zeros."""
+    windows = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
+    none = GlassSheet(0.0, 0.0, Prism(1.0))
+    layers = [layer for sheets in windows for layer in (*sheets, none, none)[:2]]
+    prisms = [_prism(scene, window) for window in scene.states]
+    profiles = _profiles(scene)
+    shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
+    # two shapes for each window, one for each sheet: with errors of building they differ
+    own = [[layer.shape for layer in sheets] + [plan] * 2 for sheets, plan in zip(windows, shapes, strict=True)]
+    bases = [
+        radians((shape if isinstance(shape, Prism) else prism).base_angle)
+        for several, prism in zip(own, prisms, strict=True)
+        for shape in several[:2]
+    ]
+    return {
+        "sheetCounts": [len(sheets) for sheets in windows],
+        "sheetTurns": [(cos(layer.angle), sin(layer.angle)) for layer in layers],
+        "sheetAxes": [layer.axes.tolist() for layer in layers],
+        "sheetCentres": [layer.centre for layer in layers],
+        "pitches": [shape.pitch for shape in shapes],
+        "firstBases": [
+            ((shape.gap if isinstance(shape, Prism) else 0) - scene.aperture / shape.pitch) / 2 for shape in shapes
+        ],
+        "prismHeights": [prism.height / prism.pitch for prism in prisms],
+        "prismHalves": [shape.length / shape.pitch / 2 for shape in shapes],
+        "slants": [(cos(base), sin(base)) for base in bases],
+        "glassIndices": [shape.index for several in own for shape in several[:2]],
+        "blackTops": [sheet.values.get("tops") == "black" for sheet in scene.sheets],
     } | _edges(profiles)
 
 
