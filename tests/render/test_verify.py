@@ -197,6 +197,10 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
     measured.add("never", 2, 0.0)
     measured.limit("ideal", "never", 1)
     assert not measured.limits[-1].holds
+    for x in (1, 9):
+        measured.add("always", x, 0.5)
+    measured.limit("ideal", "always", 9)
+    assert measured.limits[-1].value == 9
 
 
 @pytest.mark.parametrize(
