@@ -6,6 +6,7 @@ from math import radians
 
 import numpy as np
 import pytest
+from conftest import some
 from IPython.core.interactiveshell import InteractiveShell
 from PIL import Image, ImageDraw
 
@@ -95,7 +96,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     assert differ < 0.016
 
 
-@pytest.mark.parametrize("alpha", [0, 66, -120])
+@pytest.mark.parametrize("alpha", some([66, 0, -120], 1))
 @pytest.mark.parametrize(("x", "height"), [(0, 0.3), (0.8, 0.01), (0, 0.001), (1.5, 1e-6)])
 def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     """A ray that runs downwards meets the floor, the piece or the window frame, however low the eye is."""
@@ -148,7 +149,7 @@ def test_half_the_view_is_the_middle_of_the_picture(values):
     assert np.concatenate((differ[0], differ[:, -1])).mean() < 0.03  # POV-Ray's mesh camera would be half a pixel off
 
 
-@pytest.mark.parametrize("alpha", [-50, 30, 66, 110, 150, 180])
+@pytest.mark.parametrize("alpha", some([66, 150, -50, 30, 110, 180], 2))
 def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     scene = Spheres(alpha=alpha, sheet="ideal", z1=3, line=(-0.5, 0.3))
     image = picture(scene, "2,0.1,3")
@@ -158,7 +159,7 @@ def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
     assert abs(seen - P) < 0.5 * TILES  # its shaded side counts for less
 
 
-@pytest.mark.parametrize("alpha", [-60, 25, 66, 120, 180])
+@pytest.mark.parametrize("alpha", some([66, -60, 25, 120, 180], 1))
 @pytest.mark.parametrize("prisms", [100, 400])
 def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     values = {"alpha": alpha, "z1": 3, "line": (-0.5, 0.3)}
@@ -168,7 +169,7 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 1.5 * TILES
 
 
-@pytest.mark.parametrize("alpha", [0, 40, 66, 100])
+@pytest.mark.parametrize("alpha", some([66, 0, 40, 100], 1))
 def test_prisms_show_the_piece_at_the_ideal_place(alpha):
     ideal = picture(Chess(alpha=alpha, sheet="ideal", piece="pawn"))
     real = picture(Chess(alpha=alpha, prisms=400, piece="pawn"), "1,0.3,2")
@@ -183,7 +184,7 @@ def test_prisms_of_slightly_different_heights_show_the_piece_at_the_same_place()
 
 
 @pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.75), ("detailed", 2)])
-@pytest.mark.parametrize("alpha", [-135, -45, 30, 66, 90, 150, 180])
+@pytest.mark.parametrize("alpha", some([66, -135, -45, 30, 90, 150, 180], 2))
 def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha, sky):
     scene = Spheres(alpha=alpha, sheet=sheet, z1=100, line=(9, 9), sky=sky)  # the sphere is out of the window
     assert abs(angle_between(horizon(picture(scene)), alpha)) < tolerance
@@ -199,8 +200,8 @@ def test_a_single_sheet_mirrors(sky):
     assert abs(place(image, yellow(image)) - complex(-0.5 * 6 / 7, 0.5 * 6 / 5)) < 0.05
 
 
-@pytest.mark.parametrize("alpha", [0, 50, 90, 135, 180, -90])
-@pytest.mark.parametrize("prisms", [30, 100])
+@pytest.mark.parametrize("alpha", some([50, 0, 90, 135, 180, -90], 2))
+@pytest.mark.parametrize("prisms", some([30, 100], 1))
 def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, tmp_path):
     """With glowing red glass and no far sheet, the window is red to its corners, and nothing else is red."""
     scene = Chess(alpha=alpha, prisms=prisms, z1=3)
@@ -223,7 +224,7 @@ def test_the_near_sheet_fills_the_window_and_stays_in_its_frame(alpha, prisms, t
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
-@pytest.mark.parametrize("alpha", [0, 66, 120])
+@pytest.mark.parametrize("alpha", some([66, 0, 120], 1))
 def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
     scene = Chess(alpha=alpha, sheet=sheet, prisms=400, z1=2, x=0.2)
     without, predicted = picture(scene), picture(scene.model_copy(update={"predicted_image": True}))

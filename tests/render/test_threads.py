@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from conftest import povgen
+from conftest import povgen, some
 
 from povgen import Chess, Rendering, Spheres, movie, to_pov
 from povgen.rendering import frames, povray
@@ -41,8 +41,8 @@ def drawn(scene, rendering, threads, folder):
     return read_png(povray.Runner(threads).run(to_pov(scene), rendering, folder)).copy()
 
 
-@pytest.mark.parametrize("antialias", ["off", "1,0.1,2", "1,0.9,3", "2,0.1,2", "1.5x", "2x"])
-@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
+@pytest.mark.parametrize("antialias", some(["1,0.1,2", "off", "1,0.9,3", "2,0.1,2", "1.5x", "2x"], 1))
+@pytest.mark.parametrize("sheet", some(["detailed", "ideal"], 1))
 def test_the_same_pixels(sheet, antialias, tmp_path, threads):
     scenes = Chess(sheet=sheet, alpha=66), Spheres(sheet=sheet, alpha=120, z2=2)
     for n, (scene, size) in enumerate(zip(scenes, SIZES, strict=True)):
@@ -124,7 +124,7 @@ def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):
     assert povgen([*line, "-o", "b.gif"], tmp_path)[0] == 0
 
 
-@pytest.mark.parametrize(("memory", "expected"), [(8 << 30, 64), (1 << 30, 8), (64 << 20, 1)])
+@pytest.mark.parametrize(("memory", "expected"), [(8 << 30, 64), (64 << 20, 1)])
 def test_threads_fit_into_memory(memory, expected, monkeypatch, tmp_path, threads):
     with monkeypatch.context() as patch:
         patch.setattr(povray, "max_memory", lambda *_: memory)

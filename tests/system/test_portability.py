@@ -8,7 +8,7 @@ import sys
 from threading import Thread
 
 import pytest
-from conftest import povgen, wait_for
+from conftest import povgen, some, wait_for
 
 from povgen import PovrayError, Rendering, stopping
 from povgen.rendering import parallel, povray, sandbox
@@ -66,11 +66,6 @@ def test_a_setpriv_that_cannot_do_it(few_programs, text):
     assert povray.has_util_linux() == ("KILL" in text)
 
 
-def test_nothing_is_missing_here():
-    if povray.has_util_linux():
-        assert povray.missing_protection() == []
-
-
 def test_a_frame_without_util_linux(few_programs, tmp_path):
     status, out, err = povgen([*FRAME, "-o", "a.png"], tmp_path)
     assert (status, out, err) == (0, "", "") and (tmp_path / "a.png").is_file()
@@ -91,7 +86,7 @@ def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
     assert "ulimit -t 60 " in povray._starter(10, 3, 1 << 30)[0][2]
 
 
-@pytest.mark.parametrize("name", ["/etc/passwd", "../../secret.txt"])
+@pytest.mark.parametrize("name", some(["../../secret.txt", "/etc/passwd"], 1))
 def test_the_sandbox_without_util_linux(name, few_programs, tmp_path):
     if not sandbox.version():
         pytest.skip("this kernel has no Landlock")
