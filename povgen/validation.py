@@ -34,7 +34,8 @@ class Model(BaseModel):
     Values may be text. A value that is not allowed raises InputError, with one line about the first such value.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    # defer_build: a class is made ready when its first model is made, and many never have one
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     def __init__(self, /, *unnamed: object, **values: object) -> None:
         if unnamed:
@@ -91,7 +92,19 @@ class Model(BaseModel):
             about.append(f"- `{name}{default}`: {text}")
         own = cleandoc(cls.__dict__.get("__doc__") or "")
         cls.__doc__ = "\n".join([own, "", "Parameters:", "", *about]) if about else own
-        kinds = get_type_hints(cls)  # without the ranges
+        cls._sign()
+
+    @classmethod
+    def model_rebuild(cls, **options: Any) -> bool | None:  # noqa: ANN401  (as pydantic declares it)
+        """Make the class ready, as pydantic does when the first model is made: pydantic then signs the class anew."""
+        made = super().model_rebuild(**options)
+        cls._sign()
+        return made
+
+    @classmethod
+    def _sign(cls) -> None:
+        """Give the class a signature with types, without their ranges."""
+        kinds = get_type_hints(cls)
         cls.__signature__ = Signature(
             [
                 Parameter(
@@ -100,7 +113,7 @@ class Model(BaseModel):
                     default=Parameter.empty if field.is_required() else field.default,
                     annotation=kinds[name],
                 )
-                for name, field in fields.items()
+                for name, field in cls.model_fields.items()
             ]
         )
 

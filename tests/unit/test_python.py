@@ -195,7 +195,9 @@ def test_help_names_each_parameter(model):
 
 
 def test_the_signature_has_types_and_defaults():
-    assert "alpha: float = 66" in str(inspect.signature(Chess))
+    for model in (Chess, type("Mine", (Chess,), {})):  # before and after the first model of a class is made
+        assert "(*, alpha: float = 66" in str(inspect.signature(model))
+        assert model() and "(*, alpha: float = 66" in str(inspect.signature(model))
     assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
     assert "- `z2 = 6`: distance from the sheets to the eye" in Chess.__doc__
     assert {str, Path} <= set(get_args(inspect.signature(Chess).parameters["piece"].annotation))
