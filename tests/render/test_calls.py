@@ -136,7 +136,7 @@ def test_a_movie_of_scenes_plays_in_jupyter(kind, start, tmp_path):
         assert imageio_ffmpeg.count_frames_and_secs(str(made.path)) == (3, pytest.approx(0.3, abs=0.02))
 
 
-@pytest.mark.parametrize("call", [demo, live, movie, render, save, show, to_pov])
+@pytest.mark.parametrize("call", [demo, live, movie, render, save, show])
 def test_no_argument_takes_anything(call, tmp_path, monkeypatch):
     """Each argument, but those that are yes or no, refuses what is of no type that it names."""
     monkeypatch.chdir(tmp_path)
