@@ -70,7 +70,7 @@ def _members(value: type) -> Iterator[tuple[str, Any]]:
     for each in value.__mro__:
         if not each.__module__.startswith("povgen"):
             continue
-        for name, member in vars(each).items():
+        for name, member in [*vars(each).items()]:  # to describe a member can complete a class of parameters
             function = (
                 getattr(member, "__func__", None) or getattr(member, "fget", None) or getattr(member, "func", member)
             )
