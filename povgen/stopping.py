@@ -16,7 +16,9 @@ from threading import RLock
 from typing import Any, TextIO
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
-LONGEST = 0.5  # seconds for each step of the end: until nobody starts a process, and until everything is removed
+# Seconds for the two steps of the end: until nobody starts a process, and until everything is removed. Together they
+# are less than 2.
+TO_LOCK, TO_REMOVE = 0.4, 1.4
 MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
 SHOW_CURSOR = b"\x1b[?25h"  # a progress bar hides it
 
@@ -66,9 +68,9 @@ def _watch(reads: int) -> None:
     """Wait for a signal, in a thread, and end the process. The exit status is 128 plus the signal's number."""
     while (number := os.read(reads, 1)[0]) not in SIGNALS:
         pass
-    lock.acquire(timeout=LONGEST)  # the main thread may hold it, and waits in `_wait`
+    lock.acquire(timeout=TO_LOCK)  # the main thread may hold it, and waits in `_wait`
     _kill_children()
-    end = time.monotonic() + LONGEST
+    end = time.monotonic() + TO_REMOVE
     while (left := [each for each in reversed(_unfinished.items()) if os.path.lexists(each[0])]) and (
         time.monotonic() < end  # other threads may write there meanwhile
     ):

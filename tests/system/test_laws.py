@@ -56,6 +56,7 @@ def test_numpy_and_javascript(scene, node, rng):
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11)
 
 
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize("scenes", [SCENES[2::7], pytest.param(SCENES, marks=pytest.mark.release)], ids=["few", "all"])
 def test_numpy_and_pov_ray(scenes, rng, tmp_path):
     """POV-Ray writes what the functions in the text of each scene give."""
