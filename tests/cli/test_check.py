@@ -75,12 +75,6 @@ def test_no_folder_for_temporary_files(tmp_path, monkeypatch):
     assert (faults, untested) == (["temporary files"], ["frame", "encoder"]) and "TMPDIR" in remedy
 
 
-def test_a_cache_that_is_refused(tmp_path, monkeypatch):
-    """The message itself says what is allowed."""
-    monkeypatch.setenv("POVGEN_CACHE_SIZE", "much")
-    assert checked(tmp_path) == (["cache"], [], [])
-
-
 def test_a_bad_encoder(tmp_path, monkeypatch):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
     faults, untested, (remedy,) = checked(tmp_path)

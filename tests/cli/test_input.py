@@ -9,7 +9,6 @@ import sys
 import threading
 import time
 import warnings
-from pathlib import Path
 from unittest.mock import Mock
 
 import imageio_ffmpeg
@@ -19,9 +18,8 @@ from PIL import Image
 
 from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
-from povgen.files import output_folder
 from povgen.liveview.view import Live
-from povgen.measure import charts, stability
+from povgen.measure import charts
 from povgen.page import page
 from povgen.record import check_unasked
 from povgen.rendering import auto, gl_runner, povray
@@ -50,37 +48,18 @@ stop = 180
         (["--alpha", "nan"], ["alpha", "nan", "finite"]),
         (["--alpha", "six"], ["alpha = 'six': should be a number (ray-rotation"]),
         (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
-        (["--prisms", "5"], ["z1", "2", "sheets"]),
         (["--z1", "1e9"], ["z1", "1e9", "5000"]),
         (["--z1", "1", "--z1", "2", "--x", "0"] + ["--x", "1"] * 2, ["2 values of z1", "3 values of x"]),
-        (["--z2", "0"], ["z2", "0", "greater than 0"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),
         (["--z1", "2,3"], ["z1 = '2,3': should be a number", "; give --z1 once for each value\n"]),
-        (["--piece", "king,queen"], ["piece = 'king,queen'", "; give --piece once for each value\n"]),
-        (["--z1", "2", "--z1", "3,4"], ["'3,4' should be a number", "; give --z1 once for each value\n"]),
-        (
-            ["--window", "alpha=1,z=2,alpha=3,z=4"],
-            ["window = 'alpha=1,z=2,alpha=3,z=4'", "; give --window once for each value\n"],
-        ),
         (["--prisms", "2.5"], ["prisms", "2.5", "should be a whole number"]),
         (["--piece", "dog"], ["piece", "dog", "king"]),
         (["--eye", "1"], ["eye", "'1'", "X,Y"]),
         (["--eye", "0,-1.65"], ["eye = 0,-1.65", "under the floor", "Y > -1.65"]),
-        (["--eye", "0,-0.4", "--aperture", "0.5"], ["eye = 0,-0.4", "Y > -0.4"]),
-        (["--offset", "1,-1"], ["No such option", "--offset"]),
         (["--line", "0,0"], ["'line': unknown in the scene chess; allowed: ", "x", "eye"]),
         (["--base-angle", "20"], ["aspect = 1", "base_angle = 20", "cross", "1.25 < aspect < 2"]),
-        (["--aspect", "0.4"], ["aspect = 0.4", "index = 1.5", "cross", "0.465"]),
-        (["--aspect", "2"], ["aspect = 2", "below 2"]),
-        (
-            ["--prisms", "1", "--aperture", "10", "--aspect", "1.5"],
-            ["prisms = 1", "aperture = 10", "127.7 tiles", "100 tiles"],
-        ),
-        (["--aperture", "10", "--z1", "0.9"], ["z1 = 0.9", "knight", "z1 > 0.93"]),
         (["--size", "321x240"], ["size", "321x240", "even"]),
-        (["--size", "100000x100000"], ["size", "7680"]),
         (["--quality", "best"], ["quality", "best", "draft"]),
-        (["--antialias", "3,0.3,2"], ["antialias", "3,0.3,2"]),
         (["--antialias", "5x"], ["antialias = '5x': should be off, 1.5x, 2x, 3x, 4x or three numbers"]),
         (["--predicted-image", "--sheet", "single"], ["predicted_image", "single", "detailed"]),
         (
@@ -89,9 +68,8 @@ stop = 180
         ),
         (["-o", "x.jpg"], ["x.jpg", ".png"]),
         (["-o", "nowhere/x.png"], ["nowhere/x.png", "No such file"]),
-        (["-o", "x" * 300 + ".png"], ["output", "too long"]),
         (["-o", ".PNG"], ["output = '.PNG': an ending without a name; allowed: NAME.PNG"]),
-        (["--colour", "red"], ["--colour"]),
+        (["--colour", "red"], ["No such option", "--colour"]),
     ],
 )
 def test_frame(options, words, tmp_path):
@@ -107,26 +85,15 @@ def test_frame(options, words, tmp_path):
         ("frame_rate = 10", "frame_rate = 10\nframerate = 3", ["framerate", "frame_rate"]),
         ('scene = "chess"', 'scene = "circus"', ["scene", "circus", "spheres"]),
         ("stop = 180", "stop = 0", ["stop", "start"]),
-        ("stop = 180", "", ["stop", "missing"]),
         ("stop = 180", 'stop = 180\nspacing = "log"', ["log", "0"]),
-        ("frames = 5", "frames = 1", ["frames", "1", "2"]),
-        ("z1 = 2", "z3 = 2", ["z3", "unknown", "z1"]),
         (
             "frames = 5",
             "frames = 5\nsheet = 'ideal'",
-            ["sheet: a parameter of the scene; allowed: in the table [fixed]"],
         ),
         ('parameter = "alpha"', 'parameter = "eye"', ["eye = 0.0: allowed: a pair, X,Y (in a TOML file [X, Y])"]),
-        ('parameter = "alpha"', 'parameter = "window2_z"', ["no window 2; allowed: with --window or [[window]]"]),
         ("z1 = 2", "alpha = 2", ["alpha", "swept"]),
         ("stop = 180", "stop = 1800", ["spec.toml: frame 5 of 5: alpha = 1800", "360"]),
-        ('parameter = "alpha"', 'parameter = "beta"', ["parameter", "beta", "alpha"]),
-        ("[[sweep]]", "[[sweeps]]", ["sweep"]),
-        ("z1 = 2", "z1 = true", ["z1", "True"]),
-        ("z1 = 2", '"a\\nb\\nc" = 2', ["unknown"]),
-        ("z1 = 2", f"z1 = {'[' * 5000}", ["TOML"]),
         ('title = "A movie"', 'title = "A\\u0000movie"', ["title", "one line"]),
-        ("[[sweep]]", "[[sweep", ["TOML"]),
         ("[[sweep]]", "[sweep]", ["sweep", "should be a list", "table [[sweep]], with two brackets"]),
     ],
 )
@@ -136,12 +103,6 @@ def test_spec(old, new, words, tmp_path):
     (tmp_path / "spec.mp4").write_bytes(b"kept")
     message = refused(["movie", "spec.toml"], tmp_path)
     assert "spec.toml" in message and all(word in message for word in words), message
-
-
-def test_only_several_values_in_one_are_told_to_be_repeated(tmp_path):
-    window = ["--window", "alpha=1,z=2", "--alpha", "999"]
-    for options in (["--z1", "-2"], ["--z1", "two"], ["--z1", "2", "--alpha", "1,2"], ["--eye", "0,-1.65"], window):
-        assert "once for each" not in refused(["frame", "chess", *options], tmp_path)
 
 
 def test_warnings_of_python_are_not_shown(tmp_path, monkeypatch):
@@ -168,11 +129,6 @@ def test_spec_with_scenes_own_words(tmp_path):
     (tmp_path / "slow.toml").write_text(SPEC.replace("= 10", "= 0.1").replace("frames = 5", "frames = 66"))
     assert "a GIF of 66 frames, 0.1 a second, 660 s long: " in refused(["movie", "slow.toml", "-o", "x.GIF"], tmp_path)
     assert "predicted_image" in refused(["movie", "spheres", "--predicted-image"], tmp_path)
-    message = refused(["frame", "spheres", "--z1", "0.05"], tmp_path)
-    limit = float(message.rsplit(">", 1)[1])
-    assert Spheres(z1=limit + 1e-3).distances == (limit + 1e-3,)
-    assert "workers" in refused(["movie", "spec.toml", "--workers", "0"], tmp_path)
-    assert "scene" in refused(["pov", "circus"], tmp_path)
     assert ".pov" in refused(["pov", "chess", "-o", "scene.txt"], tmp_path)
 
 
@@ -189,15 +145,10 @@ SWEEP = ["chess", "--sweep", "alpha=0:9"]
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["pov", "chess", "--piece", "king.pov", "-o", "king.pov"],
-        ["pov", "chess", "--piece", "king.pov", "-o", "link.pov"],
         ["pov", "chess", "--piece", "link.pov", "-o", "king.pov"],
         ["pov", "chess", "--piece", "king", "--piece", "hard.pov", "--x", "0", "--x", "1", "-o", "king.pov"],
-        ["frame", "chess", "--piece", "p.png", "-o", "../here/p.png"],
         ["frame", "chess", "--piece", "p.png", "-o", "p.png", "--sheet", "auto", "--tolerance", "1px"],
-        ["demo", "--piece", "mine.html", "-o", "mine.html"],
         ["demo", "--piece", "mine-spheres.mp4", "-o", "mine.html", "--movies"],
-        ["movie", "a.mp4", "-o", "a.mp4"],
         ["movie", "a.mp4"],
         ["movie", "a.toml", "-o", "b.mp4"],
         ["movie", *SWEEP, "--piece", "b.mp4", "-o", "b.mp4", "--sheet", "auto", "--tolerance", "1px"],
@@ -247,16 +198,12 @@ def test_python_writes_no_output_over_an_input(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "file"),
     [
-        (["frame", "chess"], "frame.png"),
         (["frame", "chess", "--sheet", "auto", "--tolerance", "1px"], "frame.png"),
         (["movie", *SWEEP], "chess.mp4"),
         (["movie", *SWEEP, "--frames", "9", "-o", "a%d.png"], "a5.png"),
-        (["demo"], "demo.html"),
         (["demo", "-o", "a.html", "--movies"], "a-spheres.mp4"),
         (["tolerance", "chess", "-o", "lab.png"], "lab.csv"),
         (["figure", "3", "1", "-o", "."], "figure1.svg"),
-        (["chart"], "chart/machine.txt"),
-        (["verify", "--stability"], "stability/moire.png"),
     ],
 )
 def test_a_file_that_nobody_named_is_not_written_over(arguments, file, unmeasured, tmp_path, monkeypatch):
@@ -283,19 +230,12 @@ def test_a_file_of_povgens_is_written_over(tmp_path):
     (tmp_path / "a.html").write_text(to_html("page/index", page.data({}), "", [], fonts.encoded()))
     check_unasked([tmp_path / name for name in ("a.html", "missing")])
     docs = PROJECT / "docs"  # what earlier commands wrote
-    check_unasked(docs.glob("tolerances/*.csv"))
+    check_unasked([*docs.glob("tolerances/*.csv"), *docs.glob("stability/*.csv"), *docs.glob("figures/figure?.md")])
     check_unasked((docs / "chart" / name for name in charts.FILES), docs / "chart/frames.csv")
-    assert {path.stem for path in (docs / "stability").iterdir()} == {*stability.NAMES}
-    check_unasked(docs.glob("stability/*.csv"))
-    check_unasked(docs.glob("figures/figure?.md"))
 
 
 @pytest.mark.parametrize(
-    "address",
-    [
-        *["", "x", "tcp://", "tcp://x", "http://127.0.0.1:80", "tcp://a b:1", "tcp://127.0.0.1:65536", 5],
-        *["tcp://::1:8786", "tcp://[::1:8786", "tcp://a]:1"],
-    ],
+    "address", ["", "tcp://x", "http://127.0.0.1:80", "tcp://127.0.0.1:65536", "tcp://::1:8786", 5]
 )
 def test_an_address_that_is_none(address, unmeasured, tmp_path):
     """It is refused before anything is measured or rendered."""
@@ -345,11 +285,7 @@ def test_other_commands(arguments, words, tmp_path):
         ),
         (["--sheet", "ideal", "--window", "alpha=9,z=2,sheet=detailed", "--prisms", "99"], []),
         (["--sheet", "none", "--alpha", "9", "--tops", "black"], ["alpha = 9: no effect", "tops = black: no effect"]),
-        (["--sheet", "refraction", "--ratio", "2", "--alpha", "9"], []),
-        (["--sheet", "axis", "--axis", "1,0,0"], []),
         (["--sheet", "ideal", "--fresnel"], ["fresnel = true: no effect"]),
-        (["--sheet", "ideal", "--no-fresnel"], []),
-        (["--sheet", "ideal", "--glass", "F2"], ["glass = F2: no effect"]),
     ],
 )
 def test_options_without_effect(options, unused, tmp_path):
@@ -393,11 +329,8 @@ def test_which_options_have_an_effect(sheet):
         assert (text(**also) != text(**also, **{name: value})) == used, name
 
 
-@pytest.mark.parametrize(
-    "command", [["frame", "chess"], ["movie", "chess", "--sweep=z1=2:3", "--frames=2", "-o", "a.gif"]]
-)
-def test_quiet_says_nothing_of_options_without_effect(command, tmp_path):
-    line = [*command, "--sheet=none", "--tops=black", "--size=32x32", "--quality=draft"]
+def test_quiet_says_nothing_of_options_without_effect(tmp_path):
+    line = ["frame", "chess", "--sheet=none", "--tops=black", "--size=32x32", "--quality=draft"]
     assert povgen(line, tmp_path)[2].count("no effect") == 1
     assert not povgen([*line, "--quiet"], tmp_path)[2]
 
@@ -418,18 +351,11 @@ def test_the_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
     text = povgen([command, "-h"], tmp_path)[1]
     lines = text.splitlines()
     assert text == povgen([command, "--help"], tmp_path)[1]
-    monkeypatch.setenv("COLUMNS", "10")
-    assert len(povgen([command, "--help"], tmp_path)[1]) > len(text) / 2
     assert max(map(len, lines)) <= 80 and len(lines) <= (120 if command == "frame" else 140)
     others = "Parameters of other sheets, which povgen list explains:"
     headings = ["Options:", "The sheets:", others, "The eye:", "The picture:", "The objects:"]
     assert "--focal-length" in lines[lines.index(others) + 1]
     assert [line for line in lines if line in headings] == headings
-
-
-def test_the_help_says_which_options_can_be_repeated(tmp_path):
-    text = re.sub(r"[\u2502\s]+", " ", povgen(["frame", "--help"], tmp_path)[1])
-    assert text.count("; can be repeated") == 6  # z1, x, piece, color, window, deviation
 
 
 def test_the_page_is_compared_without_povray(tmp_path, monkeypatch):
@@ -442,8 +368,6 @@ def test_the_page_is_compared_without_povray(tmp_path, monkeypatch):
     ("arguments", "extra"),
     [
         (["figure", "1"], "matplotlib"),
-        (["chart"], "matplotlib"),
-        (["verify", "--stability"], "matplotlib"),
         (["verify", "--live"], "playwright"),
     ],
 )
@@ -473,7 +397,7 @@ def test_without_ffmpeg_a_movie_is_refused_before_a_frame_is_rendered(tmp_path, 
     build.checked_movie(tmp_path / "a.gif", 10, 10, Rendering(), [])
 
 
-@pytest.mark.parametrize("program", ["/missing", "/bin/false", "/"])
+@pytest.mark.parametrize("program", ["/missing", "/bin/false"])
 def test_an_ffmpeg_that_cannot_be_started_is_refused_before_a_frame_is_rendered(program, tmp_path, monkeypatch):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", program)
     monkeypatch.setattr("povgen.rendering.povray.Runner.run", lambda *_: pytest.fail("a frame was rendered"))
@@ -539,9 +463,7 @@ def test_the_home_folder_in_an_outputs_name(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     (tmp_path / "home").mkdir()
     assert povgen(["pov", "chess", "--output=~/a.pov"], tmp_path)[0] == 0
-    with output_folder(Path("~/charts")) as folder:
-        (folder / "a").touch()
-    assert sorted(path.name for path in (tmp_path / "home").iterdir()) == ["a.pov", "charts"]
+    assert [path.name for path in (tmp_path / "home").iterdir()] == ["a.pov"]
     assert [path.name for path in tmp_path.iterdir()] == ["home"]
 
 
@@ -554,25 +476,8 @@ def test_the_folder_of_numbered_pictures(tmp_path):
     build.checked_movie(tmp_path / "new/%d.png", 3, 10, Rendering(), [tmp_path / "1.png"])
     assert not (tmp_path / "new").exists()
     sweep = ["movie", "chess", "--sweep", "alpha=0:9", "-o"]
-    said = refused([*sweep, "new/er/%d.png"], tmp_path)
-    assert said.startswith("povgen: output = 'new/er/%d.png': No such file or directory; allowed: a file in a folder")
     for name in ("file", "link"):
         assert f"output = '{name}/1.png': " in refused([*sweep, f"{name}/%d.png"], tmp_path)
-
-
-def test_a_fault_of_a_later_numbered_picture_is_found_before_rendering(tmp_path):
-    long = 250 * "x"
-    for name, target in (("2.png", "circle"), ("circle", "circle"), ("3.png", "missing/3.png")):
-        (tmp_path / name).symlink_to(target)
-    with pytest.raises(InputError, match="output = '.*/2.png': .*loop"):
-        build.checked_movie(tmp_path / "%d.png", 3, 10, Rendering(), [])
-    (tmp_path / "2.png").unlink()
-    with pytest.raises(InputError, match="output = '.*/3.png': No such file"):
-        build.checked_movie(tmp_path / "%d.png", 3, 10, Rendering(), [])
-    for name in (f"{long}%d.png", f"new/{long}%d.png"):  # up to 9, the names have 255 letters
-        build.checked_movie(tmp_path / name, 9, 10, Rendering(), [])
-        with pytest.raises(InputError, match="output = .*(12|%d).png': File name too long"):
-            build.checked_movie(tmp_path / name, 12, 10, Rendering(), [])
 
 
 @pytest.mark.parametrize(
@@ -606,14 +511,9 @@ def test_a_number_that_a_window_uses_has_an_effect(tmp_path):
         "window 2: parameter: q: no"
         in povgen([*line, "--window=z=1,law=x*m,y,z,parameter=m=1,parameter=q=2"], tmp_path)[2]
     )
-    window = ["pov", "chess", "--sheet=none", "--window=z=1,sheet=ideal,alpha=30", "--alpha=60"]
-    assert "alpha = 60: no effect with sheet = none" in povgen(window, tmp_path)[2]
-    assert povgen([window[0], window[1], window[2], "--window=z=1,sheet=ideal", "--alpha=60"], tmp_path)[2] == ""
 
 
-@pytest.mark.parametrize(
-    ("law", "what"), [("x, y, z/0", "0.0"), ("x/(k - 1), y, z", "k - 1.0"), ("x, y, z/(1-1)", "1.0 - 1.0")]
-)
+@pytest.mark.parametrize(("law", "what"), [("x, y, z/0", "0.0"), ("x/(k - 1), y, z", "k - 1.0")])
 def test_a_law_that_divides_by_zero_is_refused(law, what, tmp_path):
     assert Chess(sheet="law", law="x/(1/k), y/(1 + 1/k), z", parameter={"k": 0}).sheets[0].law  # by infinity
     said = refused(["pov", "chess", "--sheet=law", f"--law={law}", "--parameter=k=1"], tmp_path)
@@ -648,35 +548,19 @@ def test_the_seed_of_random_builds(tmp_path, monkeypatch):
     )
 
 
-def test_tolerance_says_which_options_have_no_effect(tmp_path):
-    said = refused(["tolerance", "chess", "--focal-length", "4", "--deviation", "turn=2"], tmp_path)
-    assert "focal_length = 4: no effect" in said and "turn = 2; allowed" in said
-
-
-def test_a_file_whose_name_has_a_space(tmp_path):
-    """It is one value."""
-    (tmp_path / "a b").write_text("sphere { 0, 1 }")
-    assert "once for each value" not in refused(["frame", "chess", "--piece", "a b"], tmp_path)
-    assert refused(["frame", "chess", "--piece", "a c"], tmp_path).endswith("; give --piece once for each value\n")
-
-
-@pytest.mark.parametrize("arguments", [["figure", "2"], ["verify", "--stability"]])
-def test_no_folder_is_left_without_povray(arguments, tmp_path, monkeypatch):
+def test_no_folder_is_left_without_povray(tmp_path, monkeypatch):
     def missing(*_):
         raise PovrayError("POV-Ray is not installed")
 
     monkeypatch.setattr(povray.Runner, "run", missing)
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
-    status, out, err = povgen(arguments, tmp_path)
+    status, out, err = povgen(["figure", "2"], tmp_path)
     assert (status, out) == (1, "") and "POV-Ray is not installed" in err
     assert [path.name for path in tmp_path.iterdir()] in (["cache"], [])
 
 
 def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
-    monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file/cache")
-    status, _, err = povgen(["frame", "chess", "--sheet=none"], tmp_path)
-    assert status == 1 and err.startswith(f"povgen: {tmp_path}/file/cache: Not a directory (povgen's cache; ")
     monkeypatch.setenv("POVGEN_CACHE", f"{tmp_path}/file")
     for arguments in (["cache", "info"], ["cache", "clear"], ["frame", "chess", "--sheet=none"]):
         status, out, err = povgen(arguments, tmp_path)
@@ -684,22 +568,8 @@ def test_a_file_that_the_system_refuses(tmp_path, monkeypatch):
     assert (tmp_path / "file").read_bytes() == b""
 
 
-def test_the_help_breaks_lines_only_where_the_terminal_ends(tmp_path):
-    text = run_povgen("cache", "--help", cwd=tmp_path, env={**os.environ, "COLUMNS": "80"}).stdout
-    *full, _ = text[text.index("The cache keeps") : text.index("Options:")].strip().splitlines()
-    assert len(full) >= 2 and all(len(line) > 60 for line in full), full
-
-
-@pytest.mark.parametrize(
-    "title",
-    [
-        "-α−é <b>&\"'</b> {{ 7*7 }} %s \\ ; = # $HOME `id` title=x",
-        pytest.param("😀", marks=pytest.mark.release),
-        pytest.param("x" * 200, marks=pytest.mark.release),
-    ],
-    ids=len,
-)
-def test_a_title_is_text_in_the_metadata(title, tmp_path):
+def test_a_title_is_text_in_the_metadata(tmp_path):
+    title = "-α−é 😀 <b>&\"'</b> {{ 7*7 }} %s \\ ; = # $HOME `id` title=x"
     spec = MovieSpec.parse(
         SPEC.replace("[fixed]", "[fixed]\nsheet = 'none'").replace("frames = 5", "frames = 2"), "spec"
     )
@@ -717,20 +587,12 @@ def test_a_title_is_text_in_the_metadata(title, tmp_path):
 FAR = [
     Chess(alpha=5e-324, sheet="ideal", predicted_image=True),
     Chess(alpha=180, z1=6.000000000000001, sheet="ideal", predicted_image=True),
-    Chess(alpha=180, z1=6.000000000000001, predicted_image=True),
     Chess(prisms=1, z1=150, z2=150),
     Chess(prisms=3000, z1=4000, z2=150, x=-10, eye=(0, -1.6499999999999997)),
-    Chess(z2=0.1600001, x=10, eye=(-10, 10)),
-    Chess(z2=150, z1=5000, sheet="single"),
     Spheres(z1=(5000,) * 50, sheet="ideal"),
-    Spheres(prisms=3000, z2=150, line=(10, 10), eye=(-10, -10)),
-    Spheres(alpha=180, z1=(6.0,), line=(5e-324, -5e-324), sheet="ideal"),
     Chess(index=1.1, base_angle=75, view=0.1, eye=(10, 10), z1=3),
-    Chess(index=4, base_angle=15, aspect=1.99, view=100, z2=0.7),
-    Chess(prisms=3000, aperture=0.5, gap=0.001, z1=694, z2=150),
     Chess(prisms=1, aperture=10, gap=0.5, z1=150, z2=150, view=100),
     Chess(sheet="ideal", aperture=10, z2=0.52, view=100, eye=(10, 10), pedestal=10, predicted_image=True),
-    Chess(sheet="none", pedestal=5e-324),
     Spheres(sheet="ideal", aperture=0.5, z2=150, view=0.1, eye=(10, -10)),
 ]
 
@@ -752,7 +614,6 @@ def test_a_window_that_its_frame_hides(tmp_path):
     "fault",
     [
         MemoryError(),
-        RuntimeError("can't start new thread"),
         ImportError("liba.so: failed to map segment from shared object"),
     ],
 )
@@ -786,8 +647,6 @@ def test_a_flag_in_a_spec_is_taken_back(tmp_path):
     )
     assert plain == predicted == none
     assert "predicted_image" not in quiet and "predicted_image = true: no effect in a .pov file" in warned
-    assert "predicted_image" in refused(["pov", "spheres", "--no-predicted-image"], tmp_path)
-    assert "--no-overlay" in povgen(["frame", "--help"], tmp_path)[1]
 
 
 def test_a_spec_with_a_byte_order_mark(tmp_path):

@@ -9,52 +9,29 @@ from hypothesis import strategies as st
 
 from fuzz.conftest import cases, tried
 from fuzz.values import FIELDS, NUMBERS, rights, text_of
-from povgen.scene.scenes import SCENES
 from povgen.sheets import PARAMETERS
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 
 
+RIGHT = {  # ranges in which all values go together
+    **{"alpha": st.floats(-360, 360), "z2": st.floats(5, 150), "z1": st.floats(5, 2500), "view": st.floats(0.1, 100)},
+    **{"prisms": st.integers(100, 3000), "index": st.floats(1.3, 4), "base_angle": st.floats(45, 60)},
+    **{"gap": st.floats(1e-3, 0.5), "aspect": st.floats(1, 1.5), "aperture": st.floats(2, 5)},
+    **{"piece": rights("piece"), "x": st.floats(-10, 10), "pedestal": st.floats(0.1, 10)},
+}
+STATED = {"z1": "Z1", "z2": "Z2", "aperture": "Window", "view": "ViewHeight", "x": "PieceX", "pedestal": "Pedestal"}
+STATED |= {"index": "GlassIndex", "base_angle": "BaseAngle", "gap": "AirGap", "aspect": "Aspect", "prisms": "Prisms"}
+
+
 @cases(30)
-@given(st.data())
-def test_what_is_right_is_done(data):
-    scene = data.draw(st.sampled_from([*SCENES]))
-    given = {
-        "alpha": data.draw(st.floats(-360, 360)),
-        "z2": data.draw(st.floats(5, 150)),
-        "prisms": data.draw(st.integers(100, 3000)),
-        "index": data.draw(st.floats(1.3, 4)),
-        "base_angle": data.draw(st.floats(45, 60)),
-        "gap": data.draw(st.floats(1e-3, 0.5)),
-        "aspect": data.draw(st.floats(1, 1.5)),
-        "aperture": data.draw(st.floats(2, 5)),
-        "view": data.draw(st.floats(0.1, 100)),
-        "z1": data.draw(st.floats(5, 2500)),
-        "eye": data.draw(st.tuples(st.floats(-10, 10), st.floats(-1, 10))),
-        "sheet": data.draw(st.sampled_from(["detailed", "ideal", "single", "none"])),
-    }
-    if scene == "chess":
-        given["piece"] = data.draw(rights("piece"))
-        given["x"] = data.draw(st.floats(-10, 10))
-        given["pedestal"] = data.draw(st.just(0.0) | st.floats(0, 10))
-    else:
-        given["line"] = data.draw(st.tuples(st.floats(-10, 10), st.floats(-10, 10)))
-    status, source, said = tried(
-        ["pov", scene, *(f"--{name.replace('_', '-')}={text_of(x)}" for name, x in given.items())]
-    )
+@given(st.fixed_dictionaries(RIGHT))
+def test_what_is_right_is_done(given):
+    options = [f"--{name.replace('_', '-')}={text_of(value)}" for name, value in given.items()]
+    status, source, said = tried(["pov", "chess", *options])
     assert status == 0, said
-    stated = dict(zip(("EyeX", "EyeY"), given["eye"], strict=True))
-    stated |= {"Z2": given["z2"], "Window": given["aperture"], "ViewHeight": given["view"]}
-    if given["sheet"] in ("detailed", "single"):
-        stated |= {"GlassIndex": given["index"], "BaseAngle": given["base_angle"]}
-        stated |= {"AirGap": given["gap"], "Aspect": given["aspect"], "Prisms": given["prisms"]}
-    if scene == "chess":
-        stated |= {"Z1": given["z1"], "PieceX": given["x"]}
-        stated |= {"Pedestal": given["pedestal"]} if given["pedestal"] else {}
-    else:
-        stated |= dict(zip(("LX", "LY"), given["line"], strict=True))
-    for parameter, value in stated.items():
-        assert re.search(rf"#declare {parameter} += {re.escape(f'{value:.15g}')};", source), parameter
+    for name, parameter in STATED.items():
+        assert re.search(rf"#declare {parameter} += {re.escape(f'{given[name]:.15g}')};", source), parameter
 
 
 BOUNDS = {

@@ -103,13 +103,7 @@ def specs(draw, places):
 
 
 @cases(120)
-@given(st.sampled_from(PLACES).flatmap(lambda place: specs([place])))
-def test_one_key(text):
-    tried_spec(text)
-
-
-@cases(60)
-@given(st.lists(st.sampled_from(PLACES), min_size=2, max_size=5, unique=True).flatmap(specs))
+@given(st.lists(st.sampled_from(PLACES), min_size=1, max_size=4, unique=True).flatmap(specs))
 def test_specs(text):
     tried_spec(text)
 
@@ -118,23 +112,11 @@ def test_specs(text):
 @given(st.data())
 def test_what_is_no_toml(data):
     text = SPEC.encode()
-    kind = data.draw(st.sampled_from(["cut", "put", "replace", "bytes", "text"]))
     start, end = sorted(data.draw(st.integers(0, len(text))) for _ in range(2))
-    if kind in ("bytes", "text"):
-        made = data.draw(
-            st.binary(max_size=300)
-            if kind == "bytes"
-            else st.text(st.characters(exclude_categories=["Cs"])).map(str.encode)
-        )
-    else:
-        new = (
-            b""
-            if kind == "cut"
-            else data.draw(
-                st.binary(max_size=5) | st.sampled_from([b"\0", b"\r", b"\xff", b"[", b'"""', b"\xef\xbb\xbf"])
-            )
-        )
-        made = text[:start] + new + text[end if kind != "put" else start :]
+    new = data.draw(
+        st.binary(max_size=5) | st.sampled_from([b"", b"\0", b"\r", b"\xff", b"[", b'"""', b"\xef\xbb\xbf"])
+    )
+    made = data.draw(st.just(text[:start] + new + text[end:]) | st.binary(max_size=300))
     tried_spec(made)
 
 
@@ -142,11 +124,8 @@ def test_what_is_no_toml(data):
     "text",
     [
         SPEC.replace("z1 = 2", "z1." + "a." * 3000 + "a = 1"),
-        "a." * 8000 + "a = 1",
         "#" * 20_000,
-        "x = 1\n" * 100_000,
         SPEC.replace("z1 = 2", "z1 = 0x" + "f" * 9000),
-        SPEC.replace("[fixed]", "[fixed]\nalpha = 0x" + "f" * 9000),
         SPEC.replace("frames = 2", "frames = 10001"),
     ],
     ids=lambda text: text[:20],
@@ -173,13 +152,9 @@ def test_no_sdl_in_specs(place, payload):
     ("old", "new", "words"),
     [
         ("z1 = 2", "z1 = 0x" + "f" * 5000, ["z1 = a very long int"]),
-        ("z1 = 2", "z1." + "a." * 2000 + "a = 1", ["z1 = a very long dict"]),
-        ("z1 = 2", "alpha = 0x" + "f" * 5000, ["alpha = a very long int", "swept"]),
         ("z1 = 2", "eye = [true, -1]", ["eye = [True, -1]", "true or false"]),
         ('"A movie"', '"A\\u2028movie"', ["title", "one line"]),
-        ('"A movie"', '"A\\u0085movie"', ["title", "one line"]),
         ("stop = 9", "stop = 9\nspacing = 'log'\nstart = 1", ["not TOML", "overwrite"]),
-        ("[[sweep]]", "#" * 20_000, ["no movie spec: longer than"]),
     ],
     ids=lambda value: str(value)[:20],
 )

@@ -15,11 +15,6 @@ ARCMINUTE = np.radians(1 / 60)
 LENGTH = st.floats(0.1, 10)
 
 
-def test_full_width_of_a_slits_diffraction_pattern():
-    assert np.sinc(diffraction.SINC / 2) ** 2 == pytest.approx(0.5)
-    assert diffraction.SPREAD == pytest.approx(0.532, abs=5e-4)
-
-
 def test_the_shift_of_rays_through_two_sheets(rng):
     """Parallel light along z: the exact trace displaces it by sqrt(2/3) of a prism's height, RMS."""
     prism = Prism(2.4 / 100)

@@ -26,8 +26,8 @@ def curl_of_lines(scene, P, t, step=1e-4):
     return np.array([zy - yz, xz - zx, yx - xy]), direction[0], place[0]
 
 
-@pytest.mark.parametrize("alpha", [0, 30, 66, 90, 180, -120])
-@pytest.mark.parametrize(("P", "t"), [(0.0, 0.0), (0.0, 3.0), (0.7 - 0.3j, 0.5), (-0.2 + 1j, 2.0)])
+@pytest.mark.parametrize("alpha", [0, 66, 180, -120])
+@pytest.mark.parametrize(("P", "t"), [(0.0, 0.0), (0.7 - 0.3j, 0.5)])
 def test_the_curl_of_the_ray_trace_is_the_formulas(alpha, P, t):
     curl, direction, place = curl_of_lines(Chess(sheet="ideal", alpha=alpha), P, t)
     expected = equations.curl(2, place[2], np.radians(alpha), np.arccos(direction[2]))

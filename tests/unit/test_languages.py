@@ -109,20 +109,6 @@ def test_no_sentence_is_in_the_template():
     assert not re.search(r'\s(aria-label|title|alt|placeholder)="[^"{]*[a-z]', template)
 
 
-def test_no_sentence_is_in_the_scripts():
-    """A sentence has two words beside each other, in quotes, that are not names of classes or of selectors."""
-    found = []
-    for name, text in SCRIPTS.items():
-        if not name.endswith(".js"):
-            continue
-        text = re.sub(r"//[^\n]*|/\*.*?\*/|^import [^\n]*", "", text, flags=re.M | re.S)
-        for literal in re.findall(r'"((?:[^"\\\n]|\\.)*)"|`((?:[^`\\]|\\.)*)`', text):
-            words = re.sub(r"\$\{[^}]*\}", " ", "".join(literal))
-            if re.search(r"[A-Z][a-z]+ [a-z]|\b(the|of|is|are|at|and|in|for|by|with|from) ", words):
-                found.append((name, words))
-    assert not found
-
-
 def test_the_labels_that_the_docs_name_are_those_of_the_page():
     usage = (PROJECT / "docs" / "usage.md").read_text("utf-8")
     section = usage.partition("## The page to teach with")[2].partition("\n## ")[0]

@@ -1,7 +1,6 @@
 """The locator: it finds an object among stray light, and through prisms that cut the object into slices."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,13 +21,6 @@ def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
     return pixels, np.where(abs(decoded) < 1.4 * radius, decoded, np.nan)
 
 
-def test_an_object_is_located_to_a_thousandth_of_a_pixel():
-    seen = locate(*looked_at(), 0.3)
-    assert abs(seen.position - (0.4 - 0.3j)) < 1e-3 * 3.85 / 240
-    assert seen.a == pytest.approx(A) and seen.b == pytest.approx(0.1j)
-    assert seen.rotation == pytest.approx(0.5) and abs(seen.a) == pytest.approx(0.7)
-
-
 def test_ghosts_and_stray_light_do_not_move_it(rng):
     pixels, decoded = looked_at()
     _, predicted = looked_at(place=-0.8 + 0.7j, a=0.2, b=0)
@@ -45,7 +37,9 @@ def test_ghosts_and_stray_light_do_not_move_it(rng):
 def test_nothing_is_located_where_nothing_is_seen():
     pixels, decoded = looked_at()
     assert locate(pixels, np.full_like(decoded, np.nan), 0.3) is None
-    assert locate(pixels, decoded + 5, 0.3) is None
+    few = np.where(abs(decoded) < 0.3, np.nan, decoded)
+    few[:11] = 0.1  # 12 pixels are needed
+    assert locate(pixels, few, 0.3) is None
     row = pixels.imag == pixels.imag[len(pixels) // 2]
     assert locate(pixels[row], decoded[row] * 0 + pixels[row].real, 3) is None
 
@@ -82,13 +76,3 @@ def test_any_affine_image_is_located(place, scale, rotation, astigmatism, axis, 
     assert abs(seen.position - place) < step * (abs(a) + abs(b))
     # two pixels a radius apart give a and b to two steps in a radius
     assert abs(seen.a - a) + abs(seen.b - b) < 2 * step / radius * (abs(a) + abs(b)) ** 2 / (abs(a) - abs(b))
-
-
-@given(st.integers(0, 11), st.integers(0, 10**6))
-def test_too_few_pixels_locate_nothing(count, seed):
-    """Within the radius there are fewer than 12, whatever else there is."""
-    random = np.random.default_rng(seed)
-    pixels, decoded = looked_at()
-    decoded = np.where(np.isnan(decoded), decoded, 0.3 + abs(decoded))  # all of the object is beyond the radius
-    decoded[random.choice(len(pixels), count, replace=False)] = 0.1
-    assert locate(pixels, decoded, 0.3) is None

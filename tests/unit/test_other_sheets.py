@@ -117,28 +117,6 @@ def through_windows(scene, P):
     return at + scene.distances[0] * slope, inside
 
 
-@pytest.mark.parametrize(
-    ("values", "P"),
-    [
-        # the path at 0.104 - 0.224i is farther from the middle
-        (of_law(BUMP, k=-0.36, q=0.01) | {"z1": 3, "z2": 2.6}, 0.0301361 - 0.0647925j),
-        (of_law(WAVES, k=0.1, m=20.0) | {"z1": 8}, 0.03 - 0.02j),
-        # a path nearer to the middle of the first window misses another window
-        (
-            of_law(SADDLE, k=-0.428)
-            | {"z1": 5.72, "z2": 4.35}
-            | {"window": [of_law(HOLE, k=0.5, m=5.32) | {"z": 2.73}, of_law(JUMP, k=-0.4, q=0.175) | {"z": 3.76}]},
-            -0.805 + 0.394j,
-        ),
-    ],
-)
-def test_of_several_paths_one_that_passes_all_windows_is_marked(values, P):
-    scene = Spheres(**values)
-    (L,), (passes,) = through_windows(scene, np.array([P]))
-    place, visible = scene.seen(L, scene.distances[0])
-    assert passes and visible and place == pytest.approx(P, abs=1e-6)
-
-
 def test_no_path_through_laws_is_missed(rng):
     """No ray that passes the windows is nearer to the middle than the path that is found to its end."""
     found = 0
@@ -165,19 +143,11 @@ def test_no_path_through_laws_is_missed(rng):
     assert found > 100
 
 
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"axis": (0, -0.7, -0.6), "alpha": 180, "z2": 1, "eye": (0, -1.5), "line": (0, 2.6), "z1": 3},
-        # the ray along the normal does not pass
-        {"axis": (1, 0, 0), "alpha": 100, "z2": 1, "eye": (0, 0), "line": (0, 0), "z1": 0.6},
-    ],
-)
-def test_an_object_that_is_seen_is_marked(values):
-    scene = Spheres(sheet="axis", **values)
+def test_an_object_whose_edge_alone_is_seen_is_marked():
+    """No light from the sphere's centre reaches the eye, but light from 0.024 tiles beside it does."""
+    scene = Spheres(sheet="axis", axis=(0, -0.7, -0.6), alpha=180, z2=1, eye=(0, -1.5), line=(0, 2.6), z1=3)
     (place,) = overlay.positions(scene)
-    # in the first scene no light from the sphere's centre reaches the eye, but light from 0.024 tiles beside it does
-    assert abs(landing(scene, np.array([place]))[0] - scene.L) < 0.025 < scene.radius(scene.z1)
+    assert 0 < abs(landing(scene, np.array([place]))[0] - scene.L) < 0.025 < scene.radius(scene.z1)
     assert not [*warnings.warnings(scene, Rendering(overlay=True))]
 
 
@@ -241,32 +211,16 @@ def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
         assert shown_aside(scene, 2 * cells // 3)[0] > 0.03
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"sheet": "axis", "alpha": 180},
-        {"sheet": "axis", "alpha": 180, "eye": (0.4, 0.2)},
-        {"sheet": "refraction", "ratio": 0.1, "z2": 0.5, "eye": (10, 0)},
-    ],
-)
-def test_a_camera_that_sees_no_light_needs_one_cell(values):
-    assert camera_cells(Chess(**values)) == 1
-
-
 @pytest.mark.parametrize(
     ("law", "share", "said"),
     [
         ("x - 0.1*X/abs(X)*z, y, z", 0.01, False),
-        ("x - 0.1*(X + Y)/abs(X + Y)*z, y, z", 0.02, False),
         ("x + 0.1*sin(50*X)/abs(sin(50*X)), y, z", 0.47, True),  # 47 jumps
         (
             "x, y, (X - 0.015)*(X - 0.015) + (Y - 0.015)*(Y - 0.015) - 0.0001",
             0.0006,
             False,
         ),  # a dark hole between the corners of cells
-        ("x, y, 0.0001 - (X - 0.315)*(X - 0.315) - (Y - 0.315)*(Y - 0.315)", 0.0001, False),  # light only there
-        ("x - 0.3*X*z, y, z", 0, False),
         ("x, y, sin(3*X)", 0, False),  # the edges of dark parts are no jumps
     ],
 )
@@ -282,7 +236,7 @@ def test_cells_in_which_rays_jump(law, share, said):
 def test_a_small_circle_of_light_is_not_missed():
     """Light passes within 0.18 tiles of the eye's foot: between the corners of 16 cells across the window."""
     scene = Spheres(sheet="refraction", ratio=0.1, z2=1.8, eye=(0.05, -1.4), line=(0.05, -1.4), z1=3)
-    assert camera_cells(scene) == 100
+    assert camera_cells(scene) == 100 and camera_cells(Chess(sheet="axis", alpha=180)) == 1  # this one sees no light
     assert overlay.positions(scene) and not [*warnings.warnings(scene, Rendering(overlay=True))]
 
 
@@ -290,9 +244,6 @@ def test_a_small_circle_of_light_is_not_missed():
     ("values", "words"),
     [
         ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = (0, 0, 0): too short"),
-        ({"sheet": "axis", "axis": (0, -9e-4, 1e-200)}, "axis = (0, -0.0009, 1e-200): too short"),
-        ({"sheet": "axis", "axis": "1,0"}, "axis = '1,0': has too few parts"),
-        ({"sheet": "refraction", "ratio": 0}, "ratio = 0: should be greater than or equal to 0.1"),
         ({"window": "z=2,sheet=lens"}, "window: an ideal one behind one of prisms"),
         ({"sheet": "lens", "focal_length": 0.05}, "focal_length = 0.05: too close to 0"),
         ({"sheet": "axis", "predicted_image": True}, "the prediction is for two sheets, but sheet = 'axis'"),

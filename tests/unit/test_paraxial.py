@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import glass, mirrored_position
-from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from povgen.optics import apparent, equations, paraxial
@@ -18,28 +17,17 @@ DISTANCE = st.floats(0.5, 50)
 # index, base angle (degrees) and aspect: the defaults, BK7, and others that differ in each
 SHAPES = [
     (1.5, 45, 1),
-    (1.5168, 45, 1),
     (1.7, 40, 1),
-    (1.5, 35, 1),
     (1.5, 60, 1),
-    (1.3, 45, 1),
     (2, 45, 0.9),
-    (1.5, 45, 1.1),
 ]
-
-
-@given(DISTANCE, DISTANCE, ANGLE)
-def test_prisms_of_no_size_obey_equation_7(z1, z2, alpha):
-    assume(equations.condition(z2 / z1, alpha) < 1e6)
-    A, B = apparent.depths(z1, glass(z2, alpha, Prism(0.0)))
-    assert B == 0 and z2 / A == pytest.approx(equations.one_minus_P(z2 / z1, alpha), rel=1e-9)
 
 
 @pytest.mark.parametrize(
     ("alpha", "prisms", "shape"),
     [
         (1.15, 50, SHAPES[0]),
-        *((angle, 200, shape) for angle, shape in zip([0.2, 1.15, -2.0, np.pi] * 2, SHAPES, strict=True)),
+        *((angle, 200, shape) for angle, shape in zip([0.2, 1.15, -2.0, np.pi], SHAPES, strict=True)),
     ],
 )
 def test_rays_of_the_exact_trace_meet_where_it_says(alpha, prisms, shape, rng):
@@ -128,7 +116,7 @@ def test_slab_shift_is_that_of_glass_along_the_prism(shape, rng):
     assert shift == pytest.approx(prism.slab_shift, rel=1e-6)
 
 
-@pytest.mark.parametrize("size", [1e-200, 1e-6, 1, 1e15, 1e200])
+@pytest.mark.parametrize("size", [1e-200, 1, 1e200])
 def test_a_map_of_rank_1_of_any_size(size, rng):
     """A slope that it maps to a given one exists only for those in its range."""
     rows = size * np.array([[1.0, 2.0], [2.0, 4.0]])

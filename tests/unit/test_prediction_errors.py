@@ -147,17 +147,10 @@ def test_predictions_are_right_or_their_warning_states_the_error(count):
         assert error < (MAX_ERROR if stated is None else stated), scene
 
 
-def test_the_reported_scenes_are_warned_of():
-    """Prisms of the two sheets that are nearly parallel show a small object displaced by most of a prism."""
-    scenes = [
-        Chess(prisms=40, alpha=18.094, z2=9.266, z1=20.126, eye=(1.205, 2.287), x=-0.238),
-        Chess(
-            index=1.445, base_angle=34.1, gap=0.2, aspect=0.858, prisms=52, alpha=-8.375, z2=18.3, z1=4.15, view=1.76
-        ),
-    ]
-    stated = [warned_error(scene) for scene in scenes]
-    assert stated[0] > 4.9 and stated[1] > 7.7
-    assert all(measured_error(scene) < error for scene, error in zip(scenes, stated, strict=True))
+def test_a_small_object_behind_nearly_parallel_prisms_is_warned_of():
+    """They show it displaced by most of a prism."""
+    scene = Chess(prisms=40, alpha=18.094, z2=9.266, z1=20.126, eye=(1.205, 2.287), x=-0.238)
+    assert max(4.9, measured_error(scene)) < warned_error(scene)
 
 
 def test_a_wide_field_is_warned_of():

@@ -49,25 +49,13 @@ def fan(n, slope=0.25, seed=1):
     ("text", "message"),
     [
         ("index = 1.5", "outline: missing"),
-        ("thickness = 2", "thickness: unknown; allowed: gap, index, outline, path, period"),
-        (LENS.replace("1.6", "1"), r"index = 1; allowed: above 1"),
-        (LENS.replace("index = 1.6", "index = 'glass'"), "index = glass; allowed: a number"),
-        (LENS.replace("index = 1.6", "period = -1"), "period = -1; allowed: above 0"),
-        (LENS.replace("path = [1, 2]", ""), "path: missing"),
         (LENS.replace("path = [1, 2]", "path = [1, 3]"), "path: edge 3; allowed: 1 to 2"),
-        (LENS.replace("path = [1, 2]", "path = [1]"), r"path = \[1\]; allowed: the numbers of two or more edges"),
         (LENS.replace("[1, 0]]", "[1, 0.1]]"), r"begins at \[0, 0\] and ends at \[1, 0.1\]; allowed: the same"),
         (LENS.replace("radii = [1]", "radii = [0.4]"), "edge 1: radius = 0.4; allowed: 0, or 0.5 to 10000 periods"),
-        (LENS.replace("radii = [1]", "radii = [1, 2]"), "outline 1: radii = "),
-        (LENS.replace("[0, 0], [1, 0]", "[0, 0]"), "outline 1: corners = "),
         (LENS.replace("[[1, 2], [0, 2]]\nradii = [2]", "[[1, 0.3], [0, 0.3]]\nradii = [-0.5]"), "edges 1 and 2 cross"),
-        (LENS.replace("[[outline]]", "[[outline]]\nradius = 1", 1), "outline 1: radius: unknown"),
-        (PRISM.replace("[0.9, 0]", "[1.2, 0]"), "edge 1: u from 0.1 to 1.2 periods; allowed: 0 to 1"),
         (PRISM.replace("[0.5, 1]", "[0.9, 0]"), r"outline 1, edge 2: begins and ends at \[0.9, 0\]"),
         (PRISM.replace("[0.5, 1]", "[0.5, 0]"), "outline 1: glass or air on both sides"),
-        (PRISM.replace("[0.5, 1]", f"[0.5, 1{'0' * 400}]"), "outline 1: corners = .*; allowed: two or more points"),
         (HOLE.format("[[0, 0.1], [1, 0.1]], radii = [0.5]"), "outline 3: between another outline's arc and"),
-        (PRISM.replace("[0.5, 1], [0.1, 0]]", "[0.1, 0]], radii = [0.5, 0.5]"), "also with straight lines"),
         (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
     ],
 )  # fmt: skip
@@ -91,25 +79,12 @@ def test_a_profile_in_another_unit_of_length():
     assert scaled.length == pytest.approx(same.length, rel=1e-12) and scaled.gap == pytest.approx(same.gap)
 
 
-def test_a_hole_within_a_bulge_is_a_hole_if_the_arc_is_stated_in_parts():
-    half = np.sqrt(0.125)
-    corners = f"[[0, 0.1], [{0.5 - half}, {0.1 + half}], [{0.5 + half}, {0.1 + half}], [1, 0.1]]"
-    *_, edge, _, _ = read(HOLE.format(f"{corners}, radii = [0.5, 0.5, 0.5]")).edges
-    outwards = np.mean([edge.start, edge.end], 0) - (0.5, 0.3 - 0.3)  # z = 0 is in the middle of the glass
-    assert edge.normal @ outwards < 0  # glass is around it
-
-
 def test_the_constructors_refuse_what_does_not_fit():
     for make, message in (
-        (lambda: confocal(f_number=1.4), "allowed: 1.5 periods or more"),
         (lambda: confocal(ratio=0.4), "semicircle"),
-        (lambda: lenticulars(sheet=0.01), "sheet = 0.01; allowed: above"),
         (lambda: wedges(80), "angle = 80; allowed: 1 to 60"),
         (lambda: confocal(mismatch=-0.91), "mismatch = -0.91; allowed: -0.9 or more"),
-        (lambda: confocal(mismatch=float("nan")), "mismatch = nan; allowed: -0.9 or more"),
         (lambda: confocal(index=1.0), "index = 1; allowed: above 1"),
-        (lambda: lenticulars(index=0.0), "index = 0; allowed: above 1"),
-        (lambda: confocal(0.95, 1.5, mismatch=-0.1), "allowed: 1.5 periods or more"),
     ):
         with pytest.raises(ValueError, match=message):
             make()

@@ -6,8 +6,6 @@ import pickle
 import pydoc
 import re
 from itertools import repeat
-from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -21,12 +19,9 @@ from povgen import (
     PovrayError,
     Rendering,
     Spheres,
-    info,
     live,
     movie,
-    render,
     results,
-    save,
     to_pov,
 )
 from povgen.page.page import demo
@@ -41,82 +36,53 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: Chess(alpha=400), ["alpha = 400", "360 degrees"]),
         (lambda: Chess(alhpa=3), ["'alhpa': unknown in the scene chess; did you mean alpha?"]),
+        (lambda: Chess(self=3), ["'self': unknown in the scene chess; allowed: alpha, prisms, "]),
         (lambda: Chess(alpha="x" * 999), ["alpha = 'xxx", "number"]),
         (lambda: Chess(z1=True), ["z1 = True", "true or false"]),
-        (lambda: Chess(self=3), ["'self': unknown in the scene chess; allowed: alpha, prisms, "]),
-        (lambda: Chess(z1=0.1), ["z1 = 0.1", "knight"]),
         (lambda: Chess(piece=("pawn", "king")), ["two pieces, at x = 0, z1 = 2 and at x = 0, z1 = 2, "]),
-        (lambda: demo("page.html", pieces=["nix.inc"]), ["piece = 'nix.inc': should be a name or a file"]),
         (lambda: Chess(piece=["knight", "nix"]), ["piece = ['knight', 'nix']: 'nix' should be"]),
-        (lambda: Chess(z1=np.array([2, -1.5])), ["]): -1.5 should be greater"]),
-        (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}]: start = 'x': should"]),
-        (lambda: Chess().replace(alpha=400), ["alpha = 400"]),
+        (lambda: Chess(piece=b"knight"), ["piece = ", "name or a file"]),
+        (lambda: Chess(66), ["66: a value without a name"]),
+        (lambda: Chess().replace(66), ["66: a value without a name"]),
         (lambda: Chess().replace(alfa=4), ["'alfa': unknown"]),
+        (lambda: setattr(Chess(), "alpha", 3), ["alpha = 3: ", ".replace(alpha=...)"]),
+        (lambda: delattr(Rendering(), "size"), ["size: ", ".replace(size=...)"]),
         (lambda: Spheres(z1=[]), ["z1 = []"]),
+        (lambda: Chess(window=[{3: 3}]), ["keywords must be strings; allowed: the names"]),
         (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
         (lambda: Rendering(quality=3), ["quality = 3", "draft"]),
         (lambda: MovieSpec(title="a"), ["missing"]),
-        *((lambda piece=piece: Chess(piece=piece), ["piece = ", "name or a file"]) for piece in (b"knight", {}, 3)),
-        (lambda: Chess(66), ["66: a value without a name"]),
-        (lambda: setattr(Chess(), "alpha", 3), ["alpha = 3: ", ".replace(alpha=...)"]),
-        (lambda: delattr(Rendering(), "size"), ["size: ", ".replace(size=...)"]),
+        (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}]: start = 'x': should"]),
+        (lambda: MovieSpec(**{**MOVIE, "fixed": {"alfa": 3}}), ["'alfa': unknown", "alpha"]),
         (lambda: MovieSpec.load(3), ["3: no movie spec"]),
         (lambda: MovieSpec.load("vary-alpha").scenes("nix"), ["quality = 'nix'", "draft"]),
-        (lambda: MovieSpec(**{**MOVIE, "fixed": {"alfa": 3}}), ["'alfa': unknown", "alpha"]),
         (lambda: MovieSpec.load("vary-alpha", fixed=3), ["fixed = 3: should be a dictionary"]),
-        (lambda: MovieSpec.load("vary-alpha", fixed={3: 3}), ["3 should be", "string"]),
-        (lambda: MovieSpec.load("vary-alpha").rate("nix"), ["quality = 'nix'", "draft"]),
-        (lambda: MovieSpec.load("vary-alpha").count("nix"), ["quality = 'nix'", "draft"]),
         (lambda: MovieSpec.parse(b"", "a"), ["a: not TOML: b''; allowed: text"]),
         (lambda: MovieSpec.of_sweeps("chess", [3], {}), ["sweep = 3", "NAME=START:STOP"]),
-        (lambda: Chess().replace(66), ["66: a value without a name"]),
-        (lambda: Chess(window=[{3: 3}]), ["keywords must be strings; allowed: the names"]),
-        (
-            lambda: Sweep(parameter="eye", values=[(True, 0), (1, 2)]),
-            ["values = [(True, 0), (1, 2)]: should not be true"],
-        ),
         (lambda: to_pov(Scene()), ["should be a scene", "Chess(...)"]),
         (lambda: demo(3), ["output = 3", ".html"]),
-        (lambda: demo("page.html", pieces=3), ["piece = 3", "name or a file"]),
-        (lambda: demo("page.html", pieces="nix.inc"), ["piece = 'nix.inc'"]),
-        (lambda: live(Spheres()).save(3), ["output = 3", ".html"]),
+        (lambda: demo("page.html", pieces=["nix.inc"]), ["piece = 'nix.inc': should be a name or a file"]),
         (lambda: live(Spheres()).save("a.txt"), ["output = 'a.txt'", ".html"]),
-        *(
-            (lambda wrong=wrong: live(Spheres(), **wrong), [f"{name} = {value!r}", "32 to 7680 pixels"])
-            for wrong in [{"width": w} for w in (0, -5, 31, 7681, "x", 'x" onload=alert(1)', 99.5, True, None)]
-            + [{"height": 0}]
-            for name, value in wrong.items()
-        ),
-        (lambda: setattr(live(Chess()), "alpha", "x"), ["alpha = 'x'"]),
-        (lambda: setattr(live(Chess()), "fresnel", True), ["fresnel = true"]),
-        (lambda: setattr(live(Chess()), "scene", 3), ["scene", "Chess(...)"]),
+        (lambda: live(Spheres(), width='x" onload=alert(1)'), ["width = 'x\" onload", "32 to 7680 pixels"]),
+        (lambda: live(Spheres(), height=0), ["height = 0", "32 to 7680 pixels"]),
         (lambda: live(type("Mine", (Chess,), {})()), ["scene = Mine(", "Chess(...) or Spheres(...)"]),
-        (lambda: live(np.zeros((2, 2))), ["scene = array([[0., 0.], [0., 0.]])"]),
+        (lambda: setattr(live(Chess()), "fresnel", True), ["fresnel = true: the live view follows one ray a pixel"]),
         (lambda: Chess(eye={1, 2}), ["eye = {1, 2}: should be in order"]),
-        (lambda: Chess(color={"red": 1}.keys()), ["color = dict_keys(['red']): should be in order"]),
-        (lambda: Sweep(parameter="eye", values=[{0, 1}, (1, 2)]), ["values = [{0, 1}, (1, 2)]: should be in order"]),
         (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should be in order"]),
         *(
             (lambda values=values: Chess(**values), ["should be written without _"])
-            for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"x": ["1", "1_0"]}, {"error": "turn=0_1"}]
-            + [{"z2": "1_0e0_1"}, {"window": "z=2_0"}, {"parameter": "k=1_0"}]
+            for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"error": "turn=0_1"}, {"window": "z=2_0"}]
         ),
         (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
-        (lambda: render(repeat(Chess())), ["more than 30000 scenes"]),
         (lambda: results(repeat(Chess()), "nu"), ["more than 200000 scenes"]),
         (lambda: Chess(x=repeat(0)), ["x = repeat(0)"]),
-        (lambda: Chess(window=repeat("z=2")), ["window = repeat('z=2')", "at most 4"]),
         (lambda: movie([Chess()], "a.mp4", progress="no"), ["progress = 'no': should be true or false"]),
-        (lambda: results(Chess(), "nu", progress=0), ["progress = 0: should be true or false"]),
         (lambda: demo("page.html", movies="no"), ["movies = 'no': should be true or false"]),
         (lambda: Chess().spot((0, 0, 2), 2, 5, stray="no"), ["stray = 'no': should be true or false"]),
-        (lambda: Movie(3), ["path = 3: should be a path", ".mp4"]),
         (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
-        (lambda: Movie(Path("a\0.gif"))._repr_html_(), ["path = 'a\\x00.gif'"]),
     ],
 )
 def test_an_error_has_one_line(call, words):
@@ -160,16 +126,6 @@ def test_one_value_for_each_object(several):
     assert Spheres(z1=several).distances == Chess(z1=several).distances == (2, 3, 4) and Spheres(z1=2).distances == (2,)
 
 
-def test_numbers_of_numpy_in_messages():
-    with pytest.raises(InputError, match="^alpha = 400.0: "):
-        Chess(alpha=np.float64(400))
-    for eye in (np.array([99, 0.0]), (np.float64(99), 0)):
-        with pytest.raises(InputError, match=r"^[^a-z]*eye = (array|\()[^a-z]*: 99.0 should be less .* 10 "):
-            Chess(eye=eye)
-    with pytest.raises(InputError, match=r"z1 = \[-3.0, 2\]: "):
-        Chess(z1=[np.float64(-3), 2])
-
-
 def test_a_copy_with_changes():
     scene = Chess(alpha=66, z1="3")
     assert scene.replace(alpha=90) == Chess(alpha=90, z1=3) and scene.alpha == 66
@@ -200,21 +156,6 @@ def test_the_signature_has_types_and_defaults():
         assert model() and "(*, alpha: float = 66" in str(inspect.signature(model))
     assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
     assert "- `z2 = 6`: distance from the sheets to the eye" in Chess.__doc__
-    assert {str, Path} <= set(get_args(inspect.signature(Chess).parameters["piece"].annotation))
-    assert Rendering() == Rendering(quality="standard")
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("eye", "the objects and the window stay"),
-        ("aperture", "the floor with all on it moves"),
-        ("z2", "the default spheres move with it"),
-        ("pedestal", "the pieces move with it"),
-    ],
-)
-def test_help_says_what_else_moves(name, words):
-    assert words in Chess.model_fields[name].description
 
 
 def test_a_live_view_and_its_scene():
@@ -227,14 +168,6 @@ def test_a_live_view_and_its_scene():
     assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5) and widget.html is page
     widget.moved = {"eye": [100, 0]}  # a browser's message is not trusted
     assert seen.scene.eye == (1, 0.5) and widget.scene["eye"] == (1, 0.5) and widget.scene["back"]
-    told = []
-    widget.observe(lambda change: told.append(change["new"]), "scene")
-    widget.moved = {"eye": [100, 0]}  # the same again is refused again
-    assert told[-1]["eye"] == (1, 0.5)
-    widget.moved = {"alpha": 67}
-    seen.alpha = 66
-    widget.moved = {"alpha": 67}
-    assert seen.alpha == 67
     seen.piece = "king"
     assert widget.html != page and widget.scene["piece"] == "king"  # the new page asks for the scene
     seen.scene = Spheres()
@@ -269,10 +202,6 @@ def test_a_live_view_can_be_copied():
     view = live(Spheres(z1=3))
     for made in (copy.copy(view), copy.deepcopy(view), pickle.loads(pickle.dumps(view))):
         assert made.scene == view.scene and made.z1 == 3
-    assert not hasattr(view, "nothing")
-    view.__dict__["widget"] = object()  # of this view only: a copy has another
-    for made in (copy.copy(view), copy.deepcopy(view), pickle.loads(pickle.dumps(view))):
-        assert made.scene == view.scene and "widget" not in vars(made)
 
 
 def test_scenes_with_tables_can_be_copied():
@@ -282,7 +211,7 @@ def test_scenes_with_tables_can_be_copied():
         assert made == scene and hash(made) == hash(scene) and made.parameter == {"k": 0.3}
 
 
-def test_equal_values_have_equal_hashes(tmp_path):
+def test_equal_values_have_equal_hashes():
     law = {"sheet": "law", "law": "k*x + m*y, y, z"}
     sweep = {"title": "a", "scene": "chess", "sweep": [{"parameter": "z1", "start": 2, "stop": 3}]}
     for one, other in (
@@ -292,15 +221,12 @@ def test_equal_values_have_equal_hashes(tmp_path):
     ):
         assert one == other and len({one, other}) == 1
     assert len({hash(Chess(error={"turn": n / 100})) for n in range(20)}) > 15
-    save(Chess(sheet="none"), tmp_path / "a.png", size=(32, 32), antialias="off")
-    assert hash(info(tmp_path / "a.png")) == hash(info(tmp_path / "a.png"))
 
 
 def test_repr_shows_what_differs_from_the_default():
     assert repr(Chess()) == str(Chess()) == repr(Chess(alpha=66)) == "Chess()"
     assert repr(Chess(alpha="90", sheet="ideal")) == "Chess(alpha=90.0, sheet='ideal')"
     assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
-    assert repr(Chess(prisms=3, z1=9)) == "Chess(prisms=3, z1=9.0)"  # also if the picture's height follows from it
     window = Chess(window="alpha=120,z=2", x=[0, 1])
     assert repr(window) == "Chess(window=(Window(alpha=120.0, z=2.0),), x=(0.0, 1.0))"
 
@@ -317,4 +243,3 @@ def test_a_path_in_the_users_home(tmp_path, monkeypatch):
         tmp_path / "ball.inc"
     )
     assert Movie("~/a.mp4").path == tmp_path / "a.mp4" and live(Chess(sheet="none")).save("~/a.html").exists()
-    assert Movie("~nobody-has-this-name/a.mp4").path == Path("~nobody-has-this-name/a.mp4")

@@ -7,7 +7,6 @@ import pytest
 
 from povgen import Bundle, Chess, InputError, Spheres
 from povgen.optics import equations, rays, series, trace
-from povgen.optics.rays import Spot
 from povgen.optics.shares import shares
 from povgen.optics.trace import End
 from povgen.scene import camera
@@ -83,18 +82,6 @@ def test_a_bundle_keeps_its_own_numbers():
     pixels = Chess().rays((4, 4))
     pixels.position[0, 0, 0] = 1
     assert pixels.position[..., 0].sum() == 1
-    for along in ([1e300, 0, 1e-300], [1, 0, 1e-101], [1, 0, -1e-320]):
-        with pytest.raises(ValueError, match="dz is too small"):
-            Bundle([0, 0, -3], along)
-    for wrong in ((0, 0, 1j), np.array([0, 0, 1j]), "a", [[0, 0, 1], [0, 1]], (0, 0, 10**400)):
-        for name, given in (("position", (wrong, (0, 0, 1))), ("direction", ((0, 0, -3), wrong))):
-            with pytest.raises(ValueError, match=f"^{name}: allowed: an array of real numbers$"):
-                Bundle(*given)
-    with pytest.raises(
-        ValueError, match=r"^position and direction: the shapes \(2, 3\) and \(3, 3\) do not broadcast$"
-    ):
-        Bundle(np.zeros((2, 3)), np.ones((3, 3)))
-    assert (Spot(np.zeros(2), 0.0, 1.0) == Spot(np.zeros(2), 0.0, 1.0)) is False
     for bundle in (pixels, Chess().trace(pixels)):
         assert bundle == bundle and bundle != Chess().trace(pixels) and len({bundle, bundle}) == 1
         assert len(bundle) == 4 and repr(bundle[:3]) == str(bundle[:3]) == f"<{type(bundle).__name__}: 3 x 4 rays>"
@@ -107,12 +94,6 @@ def test_one_ray_and_no_rays():
         assert one.shape == () and one.designed == scene.trace(Bundle([(0.1, 0.02, -5)], (0, 0.1, 1))).designed[0]
     none = Chess().spot((0, 0, 3), 3, count=1, middle=1.49 + 1.49j, radius=1e-9)  # it meets the frame
     assert none.share == 0 and np.isnan(none.rms) and np.isnan(none.centre)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("size", [1e-300, 1e300])
-def test_directions_may_have_any_length(size):
-    np.testing.assert_allclose(Bundle((0, 0, 0), np.array([3, 0, 4]) * size).direction, [0.6, 0, 0.8])
 
 
 def test_how_rays_end():
@@ -184,27 +165,17 @@ def test_where_a_pencil_converges(alpha):
         assert scene.spot((0.1, -0.2, z1), z, 500, 0.3j, 0.5).rms > seen.rms
 
 
-def test_a_narrow_pencil_converges_where_it_starts():
-    scene = Chess(sheet="none")
-    for z, radius in ((1e4, 1e-6), (2, 1e-10)):
-        assert scene.pencil((0, 0, z), 100, radius=radius).convergence().z == pytest.approx(z, rel=1e-4)
-    assert Bundle([[0, 0, 0], [1, 0, 0]], [0.3, 0.1, 1]).convergence().z == np.inf
-
-
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
 def test_some_of_the_rays_are_those_that_numpy_takes(sheet):
     """Also if the last axis of the rays has the length of a vector."""
     scene = Chess(sheet=sheet)
     for every in (scene.rays((3, 4)), scene.trace(scene.rays((3, 4)))):
-        for which in (0, (1, 2), (..., 0), (slice(None), [0, 2]), every.slope.real > 0, (None, -1), []):
+        for which in (0, (..., 0), (slice(None), [0, 2]), every.slope.real > 0, []):
             some = every[which]
             np.testing.assert_allclose(some.slope, every.slope[which], rtol=1e-15)
             assert some.shape == every.slope[which].shape and some.position.shape == (*some.shape, 3)
         with pytest.raises(IndexError):
             every[0, 0, 0]
-    some = every[..., 0]
-    np.testing.assert_array_equal(some.end, every.end[:, 0])
-    np.testing.assert_array_equal(some.faces, every.faces[:, 0])
 
 
 def test_a_lens_makes_parallel_rays_of_its_focus():
@@ -217,7 +188,7 @@ def test_a_lens_makes_parallel_rays_of_its_focus():
 @pytest.mark.parametrize(
     "sheet", [{"sheet": "ideal", "alpha": 66}, {"sheet": "law", "law": "x+0.3*z, y, z"}, {"sheet": "lenslets"}]
 )
-@pytest.mark.parametrize("slope", [0, 1, 5, 5j, 4 - 3j])
+@pytest.mark.parametrize("slope", [0, 4 - 3j])
 @pytest.mark.parametrize("way", [1, -1])
 def test_parallel_rays_stay_parallel_however_steep(sheet, slope, way, rng):
     """Rays towards the eye are bent by a search, which is less exact."""
@@ -250,69 +221,62 @@ def test_a_spot_through_prisms_shrinks_with_them():
 
 
 def test_the_memory_of_a_spot_is_that_of_its_points():
-    scene, peaks = Spheres(sheet="ideal"), []
-    for count in (80_000, 240_000):
-        tracemalloc.start()
-        spot = scene.spot((0, 0, -6), 5, count, radius=0.5)
-        peaks.append(tracemalloc.get_traced_memory()[1])
-        tracemalloc.stop()
-        assert len(spot.points) == count and spot.share == 1
-    assert peaks[1] - peaks[0] < 80 * 160_000  # bytes; all rays at once would need more than 160 a ray
-
-
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda s: s.rays(64), "size = 64: should be a list (WIDTHxHEIGHT, whole numbers of pixels from 1 to 16384)"),
-        (lambda s: s.rays((64, 4.5)), "size = (64, 4.5): 4.5 should be a whole number (WIDTHxHEIGHT, whole numbers"),
-        (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
-        (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
-        (lambda s: s.pencil(np.array([0, 0, 5 + 1j])), "allowed: x, y and z"),
-        (lambda s: s.pencil((0, 0, 2), count=0), "count = 0: allowed: a whole number"),
-        (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
-        (lambda s: s.pencil((0, 0, 2), middle=True), "middle = True"),
-        (lambda s: s.apparent_position(0, True), "z1 has other values than numbers"),
-        (lambda s: s.pencil((0, 0, 2), 10**9), "count = 1000000000: allowed: a whole number from 1 to 40000000"),
-        (lambda s: s.rays("16384x16384"), "size = 16384x16384: allowed: up to 40000000 rays at once"),
-        (lambda s: s.spot((0, 0, 2), 2, 10**9), "count = 1000000000: allowed: a whole number from 1 to 100000000"),
-        (lambda s: s.pencil((0, 0, 10**400)), "allowed: x, y and z"),
-        (lambda s: s.trace(s.pencil((0, 0, 2)), partial=3), "partial = 3: allowed: a numpy.random.Generator"),
-        (lambda s: s.trace(Bundle((0, 0, -1), (0, 0, -1))), "ray 0 from"),
-        (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
-        (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "max_faces = 0"),
-        (lambda s: Bundle((0, 0, -6), (0, 0)), "direction: an array of the shape (2,); allowed: (..., 3)"),
-        (lambda s: Bundle((0, 0, -6), (1, 0, 0)), "direction: dz = 0"),
-        (lambda s: Bundle((0, 0, np.nan), (1, 0, 1)), "position: not finite"),
-        (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
-        (lambda s: s.pencil((0, 0, 2), 2, radius=np.complex128(1 + 1j)), "allowed: up to 10000 tiles"),
-        (lambda s: s.apparent_position(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
-        (lambda s: s.visible(0.5, 2, near=-1), "near = -1; allowed: 0 or more"),
-    ],
-)
-def test_wrong_values_are_refused(call, words):
-    with pytest.raises(ValueError) as raised:
-        call(Chess(sheet="detailed", prisms=20))
-    assert words in str(raised.value) and "\n" not in str(raised.value)
+    scene, count = Spheres(sheet="ideal"), 240_000
+    tracemalloc.start()
+    spot = scene.spot((0, 0, -6), 5, count, radius=0.5)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(spot.points) == count and spot.share == 1
+    assert peak < 110 * count  # bytes; all rays at once would need more than 160 a ray
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda scene: scene.spot((0, 0, 3), np.inf), "z = inf: allowed: a finite number"),
-        (lambda scene: scene.pencil((0, 0, 3), seed=1.5), "seed = 1.5: allowed: a whole number from 0"),
-        (lambda scene: scene.trace(scene.rays((2, 2)), 1.5), "max_faces = 1.5: allowed: a whole number"),
-        (lambda scene: scene.trace(np.zeros((3, 3))), "rays: ndarray; allowed: a Bundle"),
-        (lambda scene: scene.apparent_position(0, np.inf), "z1 = inf; allowed: finite"),
-        (lambda scene: scene.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
-        (lambda scene: scene.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
-        (lambda scene: scene.rays(()), r"size = \(\): .*WIDTHxHEIGHT"),
+        (lambda s: s.rays((64, 4.5)), "size = (64, 4.5): 4.5 should be a whole number (WIDTHxHEIGHT, whole numbers"),
+        (lambda s: s.rays("16384x16384"), "size = 16384x16384: allowed: up to 40000000 rays at once"),
+        (lambda s: s.pencil((0, 0, 2e6)), "in tiles"),  # micrometres
+        (lambda s: s.pencil((0, 0, 0)), "between the windows; allowed: z < 0 or z > 0"),
+        (lambda s: s.pencil((0, 0, 10**400)), "allowed: x, y and z"),
+        (lambda s: s.pencil((0, 0, 2), 10**9), "count = 1000000000: allowed: a whole number from 1 to 40000000"),
+        (lambda s: s.pencil((0, 0, 2), radius=0), "radius = 0"),
+        (lambda s: s.pencil((0, 0, 2), middle=True), "middle = True"),
+        (lambda s: s.pencil((0, 0, 3), seed=1.5), "seed = 1.5: allowed: a whole number from 0"),
+        (lambda s: s.spot((0, 0, 2), 2, 10**9), "count = 1000000000: allowed: a whole number from 1 to 100000000"),
+        (lambda s: s.spot((0, 0, 3), np.inf), "z = inf: allowed: a finite number"),
+        (lambda s: s.trace(np.zeros((3, 3))), "rays: ndarray; allowed: a Bundle"),
+        (lambda s: s.trace(s.pencil((0, 0, 2)), partial=3), "partial = 3: allowed: a numpy.random.Generator"),
+        (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "max_faces = 0"),
+        (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
+        (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
+        (lambda s: s.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
+        (lambda s: s.apparent_position(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
+        (lambda s: s.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
+        (lambda s: s.visible(0.5, 2, near=-1), "near = -1; allowed: 0 or more"),
     ],
 )
-@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
-def test_what_a_user_gives_a_scene_is_an_input_error(call, words, sheet):
-    with pytest.raises(InputError, match=words):
-        call(Chess(sheet=sheet))
+def test_wrong_values_are_refused(call, words):
+    with pytest.raises(InputError) as raised:
+        call(Chess(sheet="detailed", prisms=20))
+    assert words in str(raised.value) and "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("position", "direction", "words"),
+    [
+        ((0, 0, -6), (0, 0), "direction: an array of the shape (2,); allowed: (..., 3)"),
+        ((0, 0, -6), (1, 0, 0), "direction: dz = 0"),
+        ((0, 0, -6), (1, 0, 1e-101), "dz is too small"),
+        ((0, 0, np.nan), (1, 0, 1), "position: not finite"),
+        ((0, 0, 1j), (0, 0, 1), "position: allowed: an array of real numbers"),
+        (np.zeros((2, 3)), np.ones((3, 3)), "position and direction: the shapes (2, 3) and (3, 3) do not broadcast"),
+    ],
+)
+def test_bundles_that_cannot_be_are_refused(position, direction, words):
+    with pytest.raises(ValueError) as raised:
+        Bundle(position, direction)
+    assert words in str(raised.value)
 
 
 @pytest.mark.filterwarnings("error")
@@ -326,11 +290,6 @@ def test_positions_broadcast_and_what_is_infinitely_far_aside_is_unknown(sheet):
         assert scene.apparent_position(np.zeros((3, 1)), 2, alpha, near).shape == shape
         assert [x.shape for x in scene.seen(np.zeros((3, 1)), 2, alpha, near)] == [shape, shape]
     assert np.shape(scene.apparent_position(0, 2)) == ()
-    with pytest.raises(InputError, match="z1 = -1"):
-        scene.ghosts(0, -1)
-
-
-@pytest.mark.parametrize("sheet", ["ideal", "detailed", "lens", "refraction"])
-def test_an_unknown_distance_gives_an_unknown_position(sheet):
-    P = Chess(sheet=sheet).apparent_position(0.1, [np.nan, 2])
+    P = scene.apparent_position(0.1, [np.nan, 2])
     assert np.isnan(P[0]) and np.isfinite(P[1])
+    assert np.isnan(scene.apparent_position(0.2, 2, [30, np.inf])[1])

@@ -111,10 +111,6 @@ def test_items_of_a_process_that_fails_are_left_out(fault, monkeypatch):
     assert all(process.poll() is not None for process in started)
 
 
-def test_one_scene_is_a_table_of_one_row():
-    assert results(SCENES[1], "M", progress=False)["M"] == results(SCENES, "M", progress=False)["M"][1]
-
-
 def test_what_no_other_process_computes_is_computed_here(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     monkeypatch.setattr(module, "computed", lambda *_: {1: [7.0]})
@@ -139,9 +135,6 @@ def test_scenes_of_ones_own(monkeypatch):
         (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
         (lambda: results(SCENES, ["nu"]), "quantity = ['nu']; allowed: x, y"),
         (lambda: results(None, "nu"), "scene = None: should be a scene"),
-        (lambda: results(np.array(66), "nu"), "scene = 66: should be a scene"),
-        (lambda: results([3], "M"), "scene = 3"),
-        (lambda: results(SCENES, "M", workers=0), "workers = 0"),
         (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
     ],
 )

@@ -10,7 +10,6 @@ from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene import camera
-from povgen.scene.checks import farthest
 from povgen.scene.model import APERTURE, VIEW
 from povgen.scene.scenes import SCENES
 
@@ -34,16 +33,9 @@ FAR = {"z1": 700, "z2": 150, "sheet": "none"}  # clear of the deepest frame, wit
     [
         (Chess, "alpha", (-360, 360), (-360.001, 360.001)),
         (Chess, "z1", (5000,), (0, 5001)),
-        (Chess, "z2", (150,), (0, 150.001)),
         (Chess, "axis", ((-1, -1, -1), (1, 1, 1), (0, 0, 0.001)), ((0, 0, 1.001), (-1.001, 0, 0), (0, 0, 9.9e-4))),
-        (Chess, "prisms", (1, 3000), (0, 3001)),
-        (Chess, "index", (1.1, 4), (1.099, 4.001)),
-        (Chess, "base_angle", (15, 75), (14.9, 75.1)),
         (Chess, "aspect", (1.999,), (0, 2)),
-        (Chess, "aperture", (0.5, 10), (0.499, 10.001)),
         (Chess, "eye", ((-10, 0), (10, 10)), ((-10.001, 0), (0, 10.001))),
-        (Chess, "x", (-10, 10), (-10.001, 10.001)),
-        (Spheres, "line", ((-10, -10), (10, 10)), ((-10.001, 0), (0, 10.001))),
         (Spheres, "z1", ((2,) * 50,), ((2,) * 51, (5001,))),
     ],
 )
@@ -70,8 +62,6 @@ def test_window_frame_and_pedestals_stand_on_the_floor():
     ("values", "least"),
     [
         ({}, 0.86),
-        ({"piece": ("pawn", "king")}, 0.85),
-        ({"pedestal": 0}, 0.8),
         ({"pedestal": 0, "piece": ("pawn", "king")}, 0.79),
     ],
 )
@@ -102,14 +92,6 @@ def test_the_window_frame_holds_the_sheets():
             Chess(**{"z1": scene.depth / 2, "z2": 50, **values})
 
 
-def test_a_complex_distance_is_refused():
-    for function in (lambda: Chess().apparent_position(1, 2j), lambda: Chess().nu_and_M(2j)):
-        with pytest.raises(InputError, match="^z1 is complex"):
-            function()
-    with pytest.raises(InputError):
-        Chess().apparent_position(1, 10**400)
-
-
 def test_sheets_are_up_to_100_tiles_deep():
     thick = {"prisms": 1, "aperture": 10, "z1": 150, "z2": 150}
     assert 99.9 < Chess(aspect=1.174, **thick).depth / 1.02 < 100
@@ -117,22 +99,12 @@ def test_sheets_are_up_to_100_tiles_deep():
         Chess(aspect=1.175, **thick)
 
 
-@pytest.mark.parametrize(("piece", "width", "height"), [("knight", 0.45, 1.55), ("bishop", 0.4, 1.68)])
-def test_the_whole_piece_is_well_inside_the_window(piece, width, height):
+def test_the_whole_piece_is_well_inside_the_window():
     """By eq. 7, in every frame of vary-alpha and of vary-z1."""
-    scene = Chess(sheet="ideal", piece=piece)
+    scene, width, height = Chess(sheet="ideal"), 0.45, 1.55
     corners = scene.L + np.array([-width, width, -width + 1j * height, width + 1j * height])
-    alpha = np.arange(0, 181)[:, np.newaxis]
-    assert scene.visible(1.08 * corners, 2, alpha).all()
-    assert scene.visible(1.08 * corners, np.geomspace(0.6, 60)[:, np.newaxis], 90).all()
-
-
-def test_a_prism_is_at_least_a_unit_wide():
-    """POV-Ray's tolerances are fixed in its units."""
-    for prisms, aperture in ((100, 2.4), (3000, 2.4), (3000, 0.5), (3000, 10), (1, 10)):
-        scene = Chess(prisms=prisms, aperture=aperture, z1=60, z2=60)
-        assert scene.tile >= 1000 and scene.tile * scene.prism.pitch > 1.199
-        assert farthest(scene) == 5e6 / scene.tile
+    assert scene.visible(1.08 * corners, 2, np.arange(0, 181)[:, None]).all()
+    assert scene.visible(1.08 * corners, np.geomspace(0.6, 60)[:, None], 90).all()
 
 
 @pytest.mark.parametrize("name", ["index", "base_angle", "gap", "aspect", "aperture"])

@@ -33,26 +33,17 @@ def test_images_are_where_the_light_comes_together():
     assert images(Chess(**TWO)) == pytest.approx([-2])
     assert np.isnan(images(Chess(alpha=66))).all()  # light never comes together
     assert np.isnan(images(Chess(sheet="refraction", ratio=0.7))).all()
-    assert np.isnan(images(Chess(sheet="view-rotator", alpha=20, view_distance=3))).all()
-    assert np.isnan(images(Chess(sheet="single"))).all()
     assert images(Chess(sheet="view-rotator", alpha=20, view_distance=2)) == pytest.approx([2])  # of this plane
     assert images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
     assert images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
-    assert images(Chess(sheet="lens", focal_length=4)) == pytest.approx([4])
-    for turned in (Chess(sheet="refraction", ratio=1, alpha=180), Chess(sheet="twist", twist=0, alpha=180)):
-        assert images(turned) == pytest.approx([-2])
     lens = {"sheet": "lens", "focal_length": 1}
     assert images(Chess(**lens, window={**lens, "z": 4}, z1=2)) == pytest.approx([-2])  # a relay
-    half = {"sheet": "lenslets", "alpha": 180}
-    assert images(Chess(**half, window={**half, "z": 2})) == pytest.approx([0])
-    assert images(Chess(sheet="none", window={"sheet": "ideal", "alpha": 180, "z": 1})) == pytest.approx([-1])
 
 
 @pytest.mark.parametrize(
     ("scene", "size"),
     [
         (Chess(sheet="lens", focal_length=1), -1),
-        (Chess(sheet="lens", focal_length=-3), 0.6),
         (Chess(sheet="glens"), 1.5),
         (Chess(sheet="lens", focal_length=2, z1=3, window="sheet=lens,focal_length=3,z=1"), -2 / 3),
     ],
@@ -124,11 +115,6 @@ def test_a_movie_keeps_its_scale():
     assert np.allclose((seconds - firsts) / (firsts - eyes), np.array([0.5, 2, 5]) / 8, atol=0.01)
 
 
-def test_in_a_narrow_picture_z_points_to_the_right():
-    strip = side.side_view(Chess(sheet="ideal", **TWO), 240, 1080)
-    assert middles(strip, side.OBJECT)[-1] > middles(strip, side.SHEET)[0] + 20
-
-
 def test_an_eye_that_moves_sideways_is_seen_from_above():
     scenes = [Chess(sheet="ideal", **TWO, eye=(x, 0)) for x in (-0.8, 0, 0.8)]
     shows = side.extent(scenes)
@@ -139,17 +125,6 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
     eyes = [np.flatnonzero((part == 255).all(-1).any(1)).mean() for part in left]
     scale = np.diff(middles(strips[0], side.SHEET))[0] / 2
     assert np.diff(eyes) == pytest.approx([0.8 * scale] * 2, abs=1.5)  # to the right is downwards
-    for scene in scenes:
-        for _, ((z0, x0), (z1, x1), *_, (_, foot)) in rays(scene, from_above=True):
-            assert x0 + (x1 - x0) * (-2 - z0) / (z1 - z0) == pytest.approx(foot)  # at the image
-            assert foot == scene.L
-
-
-def test_an_eye_at_the_end_of_its_range_has_rays_beside_it():
-    for eye in ((10, 0), (-10, 10), (-6.2, -0.9)):
-        scene = Chess(sheet="ideal", alpha=20, eye=eye, z2=9, aperture=10)
-        side.side_view(scene, *SIZE)
-        assert len(rays(scene)) > 1 and max(abs(x) for end, _ in rays(scene) for x in (end.real, end.imag)) <= 10
 
 
 def test_of_several_objects_those_that_are_shown_count():
@@ -165,35 +140,20 @@ def test_eyes_of_a_pair_are_in_the_view():
     assert side.extent(scenes, 2.5).reach == pytest.approx(2.6) and side.extent(scenes).reach == 1.5
 
 
-@pytest.mark.filterwarnings("error")
-def test_an_image_at_infinity_is_none_of_the_views():
-    scene = Chess(sheet="lens", focal_length=2, z1=2)
-    assert images(scene) == [np.inf]
-    side.side_view(scene, *SIZE)
-
-
 def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
     texts = []
     monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size, middle)))
     for scene, expected in (
         (Chess(alpha=66), {"eye", "sheets", "object", "no common point of rays", "from the side"}),
         (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
-        (Chess(alpha=0), {"eye", "sheets", "object", "virtual image", "from the side"}),
         (Chess(sheet="none"), {"eye", "window", "object", "from the side"}),
-        (Chess(sheet="mirror"), {"eye", "sheet", "object", "no common point of rays", "from the side"}),
         (Chess(sheet="lens", focal_length=2), {"eye", "sheet", "object", "image at infinity", "from the side"}),
         (Chess(sheet="lens", focal_length=2.1), {"eye", "sheet", "object", "image not in the view", "from the side"}),
-        (
-            Chess(alpha=180, window="alpha=180,z=2"),
-            {"eye", "window 1", "2", "object", "image in a window", "from the side"},
-        ),
-        (Chess(**TWO), {"eye", "window 1", "2", "object", "real image", "from the side"}),
         (
             Chess(alpha=0, window="alpha=0,z=2", z2=1, z1=3.9),
             {"eye", "window 1", "2", "object", "virtual image", "from the side"},
         ),
         (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "no common point of rays", "from the side"}),
-        (Spheres(z1=[5000], alpha=66), {"eye", "sheets", "1 farther", "from the side"}),
     ):
         for width in (SIZE[0], 96):
             texts.clear()
@@ -210,15 +170,12 @@ def test_an_image_does_not_make_the_rest_small_and_covers_no_text():
     assert side.extent(movie).reach <= 2 * 1.5 + 1e-9
     huge = Chess(sheet="lens", focal_length=0.725, z1=0.7)
     assert side.extent([huge]).reach == 1.5 and side._shown(huge)[1] == []
-    above = [Chess(sheet="lens", focal_length=1, z1=0.8, eye=(x, 0)) for x in (-1, 1)]
     sphere = Spheres(sheet="lens", focal_length=1.2, z1=[1.0])
-    for scene, shows in ((above[0], side.extent(above)), (sphere, side.extent([sphere]))):
-        _, (image,) = side._shown(scene, shows.from_above)
-        strip = side.side_view(scene, *SIZE, shows)
-        rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
-        assert image.radius(True) > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
-        assert 0 < columns.min() and columns.max() < SIZE[0] - 1
-        assert shows.first <= image.z - image.radius(True) and image.z + image.radius(True) <= shows.last
+    shows, (_, (image,)) = side.extent([sphere]), side._shown(sphere)
+    strip = side.side_view(sphere, *SIZE, shows)
+    rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
+    assert image.radius(True) > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
+    assert 0 < columns.min() and columns.max() < SIZE[0] - 1
 
 
 def test_an_image_that_is_seen_from_its_end_is_a_point():
@@ -228,7 +185,7 @@ def test_an_image_that_is_seen_from_its_end_is_a_point():
     assert 3 < np.ptp(rows) < 12 and abs(np.ptp(rows) - np.ptp(columns)) < 3
 
 
-@pytest.mark.parametrize("scene", [Chess(alpha=0), Chess(sheet="law", law="x + 0.3*z, y, z"), Spheres(alpha=0, z1=[3])])
+@pytest.mark.parametrize("scene", [Chess(alpha=0), Spheres(alpha=0, z1=[3])])
 def test_an_object_and_an_image_at_the_same_place_are_both_seen(scene):
     strip = side.side_view(scene, *SIZE)
     for colour in (side.OBJECT, side.IMAGE):

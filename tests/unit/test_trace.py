@@ -48,12 +48,6 @@ def test_an_axial_ray_through_one_prism(u, prisms):
     np.testing.assert_allclose(rays.direction[0], [0, 0, 1], atol=1e-14)
 
 
-def test_a_ray_between_two_prisms_goes_straight_on():
-    rays = trace([[0.3, 0, -6]], [[0.05, 0, 1]], pair(0.0, Prism(WINDOW / 10)), WINDOW)
-    assert rays.count[0] == 0 and rays.end[0] == End.THROUGH and not rays.designed[0]
-    np.testing.assert_allclose(rays.direction[0], np.array([0.05, 0, 1]) / np.hypot(0.05, 1), rtol=1e-14)
-
-
 @pytest.mark.parametrize("prisms", [10, 100, 1600])
 @pytest.mark.parametrize("t", [0.0, 0.4, -1.1])
 def test_the_designed_path_through_a_sheet_mirrors(prisms, t):
@@ -137,14 +131,9 @@ def test_no_ray_is_lost():
     [
         ((0, 0, -6), (1, 0, 0)),  # parallel to the sheets
         ((0, 0, 0), (0.3, 1, 0)),  # between them
-        ((0, 0, -6), (0, 1, -0.0)),
-        ((0, 0, -6), (0.1, 0, 5e-324)),  # parallel to them within rounding
         ((0, 0, -6), (0.1, 0, -1)),  # away from them
-        ((0, 0, 6), (0, 0, 1)),
         ((0, 0, 0.01), (0, 0, 1)),  # from inside them
-        ((0, 0, -6), (0, 0, 0)),
         ((0, 0, -6), (0, np.nan, 1)),
-        ((np.inf, 0, -6), (0, 0, 1)),
     ],
 )
 def test_a_ray_that_does_not_run_towards_the_sheets_is_refused(origin, direction):
@@ -201,13 +190,8 @@ def test_light_on_the_designed_path_with_partial_reflection():
     ("shape", "words"),
     [
         ({"pitch": -1}, "pitch = -1; allowed: 0 or more"),
-        ({"pitch": np.nan}, "pitch = nan; allowed: 0 or more"),
-        ({"pitch": np.inf}, "pitch = inf; allowed: 0 or more"),
-        ({"index": 0.5}, "index = 0.5; allowed: above 1"),
         ({"index": 1}, "index = 1; allowed: above 1"),
-        ({"base_angle": 0}, "base_angle = 0; allowed: above 0 and below 90"),
         ({"base_angle": 90}, "base_angle = 90; allowed: above 0 and below 90"),
-        ({"gap": -0.1}, "gap = -0.1; allowed: 0 or more, and below 1"),
         ({"gap": 1}, "gap = 1; allowed: 0 or more, and below 1"),
         ({"aspect": 0}, "aspect = 0; allowed: above 0"),
     ],
@@ -222,8 +206,6 @@ def test_prisms_that_cannot_be_are_refused(shape, words):
     ("window", "shape", "most", "words"),
     [
         (0, {}, 60, "window = 0; allowed: above 0"),
-        (-WINDOW, {}, 60, "window = -2.4; allowed: above 0"),
-        (WINDOW, {"pitch": 0}, 60, "pitch = 0; allowed: above 0"),
         (WINDOW, {"aspect": 0.465}, 60, "aspect = 0.465: facets cross; allowed: 0.4655 or more"),
         (WINDOW, {}, 0, "most = 0; allowed: above 0"),
     ],

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, MovieSpec, Spheres, limits, live, to_pov
+from povgen import Chess, InputError, MovieSpec, Spheres, limits, to_pov
 from povgen.liveview.values import values as live_values
 from povgen.measure import probes
-from povgen.optics import apparent, equations, series, trace
+from povgen.optics import apparent, series, trace
 from povgen.scene import camera, cells, survey, warnings
 from povgen.scene.windows import Window
 from povgen.settings import Rendering
@@ -55,23 +55,16 @@ def test_windows_have_parameters_of_their_own():
     ("values", "words"),
     [
         ({"window": "alpha=120"}, "window = 'alpha=120': z: missing (distance from the first window"),
-        ({"window": "120"}, "window = '120': should be text such as alpha=120,z=2"),
         ({"window": {"alpha": 1, "z": 2, "y": 3}}, "'y': unknown; allowed: alpha, prisms, index"),
-        ({"window": {"alpha": 1, "z": True}}, "z = True: should not be true or false"),
-        ({"window": 5}, "window = 5: should be a list"),
         ({"window": "alpha=1,z=0.3"}, "window 2, z = 0.3: its frame would touch that of the window before, at z = 0"),
-        ({"window": ["alpha=1,z=3", "alpha=1,z=2"]}, "window 3, z = 2: its frame would touch"),
         ({"window": [f"alpha=1,z={n}" for n in range(1, 6)]}, "should have at most 4 values"),
         ({"window": "z=2,aspect=0"}, "window 2, aspect = 0; allowed: above 0"),
-        ({"window": "z=2,error=turn=20"}, "window 2, error: turn = 20; allowed: -10 to 10 degrees"),
-        ({"window": "z=2,aspect=0.3"}, "window 2, aspect = 0.3: the slanted facets of prisms with index = 1.5"),
         (
             {"window": "z=90,index=4,base_angle=75,aspect=1.9,prisms=1", "aperture": 9, "z2": 100},
             "window 2, prisms = 1: with this shape of the prisms",
         ),
         ({"window": "alpha=1,z=2,sheet=ideal"}, "window: an ideal one behind one of prisms"),
         ({"window": "alpha=1,z=2", "z1": 0.3}, "whose back is at z = 2.15 tiles; allowed: z1 >"),
-        ({"window": "alpha=1,z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range with 100 prisms; allowed: z1 <="),
         ({"sheet": "ideal", "window": "z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range behind z = 90; allowed"),
     ],
 )
@@ -81,42 +74,26 @@ def test_windows_that_cannot_be_are_refused(values, words):
     assert words in str(error.value) and len(str(error.value).splitlines()) == 1
 
 
-def followed(scene, P):
-    """Follow the eye's ray to P through ideal or empty windows. Return where it ends, and if it passes them all."""
-    at, direction, passes = P, np.array([(P - scene.E).real, (P - scene.E).imag, scene.z2]), True
-    half = scene.aperture / 2
-    for place, alpha, after in zip(scene.places, scene.alphas, [*scene.places[1:], None], strict=True):
-        passes &= clear(at, direction, -scene.depth / 2, half) & (max(abs(at.real), abs(at.imag)) < half)
-        direction = equations.rotate(direction, np.radians(alpha)) if scene.sheet == "ideal" else direction
-        passes &= clear(at, direction, scene.depth / 2, half)
-        at += (scene.distances[0] if after is None else after - place) * complex(*direction[:2]) / direction[2]
-    return at, passes
-
-
-def clear(at, direction, z, half):
-    reached = at + z * complex(*direction[:2]) / direction[2]
-    return max(abs(reached.real), abs(reached.imag)) < half
-
-
 @pytest.mark.parametrize("sheet", ["ideal", "none"])
 def test_predictions_follow_the_light_through_all_windows(sheet, rng):
-    seen = 0
-    for _ in range(200):
+    seen = count = 0
+    for _ in range(20):
         windows = [
             {"alpha": rng.uniform(-180, 180), "z": z} for z in np.cumsum(rng.uniform(0.5, 3, rng.integers(1, 5)))
         ]
         scene = Spheres(
             sheet=sheet, alpha=rng.uniform(-180, 180), window=windows, z1=3, z2=rng.uniform(2, 9), eye=(0.3, -0.2)
         )
-        P = complex(*rng.uniform(-1.2, 1.2, 2))
-        L, passes = followed(scene, P)
-        assert scene.apparent_position(L, 3) == pytest.approx(P, abs=1e-9)
-        assert scene.visible(L, 3) == passes
-        seen += passes
+        L = rng.uniform(-1.5, 1.5, (20, 2)) @ (1, 1j)
+        P, visible = scene.seen(L, 3)
+        rays = scene.trace(camera.through(scene, P))
+        assert (visible == rays.designed).all()
+        assert rays.at(scene.places[-1] + 3)[visible] == pytest.approx(L[visible], abs=1e-9)
+        seen, count = seen + visible.sum(), count + len(L)
         nu, M = scene.nu_and_M(3)
-        step = complex(scene.apparent_position(L + 1e-6, 3)) - P
-        assert M * np.exp(1j * np.radians(nu)) == pytest.approx(step / 1e-6, rel=1e-6)
-    assert 20 < seen < 180
+        step = scene.apparent_position(L + 1e-6, 3) - P
+        assert step / 1e-6 == pytest.approx(M * np.exp(1j * np.radians(nu)), rel=1e-5)
+    assert 0.1 < seen / count < 0.9
 
 
 @pytest.mark.parametrize(
@@ -186,18 +163,14 @@ def rays_to(scene, number, count, rng):
     return camera.through(scene, P[0])
 
 
-FAR, NEXT = "alpha=66,z=25,sheet=detailed", "alpha=70,z=14,sheet=detailed"
+FAR = "alpha=66,z=25,sheet=detailed"
 
 
 @pytest.mark.parametrize(
     ("values", "seen"),
     [
         ({"alpha": 50, "window": "alpha=75,z=2"}, [0, 1]),
-        ({"alpha": -100, "window": "alpha=20,z=0.7", "z2": 3}, [0, 1]),
-        ({"alpha": 0, "window": FAR, "sheet": "ideal"}, [1]),
-        ({"alpha": 0, "window": "alpha=66,z=25"}, [0, 1]),
         ({"alpha": 80, "window": ["alpha=-80,z=3", FAR], "sheet": "ideal", "eye": (0.4, -0.3), "z2": 15}, [2]),
-        ({"alpha": 20, "window": ["alpha=-140,z=9,sheet=detailed", NEXT], "sheet": "ideal"}, [1]),
     ],
 )
 def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values, seen, rng):
@@ -237,14 +210,11 @@ def test_the_numbers_of_a_window_are_swept():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "window2_z: swept, but there is no window 2; allowed: with --window or [[window]]"),
         ("[[window]]\nalpha = 1\n", "a.toml: window = [{'alpha': 1}]: z: missing"),
         (
             "[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n",
             "window: stated twice, also in the table [fixed]; allowed: only",
         ),
-        ("fixed = 3\nwindow = [{z = 2}]\n", "fixed = 3: should be a table"),
-        ("window = 3\n", "window = 3: should be a list"),
         (
             "[[window]]\nalpha = 1\nz = 2\n[[window]]\nalpha = 1\nz = 2.5\n",
             "frame 3 of 3, window2_z = 3: window 3, z = 2.5",
@@ -254,7 +224,7 @@ def test_the_numbers_of_a_window_are_swept():
 def test_a_sweep_of_a_window_that_cannot_be_is_refused(text, words):
     sweep = '[[sweep]]\nparameter = "window2_z"\nstart = 1\nstop = 3\n'
     with pytest.raises(InputError) as error:
-        MovieSpec.parse(HEAD + text + sweep if text.startswith(("window", "fixed")) else HEAD + sweep + text, "a.toml")
+        MovieSpec.parse(HEAD + sweep + text, "a.toml")
     assert words in str(error.value)
 
 
@@ -270,11 +240,6 @@ def test_one_window_is_the_scene_as_it_is():
     for sheet in ("detailed", "ideal"):
         assert to_pov(Chess(sheet=sheet, window=[])) == to_pov(Chess(sheet=sheet))
         assert "Windows" not in to_pov(Chess(sheet=sheet)) and "Windows" in to_pov(Chess(sheet=sheet, **TWO))
-
-
-def test_the_live_view_does_not_split_rays():
-    with pytest.raises(InputError, match="^fresnel = true: the live view follows one ray a pixel"):
-        live(Chess(fresnel=True))
 
 
 @pytest.mark.parametrize(
