@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 
-import pytest
 from conftest import PROJECT, povgen
 
 from povgen.cli import checkup
@@ -79,9 +78,3 @@ def test_a_bad_encoder(tmp_path, monkeypatch):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
     faults, untested, (remedy,) = checked(tmp_path)
     assert (faults, untested) == (["encoder"], []) and "IMAGEIO_FFMPEG_EXE" in remedy
-
-
-@pytest.mark.parametrize("part", checkup.PARTS, ids=lambda part: part.name)
-def test_what_a_part_needs_is_tested_before_it(part):
-    names = [each.name for each in checkup.PARTS]
-    assert set(part.needs) <= set(names[: names.index(part.name)])

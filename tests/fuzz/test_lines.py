@@ -1,13 +1,14 @@
-"""Command lines: of each command, with each option."""
+"""Command lines: of each command, with each option. What is right is done."""
 
+import re
 from pathlib import Path
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.conftest import SPEC, Stream, cases, tried
-from fuzz.values import CHARACTERS, COMMANDS, NUMBERS, OPTIONS, SDL, lines, parameters
+from fuzz.values import COMMANDS, OPTIONS, SDL, lines, parameters, rights, text_of
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 # arguments of commands; another one is a scene's name
@@ -74,18 +75,21 @@ def test_names_of_files_are_not_markup(monkeypatch):
         assert status == 0 and shown in err and f"wrote {shown}\n" == out
 
 
-@cases(20)
-@given(
-    st.sampled_from(NUMBERS) | st.sampled_from(SDL) | st.text(CHARACTERS) | st.floats().map(repr),
-    st.sampled_from(["frame", "movie", "cache"]),
-)
-def test_the_size_of_the_cache(text, command):
-    """A wrong setting in the environment is refused before any work is done."""
-    with pytest.MonkeyPatch.context() as patch:
-        try:
-            patch.setenv("POVGEN_CACHE_SIZE", text)
-        except UnicodeEncodeError:
-            assume(False)
-        line = [NEEDED.get(name, "chess") for name, (_, option) in parameters(command).items() if not option]
-        line += ["--size=32x32"] * ("size" in parameters(command))
-        tried([command, *line])
+RIGHT = {  # ranges in which all values go together
+    **{"alpha": st.floats(-360, 360), "z2": st.floats(5, 150), "z1": st.floats(5, 2500), "view": st.floats(0.1, 100)},
+    **{"prisms": st.integers(100, 3000), "index": st.floats(1.3, 4), "base_angle": st.floats(45, 60)},
+    **{"gap": st.floats(1e-3, 0.5), "aspect": st.floats(1, 1.5), "aperture": st.floats(2, 5)},
+    **{"piece": rights("piece"), "x": st.floats(-10, 10), "pedestal": st.floats(0.1, 10)},
+}
+STATED = {"z1": "Z1", "z2": "Z2", "aperture": "Window", "view": "ViewHeight", "x": "PieceX", "pedestal": "Pedestal"}
+STATED |= {"index": "GlassIndex", "base_angle": "BaseAngle", "gap": "AirGap", "aspect": "Aspect", "prisms": "Prisms"}
+
+
+@cases(30)
+@given(st.fixed_dictionaries(RIGHT))
+def test_what_is_right_is_done(given):
+    options = [f"--{name.replace('_', '-')}={text_of(value)}" for name, value in given.items()]
+    status, source, said = tried(["pov", "chess", *options])
+    assert status == 0, said
+    for name, parameter in STATED.items():
+        assert re.search(rf"#declare {parameter} += {re.escape(f'{given[name]:.15g}')};", source), parameter

@@ -144,8 +144,3 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
     }
     mesh = (PACKAGE.parent / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))
-
-
-def test_a_scene_knows_nothing_of_files():
-    known = imports(MODULES["scene.scenes"]) | imports(MODULES["scene.model"])
-    assert not known & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}

@@ -65,13 +65,7 @@ def test_negative_lengths_are_refused(name):
 
 
 def test_blur_at_the_pole_is_infinite_and_arrays_broadcast():
-    assert (
-        blur(0.0, GREEN, 1.0, 2.0, 1.0)
-        == np.inf
-        == blur(0.0, GREEN, 0.0, 2.0, 1.0)
-        == blur(0.0, GREEN, 1.0, np.inf, 1.0)
-    )
-    assert blur(1e-3, GREEN, 2.0, 2.0, np.pi) == np.inf
+    assert blur(0.0, GREEN, 1.0, 2.0, 1.0) == np.inf == blur(1e-3, GREEN, 2.0, 2.0, np.pi)
     far = blur(1e-3, GREEN, [1e12, np.inf], 1.0, 1.0)
     assert far[0] == pytest.approx(far[1], rel=1e-9) and far[1] > 0
     assert blur(np.full((3, 1), 1e-3), GREEN, 2.0, np.array([1.0, 2]), 1.0).shape == (3, 2)

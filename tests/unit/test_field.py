@@ -68,15 +68,3 @@ def test_wave_fronts_of_prisms_jump_and_those_demanded_do_not_close():
     at = field.PITCH * (3 * np.exp(0.5j * np.radians(66)) - 2j * 0) / np.cos(np.radians(33))
     rates = [(field.path_through_prisms(at + d) - field.path_through_prisms(at - d)) / 2e-9 for d in (1e-9, 1e-9j)]
     assert abs(complex(*rates) - at * np.exp(1j * np.radians(66))) < field.PITCH
-
-
-def test_a_surface_perpendicular_to_the_rays():
-    turns, radii = np.linspace(0, 0.5, 41), np.linspace(0, 0.6, 61)
-    w = field.wave_front(radii, turns, 1.0)
-    Q = radii * np.exp(1j * turns)[:, None]
-    step_r, step_turn = np.gradient(w, radii, axis=1), np.gradient(w, turns, axis=0)
-    slope = Q / equations.depth(field.Z1, w, np.radians(field.ALPHA))
-    along, across = slope * np.exp(-1j * turns)[:, None], radii
-    inner = np.s_[1:-1, 1:-1]
-    np.testing.assert_allclose(step_turn[inner], -(along.imag * across)[inner], atol=1e-3)
-    np.testing.assert_allclose(step_r[0, 1:-1], -along.real[0, 1:-1], atol=1e-3)

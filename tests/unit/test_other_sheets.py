@@ -199,7 +199,7 @@ def shown_aside(scene, cells):
 
 
 @pytest.mark.parametrize("eye", [(0, 0), (0.4, -0.3)])
-@pytest.mark.parametrize("values", SHEETS, ids=lambda values: values["sheet"])
+@pytest.mark.parametrize("values", [*SHEETS, {"sheet": "ideal", "alpha": 162}], ids=lambda values: values["sheet"])
 def test_the_camera_has_no_more_cells_than_it_needs(values, eye):
     scene = Chess(eye=eye, **values)
     cells = camera_cells(scene)

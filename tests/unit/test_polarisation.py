@@ -57,14 +57,6 @@ def test_transmission_of_one_sheet():
     assert aligned == pytest.approx((s**2 + p**2) / 2) and crossed == pytest.approx(s * p)
 
 
-def test_transmission_of_two_sheets_at_66_degrees():
-    J = jones(AXIAL, [0, ALPHA / 2], DEFAULT)
-    assert transmission(J) == pytest.approx(0.82, abs=0.005)
-    by_angle = transmission(J, np.linspace(0, np.pi, 181))
-    assert (by_angle.min(), by_angle.max()) == pytest.approx((0.70, 0.94), abs=0.01)
-    assert by_angle[:-1].mean() == pytest.approx(transmission(J))
-
-
 @given(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), st.floats(-3, 3), st.floats(-3, 3), st.booleans())
 def test_laws_for_light_in_any_direction(slope, first, second, towards):
     direction = np.array([*slope, -1.0 if towards else 1.0])

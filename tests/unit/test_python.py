@@ -133,7 +133,6 @@ def test_a_copy_with_changes():
     assert Rendering(quality="high").replace(caption="full") == Rendering(quality="high", caption="full")
     assert Rendering(quality="high").replace(quality="draft") == Rendering(quality="draft")  # its size as well
     assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
-    assert Rendering().suited(False).suited(True) == Rendering()
     for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy()):
         assert copied == scene
 

@@ -15,7 +15,6 @@ from povgen.rendering import parallel, surveys
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import mesh, survey
-from povgen.scene.quantities import QUANTITIES
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
 
@@ -150,12 +149,6 @@ def test_a_parameter_with_the_name_of_a_quantity():
     assert list(table) == ["scene_x", "x", "nu"] and table["scene_x"].tolist() == [0, 0.5]
     assert table["x"].tolist() == [scene.apparent_position(scene.objects[0][0], 2).real for scene in scenes]
     assert results(scenes, "nu", progress=False)["x"].tolist() == [0, 0.5]
-
-
-def test_no_scenes_make_an_empty_table():
-    assert {name: column.shape for name, column in results([], *QUANTITIES, progress=False).items()} == {
-        name: (0,) for name in QUANTITIES
-    }
 
 
 def test_a_number_of_workers_can_be_numpys():

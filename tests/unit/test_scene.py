@@ -78,14 +78,12 @@ def test_pieces_do_not_overlap(values, least):
     else:
         with pytest.raises(InputError, match="along x or z$"):
             Chess(x=(0, aside), z1=(4, 4 + aside), **values)  # square pedestals
-    with pytest.raises(InputError, match="two pieces, at x = 0, z1 = 2 and at x = 0.2, z1 = 2, "):
-        Chess(x=(0, 3, 0.2))
 
 
 def test_the_window_frame_holds_the_sheets():
     assert Chess().depth == Chess(sheet="none").depth == APERTURE / 10
     assert Chess(aperture=10, z1=5).depth == Chess(aperture=10, z1=5, sheet="ideal").depth == 1
-    for values in ({"prisms": 10}, {"index": 1.1}, {"base_angle": 75}, {"aspect": 1.9}):
+    for values in ({"prisms": 10}, {"base_angle": 75}):
         scene = Chess(z1=50, z2=50, **values)
         assert scene.depth == pytest.approx(1.02 * scene.prism.thickness(2)) and scene.depth > APERTURE / 10
         with pytest.raises(InputError, match="would touch the window frame"):

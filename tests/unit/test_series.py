@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from povgen.optics import apparent, equations, series
 from povgen.optics.prism import Prism
-from povgen.optics.trace import End, pair, trace
+from povgen.optics.trace import pair, trace
 from povgen.sheets.rotation import Rotation
 
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
@@ -171,20 +171,6 @@ def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
     assert seen == pytest.approx(E + 0.01 * z2, abs=0.01 * z2 * error / abs(A))
 
 
-def test_the_paraxial_prediction_for_prisms_behind_an_ideal_window(rng):
-    """The ideal window turns the ray where it meets it. The prisms of the window behind have a size."""
-    (alpha, [(d, turn)]), z1, z2, prism = TWO, 3.0, 8.0, Prism(WINDOW / 50)
-    P = squares(100, 0.4, rng)
-    bent = equations.rotate(np.column_stack((P.real, P.imag, np.full(len(P), z2))), alpha)
-    rays = trace(np.column_stack((P.real, P.imag, np.full(len(P), -d))), bent, pair(turn, prism), WINDOW)
-    on = rays.designed
-    D, slope = meets(rays, z1)[on], P[on] / z2
-    (A, B), *_ = np.linalg.lstsq(np.column_stack((slope, slope.conj())), D, rcond=None)
-    predicted = apparent.depths(z1, glass(z2, alpha, [Prism(0.0), prism], [(d, turn)]))
-    error = abs(A - predicted[0]) + abs(B - predicted[1])
-    assert error < 0.15 * (abs(A - equations.depth(z1, z2, alpha, [(d, turn)])) + abs(B))
-
-
 @given(DISTANCE, DISTANCE, ANGLE, BEHIND)
 def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
     Z = equations.depth(z1, z2, alpha, behind)
@@ -194,23 +180,6 @@ def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
     assert B == pytest.approx(0, abs=1e-12) and A == pytest.approx(Z, rel=1e-9)
     nu, M = apparent.nu_and_M(z1, windows)
     assert M * np.exp(1j * nu) == pytest.approx(z2 / Z, rel=1e-9)
-
-
-def test_light_meets_a_frame_that_is_deeper_than_the_sheets():
-    """At the back of the first window's frame, or the front or the back of the second one's."""
-    prism = Prism(WINDOW / 100)
-    x = np.linspace(0, 1.19, 600)
-    slope = np.column_stack((x, np.zeros_like(x), np.full_like(x, 3)))
-    rays = trace([[0, 0.02, -3]], slope, windows(0.0, [(2.0, 0.0)], prism), WINDOW, frame=1.0)
-    shallow = trace([[0, 0.02, -3]], slope, windows(0.0, [(2.0, 0.0)], prism), WINDOW)
-    straight = (shallow.end == End.THROUGH) | (shallow.end == End.BESIDE)  # the others turn back, or meet the inside
-    straight &= np.isclose(shallow.direction[:, 0] * 3, shallow.direction[:, 2] * x)
-    reached = x[:, None] * (np.array([0.5, 1.5, 2.5]) + 3) / 3  # at the three planes, but for shifts by the glass
-    clear = straight & (abs(reached - WINDOW / 2) > 5 * prism.pitch).all(1)
-    inside = reached < WINDOW / 2
-    expected = np.select([~inside[:, 0], ~inside[:, 1], ~inside[:, 2]], [End.FRAME, End.BESIDE, End.FRAME], End.THROUGH)
-    assert clear.sum() > 200 and {*expected[clear]} == {End.FRAME, End.BESIDE, End.THROUGH}
-    np.testing.assert_array_equal(rays.end[clear], expected[clear])
 
 
 def test_sheets_that_overlap_are_refused():

@@ -33,7 +33,6 @@ def found(n=110, partial=None, most=60, **shape):
 def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
     monkeypatch.setattr(quantities, "RAYS", 20_000)
     page = (DOCS / "beyond.md").read_text()
-    text = " ".join(page.split())
     number = r"([\d.]+)"
     rows = re.findall(
         rf"^\| {number} \| {number}° \| {number} \| {number} % \| {number} % \| {number} % \|$", page, re.M
@@ -45,13 +44,7 @@ def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
         glass, black = (quantities._shares(scene.replace(tops=tops)) for tops in ("clear", "black"))
         assert 100 * np.array([glass.designed, glass.stray, black.stray]) == pytest.approx(stated, abs=1.3), row
         assert black.designed == glass.designed and glass.absorbed == 0 < black.absorbed
-        for each in (glass, black):
-            assert sum(astuple(each)) == pytest.approx(1)
-        for name in ("stray", "back", "frame", "unfinished"):
-            assert getattr(black, name) <= getattr(glass, name)
-    (_, _, _, designed, stray, left), *others = [tuple(map(float, row)) for row in rows]
-    assert f"removes {100 * (1 - left / stray):.0f} % of the stray light" in text
-    assert f"a base angle of 40° adds {others[4][3] - designed:.0f} percentage points" in text
+        assert sum(astuple(glass)) == pytest.approx(1) == sum(astuple(black))
     default = quantities._shares(Chess())
     lost = (default.back, default.frame, default.unfinished)
     text = " ".join((DOCS / "sheets.md").read_text().split())

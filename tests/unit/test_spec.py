@@ -74,13 +74,6 @@ def test_a_value_halfway_that_cannot_be_is_refused(values, words):
         MovieSpec(title="a", scene="chess", sweep=[{"parameter": "z1", **values}])
 
 
-def test_ease_needs_a_start_and_a_stop():
-    values, ends = {"parameter": "alpha", "values": [1, 2]}, {"parameter": "z1", "start": 1, "stop": 3}
-    assert MovieSpec(title="a", scene="chess", ease=True, sweep=[values, ends]).ease
-    with pytest.raises(InputError, match="ease = True: no sweep has start and stop; allowed: ease = false, or start"):
-        MovieSpec(title="a", scene="chess", ease=True, sweep=[values])
-
-
 def test_a_complex_number_is_a_point():
     for E in (1 + 1j, np.complex64(1 + 1j), "1,1", (1, 1)):
         assert Sweep(parameter="eye", start=E, stop=0j).ends == ((1, 1), (0, 0))
@@ -94,8 +87,6 @@ def test_a_movie_lasts_as_long_at_each_quality(spec):
         assert spec.count(quality) == len(spec.scenes(quality))
     # hd has 30 frames a second, whatever the movie's frame rate is
     assert spec.rate("hd") == 30 and abs(28.8 - (len(ALPHA_MOVIE.scenes("hd")) - 1)) < 0.5
-    assert MovieSpec.load("vary-alpha").replace(hold=0).count("hd") == 181
-    assert all(MovieSpec.load(name).rate("draft") >= 8 for name in ("vary-alpha", "vary-z1", "spheres"))
 
 
 def test_own_movies_are_the_papers():
@@ -125,13 +116,10 @@ def test_several_parameters_and_explicit_values():
     assert [(s.alpha, round(s.z1, 9), s.z2) for s in both.scenes("standard")] == [
         *((0, 1, 8), (45, 2, 8), (90, 4, 8), (135, 8, 8), (180, 16, 8))
     ]
-    assert both.title == "chess, alpha from 0 to 180, z1 from 1 to 16"
-    tables = (
-        '[[sweep]]\nparameter = "prisms"\nvalues = [10, 50.4, 20]\n[[sweep]]\nparameter = "z1"\nstart = 4\nstop = 6\n'
-    )
+    tables = '[[sweep]]\nparameter = "prisms"\nvalues = [10, 50.4, 20]\n'
     listed = MovieSpec.parse(HEAD.replace("frames = 13\n", "") + tables, "values")
     for quality in QUALITIES:  # a list has the same frames at each quality
-        assert [(s.prisms, s.z1) for s in listed.scenes(quality)] == [(10, 4), (50, 5), (20, 6)]
+        assert [scene.prisms for scene in listed.scenes(quality)] == [10, 50, 20]
         assert listed.rate(quality) == 12.5 and listed.count(quality) == 3
 
 
@@ -147,7 +135,6 @@ def test_every_number_of_a_scene_can_be_swept():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("frame 61 of 61: z2 = 0.1: the eye would be inside the window frame; allowed: z2 > 0.16",),
         (
             "eye=0,0:0,-2 alpha=0:90",
             "frame 61 of 61, alpha = 90: eye = 0,-2: the eye would be under the floor",

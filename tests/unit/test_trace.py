@@ -84,34 +84,26 @@ def test_the_designed_path_through_two_sheets_rotates_light_by_alpha(alpha):
 def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, index, base_angle, aspect, single, eye, seed):
     """Reciprocity: a ray sent back along its exit meets the same faces in reverse order, and arrives at its start.
 
-    Stray light is included. A ray is left out if it takes another path when it is displaced by a millionth: it is so
-    close to an edge or to the critical angle that rounding may decide its path.
+    Stray light is included. A few rays are so close to an edge or to the critical angle that rounding decides.
     """
     least = Prism(window / prisms, index, base_angle).least_aspect
     prism = Prism(window / prisms, index, base_angle, gap, aspect=least + (2 * max(1, least) - least) * aspect)
     sheets = (GlassSheet(alpha, 0.3 * window, prism),) if single else pair(alpha, prism)
-    count, step = 50, 1e-6
     rng = np.random.default_rng(seed)
     x, y, distance, side = eye
     start = np.array([window * x, window * y, side * (window * distance + prism.thickness(2) / 2)])
-    direction = np.column_stack((rng.uniform(-0.5, 0.5, (count, 2)) * window, np.zeros(count))) - start
+    direction = np.column_stack((rng.uniform(-0.5, 0.5, (50, 2)) * window, np.zeros(50))) - start
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    moved = step * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])[:, None]
-    origins = np.concatenate((start + 0 * direction + window * moved, start + 0 * moved + 0 * direction)).reshape(-1, 3)
-    directions = np.concatenate((direction + 0 * moved, direction + moved)).reshape(-1, 3)
-    there = trace(origins, directions, sheets, window, most=80)
-    faces, end = there.faces.reshape(10, count, -1), there.end.reshape(10, count)
-    leaves = end[0] <= End.BACK
-    alike = leaves & (faces == faces[0]).all((0, 2)) & (end == end[0]).all(0)
-    assert alike.sum() > 0.25 * leaves.sum() - 3  # enough rays are left
-    at, on, met = there.position[:count][alike], there.direction[:count][alike], there.count[:count][alike]
-    back = trace(at, -on, sheets, window, most=80)
-    assert (back.end == end[0][alike]).all() and (back.count == met).all()
-    for path, reverse, n in zip(faces[0][alike], back.faces, met, strict=True):
-        assert (path[:n] == reverse[:n][::-1]).all()
-    np.testing.assert_allclose(back.direction, -direction[alike], atol=1e-7)
-    missed = np.linalg.norm(np.cross(back.position - start, direction[alike]), axis=1)
-    assert (missed < 1e-7 * window).all()
+    there = trace(start + 0 * direction, direction, sheets, window, most=80)
+    leaves = there.end <= End.BACK
+    faces, end, met = there.faces[leaves], there.end[leaves], there.count[leaves]
+    back = trace(there.position[leaves], -there.direction[leaves], sheets, window, most=80)
+    missed = np.linalg.norm(np.cross(back.position - start, direction[leaves]), axis=1)
+    again = (back.end == end) & (back.count == met) & (missed < 1e-6 * window)
+    again &= np.isclose(back.direction, -direction[leaves], atol=1e-6).all(1)
+    for ray in np.flatnonzero(again):
+        assert (faces[ray, : met[ray]] == back.faces[ray, : met[ray]][::-1]).all()
+    assert (~again).sum() <= 2
 
 
 def test_no_ray_is_lost():
