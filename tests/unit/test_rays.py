@@ -186,6 +186,8 @@ def test_no_rays_have_no_spot():
     ):
         with pytest.raises(ValueError, match="0 rays; allowed: one or more"):
             call()
+    with pytest.raises(ValueError, match="1 rays; allowed: two or more"):
+        scene.pencil((0, 0, 2), 1).convergence()
 
 
 def test_a_spot_through_prisms_shrinks_with_them():
@@ -198,13 +200,14 @@ def test_a_spot_through_prisms_shrinks_with_them():
 
 
 def test_the_memory_of_a_spot_is_that_of_its_points():
-    scene, count = Spheres(sheet="ideal"), 240_000
-    tracemalloc.start()
-    spot = scene.spot((0, 0, -6), 5, count, radius=0.5)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert len(spot.points) == count and spot.share == 1
-    assert peak < 110 * count  # bytes; all rays at once would need more than 160 a ray
+    scene, peaks = Spheres(sheet="ideal"), []
+    for count in (80_000, 240_000):
+        tracemalloc.start()
+        spot = scene.spot((0, 0, -6), 5, count, radius=0.5)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert len(spot.points) == count and spot.share == 1
+    assert peaks[1] - peaks[0] < 80 * 160_000  # bytes; all rays at once would need more than 160 a ray
 
 
 @pytest.mark.filterwarnings("error")
@@ -226,7 +229,6 @@ def test_the_memory_of_a_spot_is_that_of_its_points():
         (lambda s: s.trace(s.pencil((0, 0, 2)), partial=3), "partial = 3: allowed: a numpy.random.Generator"),
         (lambda s: s.trace(s.pencil((0, 0, 2)), max_faces=0), "max_faces = 0"),
         (lambda s: s.trace(Bundle((0, 0, 9), [[0, 0, -1], [0, 0, 1]])), "ray 1 from"),
-        (lambda s: s.trace(s.pencil((0, 0, 2), 1)).convergence(), "1 rays; allowed: two or more"),
         (lambda s: s.apparent_position(0, -1), "z1 = -1; allowed: 0 or more"),
         (lambda s: s.apparent_position(0.5, 2, alpha=90 + 1j), "alpha is complex; allowed: real numbers"),
         (lambda s: s.nu_and_M([1, np.inf]), "z1 = inf; allowed: finite"),
@@ -269,4 +271,4 @@ def test_positions_broadcast_and_what_is_infinitely_far_aside_is_unknown(sheet):
     assert np.shape(scene.apparent_position(0, 2)) == ()
     P = scene.apparent_position(0.1, [np.nan, 2])
     assert np.isnan(P[0]) and np.isfinite(P[1])
-    assert np.isnan(scene.apparent_position(0.2, 2, [30, np.inf])[1])
+    assert np.isnan(scene.apparent_position(0.2, 2, [30, np.inf])[1]) == (sheet not in ("none", "lens"))
